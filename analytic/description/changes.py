@@ -276,7 +276,7 @@ class _Walk:
             for (one, row, k), value in zip(names, law.values.flat, strict=True)
         ]
         if not all(isinstance(value, float | int) for value in flat):
-            return LawOfNumbers(law.values, law.angles, law.periodic, tuple(flat))
+            return LawOfNumbers(law.values, law.angles, law.periodic, law.linear, tuple(flat))
         changed = np.reshape(flat, law.values.shape)
         return law if np.array_equal(changed, law.values) else replace(law, values=changed)
 

@@ -73,10 +73,16 @@ def readable(keys: Sequence[str]) -> str:
     return ".".join(f"#{int(key) + 1}" if key.isdigit() else shortened(key) for key in keys).replace(".#", " #")
 
 
+JOINTS: Final = {"pin", "pins", "joint", "joints", "hinge", "hinges", "revolute"}
+JOINED: Final = "links are pinned where points have one name, and slide by slides or slots; leave it out"
+
+
 def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
     """The first fault of a document, which the ``model`` describes."""
     fault = _telling(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
+    if fault["type"] == "extra_forbidden" and keys[-1] in JOINTS:
+        return f"{source.at(keys)}: unknown key '{keys[-1]}': {JOINED}"
     if fault["type"] == "extra_forbidden":
         return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1], model))}"
     if fault["type"] == "missing" and not keys[-1].isdigit():

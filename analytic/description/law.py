@@ -1,7 +1,7 @@
-"""A load as a function of the driver's coordinate φ: constant, or a table over φ made into a cubic spline.
+"""A load as a function of the driver's coordinate φ: constant, or a table over φ made into a cubic spline or lines.
 
-Over a crank angle the table is closed into a periodic spline. Over a travel it is not: beyond its ends the load keeps
-its last value.
+Over a crank angle the table is closed into a period. Over a travel it is not: beyond its ends the load keeps its last
+value.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import PPoly
 
 FULL_TURN = 2.0 * np.pi
 
@@ -52,12 +52,14 @@ class Law:
 
     ``values`` has shape (k,) for a constant of k components; with ``angles`` of shape (n,), rad, increasing and
     spanning less than one turn, it has shape (n, k) and the law is the periodic cubic spline through it. One that is
-    not ``periodic`` is over a travel, m: a not-a-knot spline, held at its ends.
+    not ``periodic`` is over a travel, m: a not-a-knot spline, held at its ends. Between the values of one that is
+    ``linear`` are straight lines instead; its derivative at an angle of the table is that of the line behind it.
     """
 
     values: NDArray[np.float64]
     angles: NDArray[np.float64] | None = field(default=None)
     periodic: bool = True
+    linear: bool = False
 
     @property
     def is_constant(self) -> bool:
@@ -65,14 +67,18 @@ class Law:
         return self.angles is None
 
     @cached_property
-    def _spline(self) -> CubicSpline:
-        from scipy.interpolate import CubicSpline  # noqa: PLC0415 - a linkage without tables does not pay for it
+    def _curve(self) -> PPoly:
+        from scipy.interpolate import CubicSpline, PPoly  # noqa: PLC0415 - a linkage without tables does not pay for it
 
         assert self.angles is not None
-        if not self.periodic:
-            return CubicSpline(self.angles, self.values)
-        knots = np.append(self.angles, self.angles[0] + FULL_TURN)
-        return CubicSpline(knots, np.vstack([self.values, self.values[:1]]), bc_type="periodic")
+        knots, values = self.angles, self.values
+        if self.periodic:
+            knots, values = np.append(knots, knots[0] + FULL_TURN), np.vstack([values, values[:1]])
+        if not self.linear:
+            return CubicSpline(knots, values, bc_type="periodic" if self.periodic else "not-a-knot")
+        slopes = np.diff(values, axis=0) / np.diff(knots)[:, None]
+        cubics = np.stack([np.zeros_like(slopes), np.zeros_like(slopes), slopes, values[:-1]])
+        return PPoly(cubics, knots, extrapolate="periodic" if self.periodic else None)
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> NDArray[np.float64]:
         """Value (or its derivative of the given order over φ) at each angle; shape (k, *angle.shape)."""
@@ -84,15 +90,15 @@ class Law:
             return found
         angle = np.asarray(angle, dtype=float)
         if self.periodic:
-            return np.moveaxis(np.asarray(self._spline(angle, order)), -1, 0)
+            return np.moveaxis(np.asarray(self._curve(angle, order)), -1, 0)
         within = np.clip(angle, self.angles[0], self.angles[-1])
         inside = (within == angle) | (order == 0)
-        return np.moveaxis(np.asarray(self._spline(within, order)) * inside[..., None], -1, 0)
+        return np.moveaxis(np.asarray(self._curve(within, order)) * inside[..., None], -1, 0)
 
     def pieces(self) -> tuple[list[float], list[Any]]:
         """Of a law over φ, the knots, rad (or m), and the cubics from each on: by piece, component and power."""
         assert self.angles is not None
-        return self.angles.tolist(), np.moveaxis(self._spline.c[::-1], 0, -1).tolist()
+        return self.angles.tolist(), np.moveaxis(self._curve.c[::-1], 0, -1).tolist()
 
     def of_float(self) -> Callable[[float], tuple[float, ...]]:
         """The law as a plain function of one angle, which gives all components.
@@ -116,7 +122,7 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class LawOfNumbers(Law):
-    """A law whose values are arrays, one number for each of many designs: the splines are linear in them.
+    """A law whose values are arrays, one number for each of many designs: splines and lines are linear in them.
 
     ``numbers`` are the values in order, of a table row by row, each a number or an array that goes with the angles;
     ``values`` are of the law's own shape.
@@ -128,7 +134,8 @@ class LawOfNumbers(Law):
         """Value of each component, of the shape that numbers and angles have together."""
         parts = self.values.shape[-1]
         rows = [self.numbers[start : start + parts] for start in range(0, len(self.numbers), parts)]
-        shares = Law(np.eye(len(rows))[0] if self.angles is None else np.eye(len(rows)), self.angles, self.periodic)
+        unit = np.eye(len(rows))
+        shares = Law(unit[0] if self.angles is None else unit, self.angles, self.periodic, self.linear)
         weights = shares(angle, order)
         return tuple(
             sum(weight * row[part] for weight, row in zip(weights, rows, strict=True)) for part in range(parts)

@@ -150,6 +150,7 @@ class Spring:
     stiffness: float
     length: float
     damping: float
+    has_length: bool = True  # whether the file gives one; a spring without pulls at every length
 
 
 @dataclass(frozen=True)

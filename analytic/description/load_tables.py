@@ -6,6 +6,7 @@ Each kind is sorted by what it acts on, so that the order of listing changes not
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,7 +27,7 @@ def forces(reader: Reader) -> tuple[PointForce, ...]:
 def _force(reader: Reader, table: doc.ForceTable, where: str) -> PointForce:
     rows = table.force if isinstance(table.force, list) else [table.force]
     link = reader.owner(table.point, table.link, where)
-    return PointForce(table.point, link, _law(reader, rows, table.angle, "force", where))
+    return PointForce(table.point, link, _interpolated(reader, table, rows, "force", where))
 
 
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
@@ -37,8 +38,20 @@ def torques(reader: Reader) -> tuple[LinkTorque, ...]:
 
 def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
     values = table.torque if isinstance(table.torque, list) else [table.torque]
-    law = _law(reader, [(value,) for value in values], table.angle, "torque", where)
+    law = _interpolated(reader, table, [(value,) for value in values], "torque", where)
     return LinkTorque(reader.body(table.link, where), law)
+
+
+def _interpolated(
+    reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], kind: str, where: str
+) -> Law:
+    law = _law(reader, rows, table.angle, kind, where)
+    if table.interpolation and law.is_constant:
+        raise reader.fail(
+            f"{where}.interpolation: expected a list of values over angle = [...] beside it, got one value; leave it "
+            "out"
+        )
+    return replace(law, linear=table.interpolation == "linear")
 
 
 def law_over_angle(reader: Reader, values: list[float], angles: list[float], kind: str, where: str) -> Law:
@@ -58,8 +71,8 @@ def order(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[object
     return (load.links, load.coefficient)
 
 
-def _key(law: Law) -> tuple[bytes, bytes]:
-    return law.values.tobytes(), b"" if law.angles is None else law.angles.tobytes()
+def _key(law: Law) -> tuple[bytes, bytes, bool]:
+    return law.values.tobytes(), b"" if law.angles is None else law.angles.tobytes(), law.linear
 
 
 def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] | None, kind: str, where: str) -> Law:
@@ -110,7 +123,8 @@ def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
     stiffness = reader.number(table.stiffness, "stiffness", f"{where}.stiffness")
     length = reader.number(table.length, "length", f"{where}.length")
     damping = reader.number(table.damping, "damping", f"{where}.damping")
-    return Spring(table.between, (first, second), stiffness, length, damping)
+    given = "length" in table.model_fields_set
+    return Spring(table.between, (first, second), stiffness, length, damping, given)
 
 
 def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:

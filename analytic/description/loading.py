@@ -215,7 +215,22 @@ def _too_deep(place: str) -> DescriptionError:
     return DescriptionError(f"{place}: expected tables and short lists, got very deep nesting; flatten it")
 
 
-DECIMAL_COMMA: Final = re.compile(r"=\s*[-+]?\d+,\d+\s*(#.*)?$")
+# Usual slips: what the parser says, what the line has, and what to do about it.
+SLIPS: Final = tuple(
+    (re.compile(fault), re.compile(line), words)
+    for fault, line, words in (
+        ("", r"=\s*[-+]?\d+,\d+\s*(#.*)?$", "a number with a decimal comma; write a dot, such as 0.3"),
+        ("Invalid value", "[“”„‘’«»]", 'quotation marks that are not straight; write "'),
+        ("Invalid value", r"=\s*(?i:true|false)\b", "true and false have small letters; correct it"),
+        ("Invalid value", r"[=\[,]\s*[^\W\d]", 'a word without quotes; write it as "word"'),
+        ("Invalid value", r"=\s*(#.*)?$", "a key without a value; add the value or leave the key out"),
+        ("Expected '='", "", "a key without = behind it; write key = value"),
+        ("Expected newline", "", "more than a value behind =; units stand in [units], and a comment begins with #"),
+        ("Illegal character '\\\\n'|Unterminated string", "", 'a text whose end is missing; close it with "'),
+        ("Unclosed|Expected '\\]'", "", "a bracket that is not closed; close it in the same line"),
+        ("initial character for a key part", r"\{[^}]*$", "a table in braces of several lines; write it in one line"),
+    )
+)
 TWICE: Final = re.compile(r"Cannot (mutate immutable namespace|overwrite|declare)[^(]*(\('(?P<name>[^']*)',?\))?")
 BARE_NAME: Final = re.compile(r"\s*\[*([^\]=\"'#]+)[\]=]")
 
@@ -231,14 +246,12 @@ def _syntax(fault: str, text: str, origin: str) -> str:
 
 def _slip(fault: str, line: str) -> str:
     """A usual slip in a line and what to do about it; empty where it is another fault."""
-    if DECIMAL_COMMA.search(line):
-        return "a number with a decimal comma; write a dot, such as 0.3"
     if twice := TWICE.match(fault):
         return f"{repr(twice['name']) if twice['name'] else 'a key'} is written twice; leave one out or rename it"
     name = BARE_NAME.match(line)
     if name and not name[1].isascii():
         return f'a name with letters other than a to z; put it in quotes: "{name[1].strip().rpartition(".")[2]}"'
-    return ""
+    return next((words for said, seen, words in SLIPS if said.search(fault) and seen.search(line)), "")
 
 
 def check_characters(raw: Mapping[str, Any], source: Source) -> None:

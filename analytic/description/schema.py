@@ -75,20 +75,22 @@ class SlotTable(TomlTable):
 
 
 class ForceTable(TomlTable):
-    """A force at a point: one pair, or a list of pairs over ``angle``."""
+    """A force at a point: one pair, or a list of pairs over ``angle``, joined by a spline or by straight lines."""
 
     point: str
     link: str | None = None
     force: Pair | list[Pair]
     angle: list[Finite] | None = None
+    interpolation: Literal["spline", "linear"] | None = None
 
 
 class TorqueTable(TomlTable):
-    """A torque on a link: a number, or a list of numbers over ``angle``."""
+    """A torque on a link: a number, or a list of numbers over ``angle``, joined by a spline or by straight lines."""
 
     link: str
     torque: Finite | list[Finite]
     angle: list[Finite] | None = None
+    interpolation: Literal["spline", "linear"] | None = None
 
 
 class SpringTable(TomlTable):

@@ -8,12 +8,12 @@ are d/dφ, exact.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import Link, Linkage
+from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
 from analytic.dynamics.link_loads import TINY
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar, is_zero
@@ -102,18 +102,24 @@ def _along(constant: Pair, vector: Pair) -> Scalar:
 
 def load_force(sweep: Sweep) -> Array:
     """Generalised force of the forces at points, torques on links and springs, N m."""
-    linkage = sweep.linkage
     total = np.zeros(sweep.angle.shape)
+    for _, part in load_forces(sweep):
+        total += part
+    return total
+
+
+def load_forces(sweep: Sweep) -> Iterator[tuple[PointForce | LinkTorque | Spring, Array]]:
+    """Every force, torque and spring with its generalised force, N m."""
+    linkage = sweep.linkage
     for force in linkage.forces:
         fx, fy = force.force(sweep.places)
         vx, vy = sweep.local_point(force.link, linkage.local(force.point, force.link), 1)
-        total += fx * vx + fy * vy
+        yield force, fx * vx + fy * vy
     for torque in linkage.torques:
-        total += torque.torque(sweep.places)[0] * sweep.rates(torque.link)[2]
+        yield torque, torque.torque(sweep.places)[0] * sweep.rates(torque.link)[2]
     for number, spring in enumerate(linkage.springs):
         length, rate = spring_length(sweep, number)
-        total -= spring.stiffness * (length - spring.length) * rate
-    return total
+        yield spring, -(spring.stiffness * (length - spring.length) * rate)
 
 
 def generalised_force(sweep: Sweep) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
@@ -193,6 +192,6 @@ def _ambiguous(linkage: Linkage, dyad: Dyad, telling: Sequence[str]) -> str:
         needed = "a point that tells them apart"
         cure = "name a further point on one of them, and place it in [sketch]"
     return (
-        f"sketch of '{linkage.name}': expected {needed} at crank angle {math.degrees(linkage.sketch_angle):g}°, got a "
+        f"sketch of '{linkage.name}': expected {needed} at {linkage.coordinate(linkage.sketch_angle)}, got a "
         f"sketch that leaves open how '{dyad.first}' and '{dyad.second}' are assembled; {cure}"
     )

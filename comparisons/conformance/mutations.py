@@ -143,7 +143,7 @@ def _mirrored_centre(linkage: Linkage) -> Linkage:
 
 
 def _negative(law: Law) -> Law:
-    return Law(-law.values, law.angles)
+    return replace(law, values=-law.values)
 
 
 def _mean(law: Law) -> Law:
@@ -152,7 +152,7 @@ def _mean(law: Law) -> Law:
 
 def _later(law: Law) -> Law:
     assert law.angles is not None
-    return Law(law.values, law.angles + math.radians(2.0))
+    return replace(law, angles=law.angles + math.radians(2.0))
 
 
 MUTATIONS: Final[Mapping[str, Mutation]] = {

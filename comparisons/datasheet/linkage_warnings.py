@@ -10,9 +10,19 @@ from typing import Final
 
 import numpy as np
 
+from analytic.description.changes import without
+from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN, Law
-from analytic.description.linkage import Link, Linkage
+from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
+from analytic.dynamics.reduced import drive_torque, load_forces
 from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.extremes import grid
+from analytic.numerics.where_assembled import where_assembled
+from comparisons.datasheet.units import file_unit
+
+Load = PointForce | LinkTorque | Spring
+LOADS: Final = ("forces", "torques", "springs")
 
 FAR: Final = 2.0  # of a link's size: how far outside of its points a mass centre may be
 # Radius of gyration of a link over its size: of parts of linkages between 0.02 and 2.
@@ -24,6 +34,9 @@ GRAVITY: Final = 100.0  # m/s²: what pulls harder is a slip of the unit, which 
 GAP: Final = 4.0  # times the usual step of a load's table: a wider one is a part of the turn without values
 MOST_GAP: Final = math.radians(60.0)
 OVERSHOOT: Final = 0.5  # of the range of a load's values: how far its spline may leave it
+# Of a load beside all else: rpm, crank angles, times as much, what rounding leaves of it.
+SPEED, PLACES, MOST_TIMES, NOISE = 1000.0, 120, 100.0, 1e-9
+SMALLER: Final = {"N/mm": "N/m", "kN": "N", "N*m": "N*mm", "N m": "N*mm"}
 UNIT_SLIPS: Final = {1e6: "kg*mm^2 read as kg*m^2", 1e-6: "kg*m^2 read as kg*mm^2"}
 
 
@@ -82,14 +95,57 @@ def _loads(linkage: Linkage) -> Iterator[str]:
     pull = math.hypot(*linkage.gravity)
     if pull > GRAVITY:
         yield f"gravity is {pull:.4g} m/s^2, which is the unit of gravity in every file: check its size"
+    if linkage.gravity[1] > 0.0:
+        yield "gravity points along +y, which is up in every drawing: write [0, -9.81] unless your y points down"
     for spring in linkage.springs:
-        if not spring.length:
-            ends = " and ".join(spring.points)
-            yield f"the spring between {ends} has no free length: it pulls at every length; add length if it has one"
-    laws = [(f"force at '{one.point}'", one.force) for one in linkage.forces]
-    laws += [(f"torque on '{one.link}'", one.torque) for one in linkage.torques]
-    for what, law in laws:
-        yield from _table(what, law)
+        if not spring.has_length:
+            yield f"the {_name(spring)} has no free length: it pulls at every length; add length if it has one"
+    for force in linkage.forces:
+        yield from _table(_name(force), force.force)
+    for torque in linkage.torques:
+        yield from _table(_name(torque), torque.torque)
+    yield from _sizes(linkage)
+
+
+def _name(load: Load) -> str:
+    match load:
+        case PointForce():
+            return f"force at '{load.point}'"
+        case LinkTorque():
+            return f"torque on '{load.link}'"
+    return f"spring between {' and '.join(load.points)}"
+
+
+def _sizes(linkage: Linkage) -> Iterator[str]:
+    """A load beside which gravity, inertia, damping and the other loads together are nothing."""
+    loads: tuple[Load, ...] = (*linkage.forces, *linkage.torques, *linkage.springs)
+    if not loads:
+        return
+    try:
+        loaded, bare = Mechanism(linkage), Mechanism(without(linkage, *LOADS))
+    except LinkproofError:
+        return
+    places = loaded.turn.angle if linkage.is_linear else grid(PLACES)
+    speed = 0.0 if linkage.is_linear else SPEED * RPM
+    rest = where_assembled(lambda angle: -drive_torque(bare.sweep(angle), speed, 0.0), places)
+    known = np.isfinite(rest)
+    rest, parts = rest[known], [part for _, part in load_forces(loaded.sweep(places[known]))]
+    for load, part in zip(loads, parts, strict=True):
+        besides = sum((other for other in parts if other is not part), rest)
+        own, others = (float(np.max(np.abs(one), initial=0.0)) for one in (part, besides))
+        if own > MOST_TIMES * others > NOISE * own:
+            at = "" if linkage.is_linear else f" at {SPEED:g} rpm"
+            yield (
+                f"the {_name(load)} moves the drive {own / others:.2g} times as much as all else together{at}: check "
+                f"its size{_unit_slip(load, linkage)}"
+            )
+
+
+def _unit_slip(load: Load, linkage: Linkage) -> str:
+    """The smaller unit that a load's number may be in."""
+    si = {PointForce: "N", LinkTorque: "N m", Spring: "N/m"}[type(load)]
+    unit = file_unit(si, linkage).name
+    return f" ({SMALLER[unit]} read as {unit}?)" if unit in SMALLER else ""
 
 
 def _table(what: str, law: Law) -> Iterator[str]:

@@ -16,11 +16,20 @@ KINDS: Final = {
     "rad/s": ("angle", "/s"),
     "rad/s²": ("angle", "/s^2"),
     "N": ("force", ""),
+    "N/m": ("stiffness", ""),
     "N m": ("torque", ""),
     "kg": ("mass", ""),
     "kg m²": ("inertia", ""),
 }
-SI: Final = {"length": "m", "angle": "rad", "force": "N", "torque": "N*m", "mass": "kg", "inertia": "kg*m^2"}
+SI: Final = {
+    "length": "m",
+    "angle": "rad",
+    "force": "N",
+    "torque": "N*m",
+    "stiffness": "N/m",
+    "mass": "kg",
+    "inertia": "kg*m^2",
+}
 
 
 class FileUnit(NamedTuple):

@@ -20,7 +20,7 @@ from comparisons.datasheet.sheet import Positions
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scheme import draw_paths, draw_position
-from reports.charts.style import GHOST, INK, MUTED, PALETTE, PAPER, PLATE, drawn
+from reports.charts.style import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def moving_scheme(
         for artist in (*axes.lines, *axes.patches):
             artist.set_gid(names.get(str(artist.get_label()), ""))
 
-    text = draw.svg(drawn(width / 72.0, height / 72.0, place))
+    text = draw.svg(draw.drawn(width / 72.0, height / 72.0, place, placed=False))
     shapes = "".join(_shape(found, set(names.values())) for found in ELEMENT.findall(text))
     shift = np.array([low[0], high[1]])[:, None]
     rules = "".join(

@@ -10,14 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Linkage
 from comparisons.datasheet.sheet import Positions
 from comparisons.datasheet.units import file_unit
 from reports.charts import symbols
+from reports.charts.draw import Host, drawn, inches
 from reports.charts.kinematic_scheme import KinematicScheme
-from reports.charts.style import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER, drawn
+from reports.charts.style import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER
 
 Array = NDArray[np.float64]
 
@@ -56,19 +57,19 @@ def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: flo
     scale = float(np.min((largest - WORDS - 2.0 * ROOM) / span))
     size = np.maximum(span * scale + 2.0 * ROOM, (narrowest, 0.0)) + WORDS
     width, height = map(float, size)
-    return drawn(width, height, lambda figure: place(figure, scheme, (0.0, 0.0), size, extent=extent, draw=draw))
+    return drawn(width, height, lambda figure: place(figure, scheme, extent, draw), placed=False)
 
 
-def place(
-    figure: Figure, scheme: KinematicScheme, at: ArrayLike, size: ArrayLike, *, extent: Extent, draw: Draw
-) -> None:
-    """Draw the plane between two corners into a part of a figure: its lower left corner, its width and height, in."""
-    box, whole = np.asarray(size) - WORDS, figure.get_size_inches()
+def place(host: Host, scheme: KinematicScheme, extent: Extent, draw: Draw) -> None:
+    """Draw the plane between two corners into a figure or a part of one."""
+    whole = inches(host)
+    box = whole - WORDS
     scale = float(np.min((box - 2.0 * ROOM) / np.maximum(extent[1] - extent[0], 1e-9)))
-    axes = figure.add_axes((*((np.asarray(at) + WORDS - 0.08) / whole), *(box / whole)))
+    axes = host.add_axes((*((WORDS - 0.08) / whole), *(box / whole)))
     (left, bottom), (right, top) = (0.5 * (sum(extent) + side * box / scale) for side in (-1.0, 1.0))
     unit = file_unit("m", scheme.linkage).name
     axes.set(xlim=(left, right), ylim=(bottom, top), xlabel=f"x, {unit}", ylabel=f"y, {unit}")
+    axes.set_aspect("equal")
     axes.locator_params(nbins=6, steps=[1, 2, 5, 10])
     draw(axes, scheme, PIN / scale)
 

@@ -6,14 +6,12 @@ results are the same text. Nothing here knows an engine by name.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import matplotlib
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 
 from reports.document.chart import Ink
 from reports.document.templates import FOLDER
@@ -63,11 +61,3 @@ def ink(name: Ink) -> str:
 def house_style() -> Any:  # noqa: ANN401  which keys matplotlib's stubs know changes from release to release
     """How figures look, and how they are written: colours, sizes, fonts."""
     return matplotlib.rc_params_from_file(FOLDER / "figures.mplstyle", use_default_template=False)
-
-
-def drawn(width: float, height: float, draw: Callable[[Figure], None]) -> Figure:
-    """A figure of so many inches, drawn in the house style."""
-    with matplotlib.rc_context(house_style()):
-        figure = Figure(figsize=(width, height))
-        draw(figure)
-    return figure

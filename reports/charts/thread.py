@@ -16,9 +16,10 @@ from analytic.description.linkage import Linkage
 from comparisons.datasheet.sheet import Positions, ThreadSheet
 from comparisons.datasheet.units import file_unit
 from reports.charts import symbols
+from reports.charts.draw import drawn
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scheme import NAME_STYLE, draw_names, draw_position, scaled_figure, write
-from reports.charts.style import GHOST, INK, PALETTE, WIDTH, drawn
+from reports.charts.style import GHOST, INK, PALETTE, WIDTH
 
 Array = NDArray[np.float64]
 
@@ -58,7 +59,7 @@ def _draw_plane(axes: Axes, scheme: KinematicScheme, size: float, thread: Thread
 def space_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -> Figure:
     """The contour in space: the main shaft points to the reader, and z has a scale of its own."""
     scheme = KinematicScheme(linkage, positions, thread.reference_angle)
-    return drawn(WIDTH, WIDTH, partial(_draw_space, scheme=scheme, thread=thread))
+    return drawn(WIDTH, WIDTH, partial(_draw_space, scheme=scheme, thread=thread), placed=False)
 
 
 def _draw_space(figure: Figure, scheme: KinematicScheme, thread: ThreadSheet) -> None:

@@ -109,8 +109,8 @@ class _Beside:
         chart = figure.drawing
         if isinstance(chart, Chart):
             chart = replace(chart, wide=figure.wide)
-        edges = draw.edges(chart) if isinstance(chart, Chart) and chart.axis else ()
         drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
+        edges = draw.edges(drawing) if isinstance(chart, Chart) and chart.axis else ()
         name = f"figures/{Path(self.page.file).stem}/{figure.name}"
         write_text(self._file(f"{name}.svg"), draw.svg(drawing))
         if self.png:

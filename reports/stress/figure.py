@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
-from reports.charts.style import FULL_WIDTH, LIMIT_COLOUR, drawn
+from reports.charts.draw import drawn
+from reports.charts.style import FULL_WIDTH, LIMIT_COLOUR
 from reports.stress.facts import SIGNS
 
 # Inches: height of a line, widest cell, width of a letter, room for a panel's title and for its values.
@@ -42,7 +43,7 @@ def draw_map(data: Data) -> Figure:
             box = left / FULL_WIDTH, bottom / height, cell * columns / FULL_WIDTH, deep / height
             _panel(figure.add_axes(box), block, data["values"])
 
-    return drawn(FULL_WIDTH, height, draw)
+    return drawn(FULL_WIDTH, height, draw, placed=False)
 
 
 def _name(line: Data) -> str:

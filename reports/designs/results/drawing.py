@@ -18,7 +18,7 @@ from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.labels import LINE
 from reports.charts.scheme import Draw, draw_names, draw_paths, draw_position, draw_scheme, scaled_figure
 from reports.charts.scheme import place as place_scheme
-from reports.charts.style import FULL_WIDTH, PALETTE, drawn
+from reports.charts.style import FULL_WIDTH, PALETTE
 from reports.document.chart import Chart, Panel
 from reports.document.templates import plain
 from reports.mechanism.designer import MOST_CURVES, OUTPUT, hodograph
@@ -49,23 +49,24 @@ def _everything(sheet: Sheet) -> Figure:
     joints = [name for name in sheet.values if name.startswith(JOINT) and name.endswith(":x")]
     vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if name in sheet.values]
     rows = -(-len(vectors) // PER_ROW)
-    height = TITLE + UPPER + rows * CELL
 
     def draw_all(figure: Figure) -> None:
-        figure.text(0.15 / FULL_WIDTH, 1.0 - 0.25 / height, printable(sheet.conditions))
+        heights = (UPPER, *(rows * CELL,) * (rows > 0))
+        whole = draw.head(figure, [printable(sheet.conditions)])
+        upper, *lower = whole.subfigures(len(heights), height_ratios=heights, squeeze=False)[:, 0]
+        left, right = upper.subfigures(1, 2, width_ratios=(LEFT, FULL_WIDTH - LEFT))
         if sheet.positions is not None:
             scheme = KinematicScheme(sheet.linkage, sheet.positions)
-            place_scheme(figure, scheme, (0.0, rows * CELL), (LEFT, UPPER), extent=scheme.extent, draw=draw_scheme)
+            place_scheme(left, scheme, scheme.extent, draw_scheme)
         signals = [name for name in CURVES if name in sheet.values]
         if signals:
             curves = stacked(sheet, signals, UPPER)
             titles = [replace(one, title=_title(sheet, name)) for one, name in zip(curves.panels, signals, strict=True)]
-            draw.place(figure, replace(curves, panels=tuple(titles)), (LEFT, rows * CELL), (FULL_WIDTH - LEFT, UPPER))
+            draw.place(right, replace(curves, panels=tuple(titles)))
         if vectors:
-            hodographs = Chart(tuple(_hodograph(sheet, name) for name in vectors), columns=PER_ROW)
-            draw.place(figure, hodographs, (0.0, 0.0), (FULL_WIDTH, rows * CELL))
+            draw.place(lower[0], Chart(tuple(_hodograph(sheet, name) for name in vectors), columns=PER_ROW))
 
-    return drawn(FULL_WIDTH, height, draw_all)
+    return draw.drawn(FULL_WIDTH, TITLE + UPPER + rows * CELL, draw_all)
 
 
 def _title(sheet: Sheet, name: str) -> str:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,17 +11,15 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reports.charts import draw, labels, scales
-from reports.charts.scales import Scale
 from reports.charts.scheme import BEHIND
-from reports.charts.style import FULL_WIDTH, INK, MUTED, SHADES, drawn, ink
+from reports.charts.style import FULL_WIDTH, INK, SHADES, ink
 from reports.designs.sweep.drawn_designs import FAILS, OWN, DrawnDesigns
-from reports.document.chart import Chart, Curve
+from reports.document.chart import Curve
 
 Array = NDArray[np.float64]
 
-APART, HIGH, TICKS = 1.7, 3.6, 6  # in, between axes at least, their height; ticks of an axis
+APART, HIGH, TICKS = 1.7, 4.8, 6  # in, between axes at least, of the figure; ticks of an axis
 THIN = 0.6  # points, of a line among many
-EDGE = 0.25  # in, below the axes
 NOWHERE = np.zeros(0)
 
 
@@ -29,11 +27,12 @@ NOWHERE = np.zeros(0)
 class Lines:
     """Designs as lines: where they cross the axes, (lines, axes) from 0 to 1, nan beyond where they end.
 
-    The axes of the ``parameters`` come first, then those of the figures, of which the first gives the colour; ``best``
-    is the line of the best design.
+    ``names`` are those of the axes and ``ends`` (axes, 2) their limits. The axes of the ``parameters`` come first, then
+    those of the figures, of which the first gives the colour; ``best`` is the line of the best design.
     """
 
-    axes: tuple[Scale, ...]
+    names: tuple[str, ...]
+    ends: Array
     heights: Array
     parameters: int
     best: int | None
@@ -43,45 +42,59 @@ def parallel_figure(designs: DrawnDesigns) -> Figure:
     """The parameters, then the figures; designs that do not assemble end behind the parameters."""
     names = (*designs.parameters, *designs.figures)
     values = np.stack([designs.values(name) for name in names], axis=1)
-    spans = [np.array(designs.span(name) or _ends(values[:, column])) if name in designs.figures
-             else _ends(values[:, column]) for column, name in enumerate(names)]  # fmt: skip
-    axes = [scales.tight(span, designs.label(name), TICKS) for span, name in zip(spans, names, strict=True)]
-    low, high = (np.array([getattr(axis, end) for axis in axes]) for end in ("low", "high"))
-    lines = Lines(tuple(axes), (values - low) / (high - low), len(designs.parameters), designs.best(designs.figures[0]))
+    spans = [designs.span(name) if name in designs.figures else None for name in names]
+    ends = np.array([_ends(values[:, n] if one is None else np.array(one)) for n, one in enumerate(spans)])
+    low, size = ends[:, 0], np.ptp(ends, axis=1)
+    labelled = tuple(designs.label(name) for name in names)
+    lines = Lines(labelled, ends, (values - low) / size, len(designs.parameters), designs.best(designs.figures[0]))
     first = f"{designs.figures[0]}: {designs.target(designs.figures[0])[1]}"
     key = [Curve(NOWHERE, NOWHERE, first, "limit", width=2.0)] if lines.best is not None else []
     key += [Curve(NOWHERE, NOWHERE, OWN, "ink", line="", marker="D", size=5.0)] if designs.own_place else []
     fails = any(map(designs.failing, designs.figures))
     key += [Curve(NOWHERE, NOWHERE, FAILS, "reference", width=0.8)] if fails else []
-    about = Chart((), head=designs.head, key=tuple(key))
-    words = [labels.fitting_label(axis.label, APART - 0.1) for axis in axes]
-    width = max(FULL_WIDTH, APART * len(words))
-    height = draw.head_room(about, width) + labels.LINE * max(map(labels.lines, words)) + 0.1 + HIGH + EDGE
-    return drawn(width, height, partial(_draw, about=about, names=words, lines=lines, own=designs.own_place))
+    own = [(place - start) / wide for place, start, wide in zip(designs.own_place, low, size, strict=False)]
+
+    def draw_all(figure: Figure) -> None:
+        _draw(draw.head(figure, designs.head, key), lines, own)
+
+    return draw.drawn(max(FULL_WIDTH, APART * len(names)), HIGH, draw_all)
 
 
-def _ends(values: Array) -> Array:
-    return np.array([np.nanmin(values), np.nanmax(values)]) if np.any(np.isfinite(values)) else np.full(2, np.nan)
+def _ends(values: Array) -> tuple[float, float]:
+    """The least and the largest value, apart."""
+    known = values[np.isfinite(values)]
+    low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+    room = 0.1 * (abs(low) or 1.0) if low == high else 0.0
+    return low - room, high + room
 
 
-def _draw(figure: Figure, about: Chart, names: list[str], lines: Lines, own: tuple[float, ...]) -> None:
-    width, height = map(float, figure.get_size_inches())
-    axes = figure.add_axes((0.0, EDGE / height, 1.0, HIGH / height))
-    axes.set_axis_off()
-    axes.set(xlim=(-0.5, len(names) - 0.5), ylim=(0.0, 1.0), autoscale_on=False)
+def _draw(host: draw.Host, lines: Lines, own: Sequence[float]) -> None:
+    axes = host.subplots()
+    axes.set_label("parallel")
+    axes.set(xlim=(-0.5, len(lines.names) - 0.5), ylim=(0.0, 1.0), autoscale_on=False, xticks=[], yticks=[])
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(False)
     _draw_lines(axes, lines)
-    for number, (scale, name) in enumerate(zip(lines.axes, names, strict=True)):
-        axes.plot([number] * 2, [0.0, 1.0], color=INK, linewidth=1.0, zorder=5.0)
-        if number == lines.parameters:
-            _draw_ramp(axes, number)
-        for tick, word in zip(scale.ticks, scale.words, strict=True):
-            place, stroke = scale.share(tick), 0.04 * len(names) / width
-            axes.plot([number - stroke, number], [place] * 2, color=MUTED, linewidth=0.8, zorder=5.0)
-            axes.text(number - 1.5 * stroke, place, word, ha="right", va="center", bbox=BEHIND, zorder=6.0)
-        axes.text(number, 1.0 + 0.08 / HIGH, name, ha="center", va="bottom")
-    for number, (place, scale) in enumerate(zip(own, lines.axes, strict=False)):
-        axes.plot([number], [scale.share(place)], color=INK, marker="D", markersize=5.0, zorder=7.0, clip_on=False)
-    draw.draw_head(figure, about, (0.0, height - draw.head_room(about, width)), width)
+    _draw_ramp(axes, lines.parameters)
+    axes.plot(range(len(own)), own, color=INK, linestyle="", marker="D", markersize=5.0, zorder=7.0, clip_on=False)
+    for number, (ends, name) in enumerate(zip(lines.ends, lines.names, strict=True)):
+        _draw_scale(axes, number, ends, name)
+
+
+def _draw_scale(axes: Axes, number: int, ends: Array, name: str) -> None:
+    """The axis of a parameter or a figure, its label above it."""
+    scale = axes.twinx()
+    scale.set(ylim=ends, zorder=5.0)
+    scale.grid(visible=False)
+    scale.spines[:].set_visible(False)
+    scale.spines["left"].set(visible=True, position=("data", number), color=INK)
+    scale.yaxis.tick_left()
+    scales.write_scale(scale.yaxis, name, TICKS)
+    label = labels.fitting(scale.yaxis.get_label_text(), APART)
+    scale.yaxis.label.set_visible(False)
+    scale.text(number, 1.02, label, transform=axes.get_xaxis_transform(), ha="center", va="bottom")
+    for word in scale.yaxis.get_ticklabels():
+        word.set_bbox(BEHIND)
 
 
 def _draw_ramp(axes: Axes, number: int) -> None:

@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
-from reports.charts import draw, labels
-from reports.charts.style import FULL_WIDTH
+from reports.charts import draw
 from reports.designs.sweep.drawn_designs import FAILS, OWN, DrawnDesigns, drawn_designs
 from reports.designs.sweep.parallel import parallel_figure
 from reports.document.chart import Chart, Curve, Hatch, Mark, Panel, Surface
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 CURVES, MAP = 2.2, 3.0  # in, height of a row of panels
-AROUND_CURVES, AROUND_MAP = 1.0, 1.6  # in, beside the axes of a panel
 NOWHERE = np.zeros(0)
 DIAMOND = ("D", 5.0)
 UPRIGHT = Curve(NOWHERE, NOWHERE, OWN, "muted", line="--", width=0.9)
@@ -63,10 +61,9 @@ def _curves(designs: DrawnDesigns) -> Chart:
         curve = Curve(places, values, marker="" if len(places) > 1 else "o")
         star = [] if best is None else [_star("", places[best], values[best])]
         fails = np.flatnonzero(np.diff(np.concatenate([[False], np.isnan(values), [False]])))
-        title = labels.fitting(designs.label(name), FULL_WIDTH / columns - AROUND_CURVES)
         panels.append(
-            Panel((curve, *star), designs.label(parameter), designs.scale(name), uprights, names="", title=title,
-                  hatch=Hatch(edges[fails].reshape(-1, 2)), span=designs.span(name))
+            Panel((curve, *star), designs.label(parameter), designs.scale(name), uprights, names="",
+                  title=designs.label(name), hatch=Hatch(edges[fails].reshape(-1, 2)), span=designs.span(name))
         )  # fmt: skip
     height = CURVES * -(-len(panels) // columns) + 0.5
     return Chart(tuple(panels), height, columns, wide=True, head=designs.head, key=_key(designs, UPRIGHT))
@@ -85,10 +82,9 @@ def _maps(designs: DrawnDesigns) -> Chart:
         column, row = np.unravel_index(best or 0, values.shape)
         marks = own if best is None else [*own, _star("", across[column], upward[row])]
         surface = Surface(*edges, values.T, designs.scale(name), designs.span(name))
-        title = labels.fitting(designs.label(name), FULL_WIDTH / columns - AROUND_MAP)
         whole = Hatch(edges[0][[[0, -1]]][: bool(designs.failing(name))])
         outlined = [mark for one in marks for mark in (replace(one, ink="paper", size=one.size + 3.0), one)]
-        panels.append(Panel(tuple(outlined), *axes, names="", title=title, hatch=whole, surface=surface))
+        panels.append(Panel(tuple(outlined), *axes, names="", title=designs.label(name), hatch=whole, surface=surface))
     height = MAP * -(-len(panels) // columns) * (1.25 if columns < 3 else 1.0)
     key = _key(designs, _marker(OWN, (0.0, 0.0), *DIAMOND))
     return Chart(tuple(panels), height, columns, wide=len(panels) > 1, head=designs.head, key=key)

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from analytic.errors import printable
 from comparisons.designs.tolerance.tolerances import Tornado
 from reports.charts import draw
-from reports.charts.style import FULL_WIDTH, drawn
 from reports.document import numbers
 from reports.document.chart import Chart, Curve, Mark, Panel
 
@@ -26,19 +25,10 @@ def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
 
     On top is what keeps the linkage from being assembled at one of its limits, where the change is nan.
     """
-    panels = [_panel(one) for one in tornados]
-    heights = [ROW * len(panel.rows) + FRAME for panel in panels]
-    about = Chart((), head=head, key=(_bar((), (), 0, "at the lower limit"), _bar((), (), 1, "at the upper limit")))
-    room = draw.head_room(about, FULL_WIDTH)
-
-    def draw_all(figure: Figure) -> None:
-        bottom = sum(heights)
-        draw.draw_head(figure, about, (0.0, bottom), FULL_WIDTH)
-        for panel, height in zip(panels, heights, strict=True):
-            bottom -= height
-            draw.place(figure, Chart((panel,)), (0.0, bottom), (FULL_WIDTH, height))
-
-    return drawn(FULL_WIDTH, sum(heights) + room, draw_all)
+    panels = tuple(map(_panel, tornados))
+    height = sum(ROW * len(panel.rows) + FRAME for panel in panels)
+    key = (_bar((), (), 0, "at the lower limit"), _bar((), (), 1, "at the upper limit"))
+    return draw.figure(Chart(panels, height, wide=True, head=head, key=key, own_x=True))
 
 
 def _panel(tornado: Tornado) -> Panel:

@@ -9,6 +9,7 @@ from tests.analytic.tolerances import DIFFERENCED, EPS, FEW_ROUNDINGS
 ANGLES = np.radians([-40.0, 15.0, 80.0, 170.0, 250.0])
 VALUES = np.array([[1.0, -3.0], [2.5, 0.0], [-1.0, 4.0], [0.5, 1.0], [2.0, -2.0]])
 LAW = Law(VALUES, ANGLES)
+LINES = Law(VALUES, ANGLES, linear=True)
 
 
 def test_a_constant_is_itself_everywhere():
@@ -19,7 +20,7 @@ def test_a_constant_is_itself_everywhere():
     assert law(0.3).shape == (2,)
 
 
-@pytest.mark.parametrize("law", [LAW, Law(np.array([3.0, -1.0]))])
+@pytest.mark.parametrize("law", [LAW, LINES, Law(np.array([3.0, -1.0]))])
 def test_the_law_of_one_float_is_the_law(law):
     value = law.of_float()
     for angle in np.linspace(-9.0, 9.0, 37):
@@ -37,6 +38,18 @@ def test_the_law_joins_itself_smoothly(order):
     joint = ANGLES[0] + np.array([-1e-12, 1e-12])
     before, after = LAW(joint, order).T
     assert before == pytest.approx(after, abs=1e-9)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_straight_lines_join_the_values_of_a_linear_law(periodic):
+    law = Law(VALUES, ANGLES, periodic, linear=True)
+    angle, step = np.linspace(-7.0, 9.0, 161), 1e-6
+    for part, values in enumerate(VALUES.T):
+        true = lambda phi, v=values: np.interp(phi, ANGLES, v, period=FULL_TURN if periodic else None)  # noqa: E731
+        assert law(angle)[part] == pytest.approx(true(angle), abs=FEW_ROUNDINGS * FULL_TURN)
+        slope = (true(angle + step) - true(angle - step)) / (2.0 * step)
+        assert law(angle, 1)[part] == pytest.approx(slope, abs=1e-7)
+        assert not law(angle, 2).any()
 
 
 def test_derivatives_are_those_of_the_law():

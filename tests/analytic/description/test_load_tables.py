@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from analytic.description.loading import parse
+from analytic.dynamics.reduced import generalised_force
+from analytic.kinematics.mechanism import Mechanism
 from tests.analytic.faults import JUKI, message_of
 from tests.analytic.tolerances import EPS
 
@@ -37,6 +40,14 @@ FAULTS = {
     "a whole turn of angles": (
         FORCE.replace("[1, 2]", "[[1, 2], [3, 4], [1, 2]]\nangle = [0, 90, 360]"),
         "got 0 to 360 in steps of 90 and more; sort them, and leave out a last one that repeats the first",
+    ),
+    "lines between one value": (
+        FORCE + 'interpolation = "linear"\n',
+        "forces #1.interpolation: expected a list of values over angle = [...] beside it, got one value; leave it out",
+    ),
+    "unknown interpolation": (
+        FORCE + 'interpolation = "cubic"\n',
+        "forces #1.interpolation: expected 'spline' or 'linear': what joins the values over the angle",
     ),
     "torque on nothing": (
         '\n[[torques]]\nlink = "cranck"\ntorque = 3\n',
@@ -96,6 +107,18 @@ def test_units_of_loads():
     )
     assert (spring.stiffness, spring.length, spring.damping) == pytest.approx((3000.0, 0.005, 2000.0))
     assert linkage.dampers[0].coefficient == pytest.approx(3e-3)
+
+
+@pytest.mark.parametrize("joined", ["linear", "spline"])
+def test_a_table_is_joined_by_lines_or_by_a_spline_and_drives_the_crank_by_it(joined):
+    phi, values = np.radians([10.0, 95.0, 200.0, 300.0]), np.array([1.0, -3.0, 2.0, 0.5])
+    text = '\n[[torques]]\nlink = "crank"\ntorque = [1, -3, 2, 0.5]\nangle = [10, 95, 200, 300]\n'
+    loaded, bare = (Mechanism(_loads(one)) for one in (f'{text}interpolation = "{joined}"\n', ""))
+    at = np.linspace(0.0, 2.0 * np.pi, 720)
+    torque = generalised_force(loaded.sweep(at)) - generalised_force(bare.sweep(at))
+    through = CubicSpline([*phi, phi[0] + 2.0 * np.pi], [*values, values[0]], bc_type="periodic")
+    true = through(at) if joined == "spline" else np.interp(at, phi, values, period=2.0 * np.pi)
+    assert torque == pytest.approx(true, abs=1e-12)
 
 
 def test_loads_are_sorted():

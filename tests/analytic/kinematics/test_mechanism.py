@@ -1,10 +1,13 @@
 """Assembly modes are taken from the sketch."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from analytic.errors import StructureError
 from analytic.numerics.extremes import GRID
+from tests.analytic.drives import path_of
 from tests.analytic.linkages import angles, from_text, mechanism, text_of
 
 
@@ -35,6 +38,12 @@ def test_a_sketch_that_leaves_a_mode_open(sketch):
 def test_a_sketch_point_half_way_between_the_modes_tells_nothing():
     text = text_of("near-toggle").replace("B = [55, 30]", "B = [40, 10]")
     with pytest.raises(StructureError, match="leaves open how 'coupler' and 'rocker' are assembled"):
+        from_text(text)
+
+
+def test_the_sketch_of_a_drive_along_a_line_is_at_a_length():
+    text = Path(path_of("linear-motor")).read_text(encoding="utf-8").split("[sketch]")[0]
+    with pytest.raises(StructureError, match=r"of 'B' or 'D' at a slider at 0 mm, got a sketch that leaves open"):
         from_text(text)
 
 

@@ -7,6 +7,7 @@ from comparisons.stress.verdict import SAID as INVARIANTS
 from reports.charts import draw
 from reports.charts.errors import MARKERS, errors_chart
 from reports.records.views import views
+from tests.reports.drawn_words import texts
 from tests.reports.made_up_results import made_up_results
 
 
@@ -25,9 +26,9 @@ def test_rows_are_quantities_then_invariants_and_engines_that_ran_are_named():
     assert panel.rows == rows
     names = [curve.name for curve in panel.curves if curve.name]
     assert names == ["alpha", "beta", "naive", "tuned", "best", "limit (tuned)"]
-    (axes,) = draw.figure(chart).axes
-    words = {text.get_text() for text in axes.texts}
-    assert {*rows, *names} <= words
+    figure = draw.figure(chart)
+    (axes,) = figure.axes
+    assert {*rows, *names} <= set(texts(figure))
     assert axes.get_ylim() == (len(rows) - 0.5, -0.5)
 
 

@@ -1,45 +1,56 @@
-"""Round scales of a panel."""
+"""Limits and round scales of a panel."""
 
 import numpy as np
 import pytest
 
-from reports.charts import scales
-from reports.document.chart import Curve, Mark, Panel
+from reports.charts import draw
+from reports.document.chart import Chart, Curve, Mark, Note, Panel
+from tests.reports.drawn_words import texts
 
 X = np.linspace(0.0, 1.0, 101)
 
 
-def upward(values, ticks=5, **more):
-    return scales.upward(Panel((Curve(X[: len(values)], np.asarray(values)),), "t, s", "F, N", **more), ticks)
+def drawn(values, **more):
+    """A figure of a curve, and the limits of its y axis."""
+    figure = draw.figure(Chart((Panel((Curve(X[: len(values)], np.asarray(values)),), "t, s", "F, N", **more),)))
+    return figure, figure.axes[0].get_ylim()
 
 
-def test_a_flat_curve_stands_in_the_middle_whatever_its_rounding():
-    for values in (np.full(101, 3.3), 3.3 * (1.0 + 1e-15 * np.sin(1e3 * X)), np.zeros(101)):
-        scale = upward(values)
-        assert scale.share(values[0]) == pytest.approx(0.5)
-        assert len(scale.ticks) > 2
+@pytest.mark.parametrize("values", [np.full(101, 3.3), 3.3 * (1.0 + 1e-15 * np.sin(1e3 * X)), np.zeros(101), [np.nan]])
+def test_a_flat_curve_stands_in_the_middle_whatever_its_rounding(values):
+    figure, (low, high) = drawn(values)
+    middle = np.nan_to_num(values[0], nan=0.5 * (low + high))
+    assert middle - low == pytest.approx(high - middle)
+    assert high - low > 1e-2 * abs(middle)
+    assert len(texts(figure)) > 8
 
 
 def test_what_is_not_a_number_decides_nothing():
-    assert upward([0.5, np.nan, 1.0, np.inf]) == upward([0.5, 0.75, 1.0])
-    assert len(upward([np.nan]).ticks) > 1
+    assert drawn([0.5, np.nan, 1.0, np.inf])[1] == drawn([0.5, 0.75, 1.0])[1]
 
 
 def test_an_error_that_dips_to_zero_keeps_its_decades():
     error = 1e-9 * np.abs(X - 0.5) + 1e-30
-    scale = upward(error, scale="log", marks=(Mark(1e-6, "y"),))
-    assert (scale.low, scale.high) == pytest.approx((1e-11, 1e-6))
-    assert scale.words[0] == "10⁻¹¹"
+    figure, limits = drawn(error, scale="log", marks=(Mark(1e-6, "y"),))
+    assert limits == pytest.approx((1e-11, 1e-6))
+    assert "10⁻¹¹" in texts(figure)
 
 
-def test_an_axis_of_magnitudes_starts_at_zero():
-    assert upward(X + 0.1).low == 0.0
-    assert upward(X + 10.0).low > 9.0
+@pytest.mark.parametrize(("values", "starts"), [(X + 0.1, True), (X + 10.0, False), (-X, False)])
+def test_an_axis_of_magnitudes_starts_at_zero(values, starts):
+    assert (drawn(values)[1][0] == 0.0) == starts
 
 
-@pytest.mark.parametrize(("factor", "words"), [(1.0, "F, N"), (1e6, "F, 10⁶ N"), (1e-7, "F, 10⁻⁷ N")])
-def test_ticks_tell_their_values(factor, words):
-    scale = upward(factor * (1.0 + X))
-    assert scale.label == words
-    power = 1.0 if factor == 1.0 else factor
-    assert [float(word.replace("−", "-")) * power for word in scale.words] == pytest.approx(scale.ticks)
+def test_words_beside_extremes_have_room():
+    (low, high), (_, higher) = drawn(X)[1], drawn(X, notes=(Note(1.0, 1.0, "1.000"),))[1]
+    assert low == 0.0
+    assert 1.0 < high < 1.1
+    assert higher > 1.2
+
+
+@pytest.mark.parametrize(("factor", "label"), [(1.0, "F, N"), (1e6, "F, 10⁶ N"), (1e-7, "F, 10⁻⁷ N")])
+def test_small_and_large_values_share_a_power_of_ten_in_the_label(factor, label):
+    words = texts(drawn(factor * (1.0 + X))[0])
+    assert label in words
+    assert {"0.0", "1.0", "2.0"} <= set(words)
+    assert not any("e" in word for word in words)
