@@ -30,7 +30,7 @@ CELL: Final = 16  # steps of the grid to a cell of a mean
 
 
 @dataclass(frozen=True)
-class KeyFigure:
+class SignalFigure:
     """A number of a designer: ``what`` it is, of a force the link it acts ``on``, its signal, value and SI unit.
 
     ``time``, s, and ``phi``, rad, of a drive along a line m, say where; None of a mean. A value that is not finite, as
@@ -109,13 +109,13 @@ class Curves:
         near = np.interp(truth.time, self.grid, signals.signal(self.on_grid, name))
         return np.asarray(angle + FULL_TURN * np.round((near - angle) / FULL_TURN))
 
-    def figure(self, what: str, name: str, value: float, time: float | None = None, on: str = "") -> KeyFigure:
+    def figure(self, what: str, name: str, value: float, time: float | None = None, on: str = "") -> SignalFigure:
         """A key figure of a signal, or the direction of a force, at an instant."""
         phi = None if time is None else float(self.case.motion.angle(np.array([time]))[0])
         unit = "rad" if name.endswith(DIRECTION) else self.unit(name)
-        return KeyFigure(what, name, finite(value), unit, on, time, phi)
+        return SignalFigure(what, name, finite(value), unit, on, time, phi)
 
-    def peaks(self, names: Iterable[str]) -> dict[str, KeyFigure]:
+    def peaks(self, names: Iterable[str]) -> dict[str, SignalFigure]:
         """Of each signal the value of the largest magnitude; of a transmission angle the least."""
         places = self.places({name: self._severity(name) for name in names})
         truth = self.at(np.array([*places.values()]))

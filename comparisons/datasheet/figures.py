@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.kinematics.structure import Revolute
 from analytic.signals import MAGNITUDE, signal
-from comparisons.datasheet.curves import DIRECTION, TRANSMISSION, Curves, KeyFigure, Measure
+from comparisons.datasheet.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
 
 SHAKING: Final = "shaking force"
 SAME_SPEED: Final = 1e-9  # share of the largest speed within which an instant counts as one of the largest speed
@@ -29,10 +29,10 @@ TABLES: Final = ("drive", "forces", "moment", "transmission", "output")
 LOAD: Final = ("Mkr", "omega", "Peq")  # of the drive, side by side
 
 
-Peaks = Mapping[str, KeyFigure]  # of every signal
+Peaks = Mapping[str, SignalFigure]  # of every signal
 
 
-def tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[KeyFigure, ...]]:
+def tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure, ...]]:
     """The key figures of curves, table by table."""
     groups = {name: name.removeprefix(TRANSMISSION) for name in curves.names if name.startswith(TRANSMISSION)}
     pivot = curves.case.mechanism.structure.pivot
@@ -41,12 +41,12 @@ def tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[KeyFigure, ...]]:
     return {name: tuple(table) for name, table in zip(TABLES, rows, strict=True)}
 
 
-def _of(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[KeyFigure]:
+def _of(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFigure]:
     """Peaks of signals, each by what it is."""
     return (replace(peaks[name], what=what) for name, what in signals.items() if name in peaks)
 
 
-def drive(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
+def drive(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     """What chooses a motor: peaks of torque, power and speed, RMS and means; nothing where nothing has mass.
 
     Beside each peak stand the others at its instant. The RMS has no sign, the means have theirs.
@@ -54,7 +54,7 @@ def drive(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
     if "Mkr" not in peaks:
         return
 
-    def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[KeyFigure]:
+    def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[SignalFigure]:
         return (curves.figure(what, name, value, time) for name, value in zip(LOAD, values, strict=True))
 
     force = "force" if curves.linkage.is_linear else "torque"
@@ -74,7 +74,7 @@ def drive(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
     yield from load(MEAN, [mean if abs(mean) > size else 0.0 for mean, size in zip(means, sizes, strict=True)])
 
 
-def forces(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
+def forces(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     """Largest force of every joint, and of the linkage on its frame, each with its direction."""
     joints = {f"joint_force:{joint}": (joint, link) for joint, link in _loaded_links(curves).items()}
     every = {**joints, "shaking_force": (SHAKING, "ground")}
@@ -86,7 +86,7 @@ def forces(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
         yield from (peak, curves.figure(what, vector + DIRECTION, math.atan2(y + 0.0, x + 0.0), peak.time, link))
 
 
-def output(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
+def output(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     """The output's stroke, the ends of its travel, and its largest speed and acceleration."""
     if "S" not in peaks:
         return

@@ -22,7 +22,7 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from analytic.numerics.extremes import in_turn
 from analytic.signals import MAGNITUDE
-from comparisons.datasheet.curves import TIME, KeyFigure
+from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import NEGLIGIBLE, TABLES
 from comparisons.datasheet.units import FileUnit, file_unit
 
@@ -125,7 +125,7 @@ class Released:
 
 @dataclass(frozen=True)
 class Sheet:
-    """All that is told of a linkage under one motion, SI, angles in rad.
+    """Everything computed of a linkage under one motion, SI, angles in rad.
 
     ``values`` are the signals by name over the whole motion, not a number where there is none: at every instant of its
     grid (n,), or on a page at as many as a curve needs, φ ascending where that is the axis. ``chosen`` are those at
@@ -145,8 +145,8 @@ class Sheet:
     axis: Literal["phi", "time"] = "phi"
     units: Mapping[str, str] = field(default_factory=dict)
     values: ByName = field(default_factory=dict)
-    peaks: Mapping[str, KeyFigure] = field(default_factory=dict)
-    figures: Mapping[str, tuple[KeyFigure, ...]] = field(default_factory=lambda: dict.fromkeys(TABLES, ()))
+    peaks: Mapping[str, SignalFigure] = field(default_factory=dict)
+    figures: Mapping[str, tuple[SignalFigure, ...]] = field(default_factory=lambda: dict.fromkeys(TABLES, ()))
     remarks: tuple[str, ...] = ()
     chosen: ByName | None = None
     positions: Positions | None = None
@@ -186,11 +186,11 @@ class Sheet:
         """The file's unit for an SI unit."""
         return file_unit(si, self.linkage)
 
-    def unit_of(self, one: KeyFigure) -> FileUnit:
+    def unit_of(self, one: SignalFigure) -> FileUnit:
         """The unit of a key figure: the file's, and rpm of a crank's speed."""
         return FileUnit("rpm", RPM) if one.signal == "omega" and not self.is_linear else self.own(one.unit)
 
-    def shown(self, one: KeyFigure) -> float:
+    def shown(self, one: SignalFigure) -> float:
         """A key figure in that unit, not a number where it has no bound."""
         value = np.nan if one.value is None else one.value
         return self.rounded(one.signal, value) / self.unit_of(one).size
@@ -212,7 +212,7 @@ class Sheet:
             scales[kind] = max(size, scales.get(kind, 0.0))
         return scales
 
-    def at(self, one: KeyFigure) -> float | None:
+    def at(self, one: SignalFigure) -> float | None:
         """The place of a key figure on the axis: φ, rad, or the time, s."""
         return one.time if self.axis == TIME else one.phi
 

@@ -41,7 +41,7 @@ class Extent:
 
 
 FULL = Extent(tuple(12.0 * 2.0**k for k in range(12)), budget=1.0, repeats=5, patience=0.6, effort_stride=2)
-QUICK = Extent(tuple(16.0 * 2.0**k for k in range(9)), budget=0.3, repeats=2, patience=0.1, deadline=40.0)
+QUICK = Extent(tuple(16.0 * 2.0**k for k in range(8)), budget=0.3, repeats=2, patience=0.1, deadline=45.0)
 OUT_OF_TIME = "the time for the whole benchmark was up"
 
 

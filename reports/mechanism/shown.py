@@ -12,7 +12,7 @@ import numpy as np
 
 from analytic.description.law import FULL_TURN
 from analytic.written import fixed
-from comparisons.datasheet.curves import TIME, KeyFigure
+from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import MEAN, SHAKING
 from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.units import FileUnit
@@ -39,13 +39,13 @@ def _angle(value: float, unit: FileUnit) -> str:
     return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
-def number(sheet: Sheet, one: KeyFigure) -> str:
+def number(sheet: Sheet, one: SignalFigure) -> str:
     """A key figure in its unit."""
     value = sheet.shown(one)
     return _angle(value, sheet.unit_of(one)) if one.unit == "rad" else figure(value)
 
 
-def words(sheet: Sheet, one: KeyFigure) -> str:
+def words(sheet: Sheet, one: SignalFigure) -> str:
     """A key figure with its unit, as a page prints it."""
     text, unit = number(sheet, one), sheet.unit_of(one).on_page
     return text if text == ABSENT else _signed(f"{text}°" if unit == "deg" else f"{text} {unit}")
@@ -57,10 +57,10 @@ def _signed(text: str) -> str:
 
 def jeq(sheet: Sheet, end: str) -> str:
     """The mean, least or largest inertia reduced to the crank of a whole turn, with its unit."""
-    return words(sheet, KeyFigure(end, "Jeq", sheet.facts["Jeq"][end], sheet.units["Jeq"]))
+    return words(sheet, SignalFigure(end, "Jeq", sheet.facts["Jeq"][end], sheet.units["Jeq"]))
 
 
-def place(sheet: Sheet, one: KeyFigure) -> str:
+def place(sheet: Sheet, one: SignalFigure) -> str:
     """Where on the axis a key figure is, as a page prints it."""
     at = sheet.at(one)
     if at is None:
@@ -92,7 +92,7 @@ def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
     return (phi,) if sheet.axis == "phi" else (f"{at}t s", phi)
 
 
-def place_cells(sheet: Sheet, one: KeyFigure) -> tuple[str, ...]:
+def place_cells(sheet: Sheet, one: SignalFigure) -> tuple[str, ...]:
     """Where a key figure is: the time, s, unless φ is the axis, and φ in the file's unit."""
     if one.time is None or one.phi is None:
         return (ABSENT,) * len(places(sheet))
@@ -109,7 +109,7 @@ def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
     return (*rows[: len(chosen)], *inertia, *rows[len(chosen) :])
 
 
-def _besides(sheet: Sheet) -> Iterator[KeyFigure]:
+def _besides(sheet: Sheet) -> Iterator[SignalFigure]:
     """What is not of the drive."""
     yield from (one for one in sheet.figures["output"] if one.signal in "va" or one.what == "stroke")
     forces = [one for one in sheet.figures["forces"] if one.unit == "N"]

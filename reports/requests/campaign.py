@@ -22,7 +22,7 @@ DEEPEST_FOLDER = 5  # by which files of one name are told apart
 
 
 def files(options: RunsOptions) -> list[LinkageFile]:
-    """The files of the linkages asked for; all of the catalogue that have the variant, where none is named.
+    """The files of the requested linkages; all of the catalogue that have the variant, where none is named.
 
     Files of one name from different folders have the names of folders before theirs, as many as tell them apart.
     """
@@ -46,7 +46,7 @@ def having(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
 
 
 def linkages(options: RunsOptions) -> tuple[Linkage, ...]:
-    """The linkages of ``files``, in the variant and under the gravity asked for."""
+    """The linkages of ``files``, in the requested variant and under the requested gravity."""
     chosen = [file.linkage(options.variant) for file in files(options)]
     _check_names_differ(chosen)
     return tuple(chosen if options.gravity else [without(linkage, "gravity") for linkage in chosen])
@@ -66,7 +66,7 @@ def installed(engines: Sequence[str]) -> list[str]:
 
 
 def named(engines: Sequence[str]) -> tuple[str, ...]:
-    """Engines that are asked for by name, each once; raises LinkproofError for one that cannot be used here."""
+    """Engines that are named, each once; raises LinkproofError for one that cannot be used here."""
     for adapter in adapters(engines):
         absent = why_unavailable(adapter)
         if absent is not None:
@@ -89,7 +89,7 @@ def _settings(options: RunsOptions) -> tuple[Setting, ...]:
 
 
 def _own_settings(options: RunsOptions) -> tuple[Setting, ...]:
-    """Settings of the linkages' own regimes: those named; of all, tuned alone unless all of them are asked for."""
+    """Settings of the linkages' own regimes: those named; of all, tuned alone unless ``full``."""
     is_full = isinstance(options, CompareOptions) and options.full
     return _settings(options) if is_full or EVERYTHING not in options.setting else (Setting.TUNED,)
 
@@ -97,7 +97,7 @@ def _own_settings(options: RunsOptions) -> tuple[Setting, ...]:
 def request(options: RunsOptions, known: Sequence[Linkage] = ()) -> CampaignRequest:
     """The campaign's request; raises LinkproofError for anything that does not exist or cannot be.
 
-    Regimes that other ``known`` linkages define may be asked for: those that do not define them are not run in them.
+    Regimes that other ``known`` linkages define may be requested: those that do not define them are not run in them.
     """
     check_motion(options)
     found = linkages(options)

@@ -19,7 +19,7 @@ from reports.requests.options.motion import TIMED, MotionOptions
 
 EVERYTHING = "all"
 OWN = "own"  # every regime that a linkage defines for itself
-TURNING, SWINGING = "run-up", "constant-speed"  # the regime where none is asked for
+TURNING, SWINGING = "run-up", "constant-speed"  # the regime where none is named
 
 
 def offered(options: MotionOptions) -> tuple[str, ...]:
@@ -28,7 +28,7 @@ def offered(options: MotionOptions) -> tuple[str, ...]:
 
 
 def check_motion(options: MotionOptions) -> None:
-    """Raise LinkproofError for a motion that cannot be, in the words and the units it is asked for in."""
+    """Raise LinkproofError for a motion that cannot be, in the words and the units of its options."""
     if options.rpm < 0.0 and options.clockwise:
         raise LinkproofError(
             f"--speed {options.rpm:g} turns clockwise already: leave --clockwise out, or give a positive speed"
@@ -92,7 +92,7 @@ def _check(option: str, value: float, unit: str, least: float) -> None:
 
 
 def _motions(options: MotionOptions) -> tuple[CrankMotion, ...]:
-    """The prescribed crank motions asked for, without those of the linkages' own."""
+    """The requested prescribed crank motions, without those of the linkages' own."""
     known = offered(options)
     usual = SWINGING if options.swings else TURNING
     names = known if EVERYTHING in options.regime else options.regime or (usual,)
@@ -151,7 +151,7 @@ def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:
 
 
 def own_regimes(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[str, ...]:
-    """Regimes asked for that the linkages define for themselves; ``own`` and ``all`` ask for every one of them."""
+    """Requested regimes that the linkages define for themselves; ``own`` and ``all`` request all of them."""
     own = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
     known = [*offered(options), *own, OWN, EVERYTHING]
     for name in options.regime:

@@ -8,7 +8,7 @@ import pytest
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.loading import load
 from comparisons.datasheet.building import page_sheet, usual_sheet
-from comparisons.datasheet.curves import KeyFigure
+from comparisons.datasheet.curves import SignalFigure
 from comparisons.reference.case import Case
 from reports.mechanism.shown import words
 from tests.analytic.linkages import FOLDER, from_text
@@ -35,11 +35,11 @@ def test_a_turn_is_shown_from_0_to_360_degrees_however_it_is_made(speed, start):
 @pytest.mark.parametrize(
     ("length", "metres", "one", "text"),
     [
-        ("mm", 1e-3, KeyFigure("stroke", "S", 0.1, "m"), "100.0 mm"),
-        ("m", 1.0, KeyFigure("stroke", "S", 0.1, "m"), "0.1000 m"),
-        ("mm", 1e-3, KeyFigure("peak a", "a", -2.0, "m/s²"), "−2000 mm/s²"),
-        ("mm", 1e-3, KeyFigure("peak v", "v", 1e-13, "m/s"), "0 mm/s"),  # rounding beside its signal
-        ("mm", 1e-3, KeyFigure("A", "joint_force:A:magnitude", None, "N"), "–"),
+        ("mm", 1e-3, SignalFigure("stroke", "S", 0.1, "m"), "100.0 mm"),
+        ("m", 1.0, SignalFigure("stroke", "S", 0.1, "m"), "0.1000 m"),
+        ("mm", 1e-3, SignalFigure("peak a", "a", -2.0, "m/s²"), "−2000 mm/s²"),
+        ("mm", 1e-3, SignalFigure("peak v", "v", 1e-13, "m/s"), "0 mm/s"),  # rounding beside its signal
+        ("mm", 1e-3, SignalFigure("A", "joint_force:A:magnitude", None, "N"), "–"),
     ],
 )
 def test_a_figure_stands_in_the_units_of_the_file(length, metres, one, text):
