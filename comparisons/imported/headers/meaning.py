@@ -218,7 +218,15 @@ class Recognition:
         if along and not points and ("drive" in said.meanings or self.linkage.crank in said.links):
             return of_drive, ""
         output = self.linkage.output
-        if points or component or output is None or "path" in said.meanings:
+        slides = output is not None and any(slider.point == output.point for slider in self.linkage.sliders)
+        is_output = (
+            slides
+            and output is not None
+            and [*points] == [output.point]
+            and not said.links
+            and quantity in said.meanings
+        )
+        if (points and not is_output) or component or output is None or "path" in said.meanings:
             known = listed(signals.moving_points(self.linkage))
             raise NotJudgedError(f"its name has no point with a component, as in 'D.x' (points are {known})")
         if said.links and set(said.links) != {output.link}:

@@ -32,6 +32,9 @@ FEWEST: Final = 4  # samples that tell a motion
 MOST: Final = 1000  # samples to which a piece is fitted while its end is sought
 WIDER: Final = 4.0  # times the rounding: the next noise that is tried
 FINEST: Final = 0.02  # of the coarsest rounding of a column
+EXACT: Final = 0.02  # of the rounding: a known motion that leaves less is printed in full, 1.5° after 1.5°
+ROUND: Final = 200.0  # roundings: the start of such a motion is a multiple of so many, that is, of 100 last digits
+NOTHING: Final = 1e-6  # of the rounding: the last bits of a number
 MANY: Final = 8  # pieces, from which a column may hold more than rounding
 FEWER: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
 LARGEST_NOISE: Final = 1e-3  # of the largest value
@@ -102,7 +105,11 @@ def _motion(time: Array, values: Array, resolution: Array, name: str, *, of_spee
     rounding = np.maximum(resolution, FINEST * coarsest)  # the first angles of a run-up have digits that no fit holds
     known = known_fit(time, values, rounding, of_speed=of_speed)
     if known is not None:
-        trials = (replace(known.column, values=values + trial) for trial in _trials(rounding))
+        column = known.column  # of fewer samples than the file, if that has many
+        share, start = float(np.max(np.abs(known.rest) / column.rounding)), known.start / (ROUND * coarsest)
+        is_exact = share < EXACT and abs(start - round(start)) < EXACT
+        within = column.rounding * (max(share, NOTHING) if is_exact else 1.0)
+        trials = (replace(column, values=column.values + trial) for trial in _trials(within))
         alike = tuple(trial.near(known.time).motion for trial in trials)
         return ColumnMotion(known.column.name, known.motion.segments, known.motion.jumps, coarsest, alike)
     within, pieces = _within(time, values, rounding)

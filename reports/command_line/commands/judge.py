@@ -78,8 +78,9 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
         _check_is_new(choice.write_mapping, choice.mapping)
     linkage = choice.model(load(choice.mechanism, choice.motion.variant))
     judgement = judgement_of(choice, linkage, _read(choice, linkage, destination))
+    imported = judgement.imported
     if choice.write_mapping is not None:
-        write_text(choice.write_mapping, with_proposals(judgement.imported.mapping_text, judgement.proposals))
+        write_text(choice.write_mapping, with_proposals(imported.mapping_text, judgement.proposals, imported.units))
         destination.say(f"mapping: {choice.write_mapping}")
     if destination.folder is not None:
         _write_page(choice, judgement, destination.folder, destination)

@@ -96,28 +96,21 @@ def test_the_mapping_of_a_reading_reads_the_same(tmp_path):
 def test_corrections_count_only_once_their_comment_sign_is_taken_away(tmp_path):
     text = f"Zeit [s],Moment [Nm]\n{ROWS}"
     plain = read(tmp_path, text)
-    proposed = with_proposals(plain.mapping_text, {"Mkr": Correction(-1, 2.0, 0.25)})
+    proposed = with_proposals(plain.mapping_text, {"Mkr": Correction(-1, 2.0, 0.25, 0.5)}, {"Mkr": 1e-3})
     assert not read(tmp_path, text, proposed).corrections
-    agreed = read(tmp_path, text, re.sub(r"(?m)^# (?=(?:sign|factor|time_shift) =)", "", proposed))
-    assert agreed.corrections == {"Mkr": Correction(-1, 2.0, 0.25)}
-    np.testing.assert_allclose(agreed.signals[0].values, -2.0 * plain.signals[0].values)
+    agreed = read(tmp_path, text, re.sub(r"(?m)^# (?=(?:sign|factor|time_shift|offset) =)", "", proposed))
+    assert agreed.corrections == {"Mkr": Correction(-1, 2.0, 0.25, 500.0)}
+    np.testing.assert_allclose(agreed.signals[0].values, 500.0 - 2.0 * plain.signals[0].values)
     np.testing.assert_allclose(agreed.signals[0].at, plain.signals[0].at + 0.25)
     np.testing.assert_allclose(agreed.signals[0].resolution, 2.0 * plain.signals[0].resolution)
 
 
-def test_a_shift_of_all_curves_stands_with_the_time(tmp_path):
-    text = f"Zeit [s],Moment [Nm]\n{ROWS}"
-    proposed = with_proposals(read(tmp_path, text).mapping_text, {"*": Correction(time_shift=0.5)})
-    (signal,) = read(tmp_path, text, proposed.replace("# time_shift", "time_shift")).signals
-    np.testing.assert_allclose(signal.at, [0.5, 0.6, 0.7, 0.8])
-
-
 def test_an_angle_may_be_offset_and_mirrored(tmp_path):
     text = f"Zeit [s],Kurbelwinkel [deg]\n{ROWS}"
-    mapping = '[[column]]\nheader = "Kurbelwinkel [deg]"\nsign = -1\nangle_offset = 90.0\n'
+    mapping = '[[column]]\nheader = "Kurbelwinkel [deg]"\nsign = -1\noffset = 90.0\n'
     results = read(tmp_path, text, mapping)
     np.testing.assert_allclose(results.signals[0].values, np.radians([88.5, 87.75, 87.0, 86.0]))
-    assert results.corrections["phi"].angle_offset == np.radians(90.0)
+    assert results.corrections["phi"].offset == np.radians(90.0)
 
 
 @pytest.mark.parametrize(
@@ -167,7 +160,6 @@ def test_bad_files_are_told_in_one_sentence(tmp_path, text, expected):
         ('[[column]]\nheader = "Torque"\nfactor = 0.0\n', "column #1.factor: expected a positive finite number, got 0"),
         ('[[column]]\nheader = "Torque"\nsign = 2\n', "column #1.sign: expected 1 or -1, got 2"),
         ('[[column]]\nheader = "Torque"\ntable = 2\n', "mapping.toml:1: column #1: expected a column 'Torque'"),
-        ('[[column]]\nheader = "Torque"\nangle_offset = 1.0\n', "expected an offset of an angle, got one of Mkr"),
         ('[[column]]\nheader = "Torque"\n[[column]]\nheader = "Torque"\n', "expected one [[column]] for 'Torque'"),
         ('axis = "t"\n', 'mapping.toml:1: axis: expected "time" or "phi"'),
         ("[[column]\n", "mapping.toml:1: not valid TOML"),
