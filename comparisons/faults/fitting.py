@@ -140,7 +140,7 @@ class Fitting:
         beside = self.rest(fault, start + STEP * np.array(fault.sizes))
         if beside is None:
             return None
-        slope = (_vector(beside) - _vector([one.residual for one in self.evidence])) / STEP
+        slope = _slopes([one.residual for one in self.evidence], beside)
         return slope if np.any(slope) and np.all(np.isfinite(slope)) else None
 
     def _near(self, fault: Fault, best: Fit) -> Sequence[Numbers]:
@@ -169,10 +169,10 @@ class Fitting:
             vector = _vector(rest)
             cost = float(vector @ vector)
             beside = [self.rest(fault, numbers + STEP * size) for size in np.diag(sizes)]
-            known = [_vector(one) for one in beside if one is not None]
-            if len(known) < len(sizes):
+            slopes = [_slopes(rest, one) for one in beside if one is not None]
+            if len(slopes) < len(sizes):
                 break
-            jacobian = (np.stack(known, axis=1) - vector[:, None]) / STEP
+            jacobian = np.stack(slopes, axis=1)
             if not np.all(np.isfinite(jacobian)) or not np.any(jacobian):
                 break
             step = -np.linalg.lstsq(jacobian, vector, rcond=1e-10)[0]
@@ -211,6 +211,11 @@ def _measures(rest: Sequence[Array]) -> tuple[Array, Array]:
         rms.append(float(np.sqrt(np.mean(known**2))) if enough else np.inf)
         largest.append(float(np.max(np.abs(known))) if enough else np.inf)
     return np.array(rms), np.array(largest)
+
+
+def _slopes(rest: Sequence[Array], beside: Sequence[Array]) -> Array:
+    """The change of what is left by a small step, none where either is open."""
+    return _vector([(other - one) / STEP for one, other in zip(rest, beside, strict=True)])
 
 
 def _vector(rest: Sequence[Array]) -> Array:

@@ -26,10 +26,12 @@ MANY: Final = 4  # signals
 MOST_FITTED: Final = 3000  # samples of a column to which its own faults are fitted
 NOTICED: Final = 1.5  # of the tolerance: a larger difference wants a cause
 EXPLAINED: Final = 0.1  # of a signal's difference may be left by a cause that explains it
+WORTH: Final = 0.2  # the same on some samples, so that it is measured on all
 HARMED: Final = 1.5  # times as much is left of a signal that a cause makes worse
 ALIKE: Final = 1.5  # times the rounding, or the least that any cause leaves: not distinguished
 ROUNDED: Final = 0.6  # rms of a rounding over its bound
 MOST_ALIKE: Final = 12  # causes of one rank that are not distinguished: so many name none
+MOST_OF_ALL: Final = 24  # the same, of any rank: the difference is too small to tell anything
 BETTER: Final = 0.3  # of what is left without a correction of sign or unit
 SIMILAR: Final = 0.9  # correlation of a signal that is right but for its sign or unit
 NEAR_UNIT: Final = 0.35  # natural logarithm within which a factor is taken for a unit's, other faults besides
@@ -146,7 +148,7 @@ def _explain(
         covered = min(rivals, key=lambda pair: search.left(pair[1], pair[0]))[0]
         finding = search.finding([fit for names, fit in rivals if names == covered], covered)
         equal = sum(fit.rank == finding.likeliest.rank for fit in finding.others)
-        if equal < MOST_ALIKE:
+        if equal < MOST_ALIKE and len(finding.others) < MOST_OF_ALL:
             findings.append(finding)
         else:
             unnamed += covered
@@ -201,9 +203,11 @@ class _Search:
         return self.finding(fits, tuple(names)) if fits else None
 
     def _of_model(self, fault: Fault) -> Fit | None:
-        """A fault fitted to some samples, measured on all."""
+        """A fault fitted to some samples, and if it explains anything there measured on all."""
         fit = self.thin.best(fault)
-        return self.whole.at(fault, fit.numbers, fit.digits) if fit else None
+        if fit is None or not np.any(fit.rms <= np.maximum(1.0, WORTH * self.rms)):
+            return None
+        return self.whole.at(fault, fit.numbers, fit.digits)
 
     def _spread(self, fit: Fit, name: str) -> Fit:
         """A fit of one column beside all others, which it leaves as they are."""

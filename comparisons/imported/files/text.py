@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import re
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -67,6 +68,8 @@ def _bytes(path: Path, wanted: str) -> bytes:
     try:
         if path.is_dir():
             raise LinkproofError(f"{wanted}, got the folder '{path}'; give a file")
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait for whoever writes into it
+            raise LinkproofError(f"{wanted}, got '{path}', which is no ordinary file; give a file")
         size = path.stat().st_size
         if size > LARGEST:
             raise LinkproofError(

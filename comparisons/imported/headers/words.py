@@ -38,6 +38,7 @@ def _meanings() -> dict[str, set[str]]:
 MEANINGS: Final[Mapping[str, set[str]]] = _meanings()
 STEMS: Final = tuple(sorted((word[:-1] for word in MEANINGS if word.endswith("*")), key=len, reverse=True))
 MOST_WORDS: Final = max(word.count(" ") for word in MEANINGS) + 1
+LONGEST_TOKEN: Final = 40  # letters of words written together
 SHORTEST_PART: Final = 3  # Latin letters of a word inside another
 
 
@@ -114,6 +115,8 @@ def _phrase(tokens: Iterable[str]) -> set[str]:
 def _parts(token: str) -> tuple[Word, ...]:
     """A token as known words written together, else as one unknown word."""
     text = plain(token)
+    if len(text) > LONGEST_TOKEN:
+        return (Word(token),)
     best: list[tuple[Word, ...] | None] = [()] + [None] * len(text)
     for end in range(1, len(text) + 1):
         for start in range(end):
@@ -126,7 +129,7 @@ def _parts(token: str) -> tuple[Word, ...]:
 
 def means_something(token: str) -> bool:
     """Whether a token is a known word, or several written together; a Latin one has more than three letters."""
-    is_long = len(token) > SHORTEST_PART or not plain(token).isascii()
+    is_long = SHORTEST_PART < len(token) <= LONGEST_TOKEN or not plain(token).isascii()
     return is_long and all(word.meanings for word in _parts(token))
 
 

@@ -1,5 +1,6 @@
 """Result files read as signals of a linkage: what is taken, what is asked for, what is refused, with which cure."""
 
+import os
 import re
 
 import numpy as np
@@ -187,3 +188,40 @@ def test_folders_and_missing_files_are_told(tmp_path):
     for path, expected in ((tmp_path, "got the folder"), (tmp_path / "no.csv", "No such file or directory")):
         with pytest.raises(LinkproofError, match=expected):
             read_results([path], JUKI)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("Time [s],Torque [Nm]\n0,٣\n1,1\n2,2\n3,3\n", "run.csv:2: expected a finite number in column 2, got '٣'"),
+        (
+            "Time [s],Torque [Nm]\n0,1\n1,1e300\n2,2\n3,3\n",
+            "run.csv:3: expected a finite number in column 2, got '1e300'",
+        ),
+        (f"Time [s],Torque [Nm]\n{ROWS}5,{'1' * 10**6}\n", "run.csv:6: expected a finite number in column 2, got '111"),
+        (f"Time [s],{'Drehmoment' * 500}\n{ROWS}", "'DrehmomentDrehmoment"),
+    ],
+)
+def test_numbers_that_are_none_and_endless_words_are_refused_at_once(tmp_path, text, expected):
+    assert expected in message(tmp_path, text)
+
+
+def test_a_pipe_is_refused_rather_than_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(LinkproofError, match="which is no ordinary file"):
+        read_results([tmp_path / "pipe.csv"], load("juki-mf7923d"))
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        ("t [s];Winkel [°]\n0;1\n1;2\n2;3\n3;4\n", "cp1252"),
+        ("czas [s];moment napędowy [N·m]\n0;1\n1;2\n2;3\n3;4\n", "cp1250"),
+        ("时间 [s],电机扭矩 [N*m]\n0,1\n1,2\n2,3\n3,4\n", "gb18030"),
+        ("t [s];Mkr [N*m]\n0;1\n1;2\n2;3\n3;4\n", "utf-16-le"),
+    ],
+)
+def test_encodings_without_a_mark_are_recognised(tmp_path, text, encoding):
+    (tmp_path / "run.csv").write_bytes(text.encode(encoding))
+    (signal,) = read_results([tmp_path / "run.csv"], load("juki-mf7923d")).signals
+    assert signal.name in ("phi", "Mkr")
