@@ -51,6 +51,12 @@ class Fit:
         return self.fault.words(self.numbers)
 
     @property
+    def change(self) -> float:
+        """How far its numbers are from those with which nothing is wrong, over what counts as a change of each."""
+        start = np.array(self.fault.start)
+        return float(np.linalg.norm((self.numbers - start) / self.fault.sizes)) if len(start) else 0.0
+
+    @property
     def rank(self) -> tuple[int, int]:
         """Small for what an engineer looks at first."""
         kind = self.fault.kind

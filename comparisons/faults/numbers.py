@@ -6,13 +6,15 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Final
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import LOADS, Kind, Number, changed, multiplied, named_numbers
-from analytic.description.linkage import Link, Linkage
+from analytic.description.law import Law
+from analytic.description.linkage import GROUND, Link, Linkage
 from analytic.description.units import SI, factor
 from analytic.errors import LinkproofError
 from comparisons.faults import fault
@@ -241,27 +243,63 @@ def _centre(linkage: Linkage, name: str, link: Link) -> Fault:
                  usual=tuple(dict.fromkeys(p for p in usual if p != link.centre)))  # fmt: skip
 
 
-def left_out(linkage: Linkage) -> Iterator[Fault]:
-    """Loads of a kind left out, and a force at another point of its link."""
+def misplaced_loads(linkage: Linkage) -> Iterator[Fault]:
+    """Loads of a kind left out; a load at another point, on another link, late, or by its mean."""
     for part in LOADS:
         if getattr(linkage, part):
-            nothing = {part: ()}
-            yield Fault(
-                f"no {part}", fault.Kind.SETTING,
-                lambda simulation, _, nothing=nothing: simulation.of(replace(simulation.linkage, **nothing)),  # type: ignore[misc]
-                lambda _, part=part: f"the {part} of the linkage file are left out",  # type: ignore[misc]
-            )  # fmt: skip
-    for index, force in enumerate(linkage.forces):
+            nothing: dict[str, Any] = {part: ()}
+            yield _setting(f"no {part}", f"the {part} of the linkage file are left out", partial(replace, **nothing))
+    for number, force in enumerate(linkage.forces):
+        name = f"forces.{force.point}"
         for point in linkage.links[force.link].points if force.link in linkage.links else ():
             if point != force.point:
-                yield _at_point(index, force.point, point)
+                words = f"the force at '{force.point}' acts at '{point}'"
+                yield _setting(f"{name} at {point}", words, partial(_with_load, "forces", number, point=point))
+        if force.force.angles is not None:
+            mean = Law(force.force.values.mean(axis=0))
+            words = f"the force at '{force.point}' is its mean over the crank angle"
+            yield _setting(f"{name} by its mean", words, partial(_with_load, "forces", number, force=mean))
+            yield _late(name, number)
+    for number, torque in enumerate(linkage.torques):
+        for link in linkage.links:
+            if link != torque.link:
+                words = f"the torque on '{torque.link}' acts on '{link}'"
+                change = partial(_with_load, "torques", number, link=link)
+                yield _setting(f"torques.{torque.link} on {link}", words, change)
+    for number, damper in enumerate(linkage.dampers):
+        one, other = damper.links
+        if GROUND not in damper.links:
+            name, words = f"dampers.{one}.{other}", f"the damper of '{one}' and '{other}' acts on the ground"
+            change = partial(_with_load, "dampers", number, links=(one, GROUND))
+            yield _setting(f"{name} against the ground", words, change)
 
 
-def _at_point(index: int, old: str, point: str) -> Fault:
+def _setting(name: str, words: str, change: Callable[[Linkage], Linkage]) -> Fault:
+    """A fault without numbers."""
+
     def apply(simulation: Simulation, _: Array) -> Simulation:
-        forces = list(simulation.linkage.forces)
-        forces[index] = replace(forces[index], point=point)
-        return simulation.of(replace(simulation.linkage, forces=tuple(forces)))
+        return simulation.of(change(simulation.linkage))
 
-    return Fault(f"forces.{old} at {point}", fault.Kind.SETTING, apply,
-                 lambda _: f"the force at '{old}' acts at '{point}'")  # fmt: skip
+    return Fault(name, fault.Kind.SETTING, apply, lambda _: words)
+
+
+def _with_load(part: str, number: int, linkage: Linkage, **changes: Any) -> Linkage:  # noqa: ANN401 - fields of a load
+    loads = list(getattr(linkage, part))
+    loads[number] = replace(loads[number], **changes)
+    everything: dict[str, Any] = {part: tuple(loads)}
+    return replace(linkage, **everything)
+
+
+def _late(name: str, number: int) -> Fault:
+    """A force over the crank angle that is late by an angle, rad."""
+
+    def apply(simulation: Simulation, angle: Array) -> Simulation:
+        law = simulation.linkage.forces[number].force
+        assert law.angles is not None
+        late = replace(law, angles=law.angles + float(angle[0]))
+        return simulation.of(_with_load("forces", number, simulation.linkage, force=late))
+
+    def words(angle: Array) -> str:
+        return f"the load '{name}' is late by {math.degrees(angle[0]):.3g}°"
+
+    return Fault(f"{name} late", fault.Kind.NUMBER, apply, words, (0.0,), (1.0,), unit=math.radians(1.0))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from comparisons.faults.columns import UNIT_RATIOS, Evidence, column_faults, group_faults
 from comparisons.faults.fault import Correction, Fault, Kind
 from comparisons.faults.fitting import Fit, Fitting
-from comparisons.faults.numbers import left_out, number_faults, several_numbers
+from comparisons.faults.numbers import misplaced_loads, number_faults, several_numbers
 from comparisons.faults.settings import model_settings, motion_settings
 from comparisons.faults.simulation import Simulation, is_rotary
 
@@ -234,7 +234,7 @@ class _Search:
         least = min(rivals, key=lambda fit: self.left(fit, names))
         bound = ALIKE * np.maximum(least.rms[places], self.floor[places])
         alike = [self.whole.rounded(fit) for fit in rivals if np.all(fit.rms[places] <= bound)]
-        best, *others = sorted(alike, key=lambda fit: (fit.rank, self.left(fit, names)))
+        best, *others = sorted(alike, key=lambda fit: (fit.rank, round(self.left(fit, names), 1), fit.change))
         scales = [float(np.max(self.evidence[p].tolerance)) / self.evidence[p].scale for p in places]
         left = max(largest * scale for largest, scale in zip(best.largest[places], scales, strict=True))
         fully = bool(np.all(best.largest[places] <= NOTICED))
@@ -251,7 +251,7 @@ def _worth_a_word(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
 def model_faults(simulation: Simulation) -> Iterator[Fault]:
     """Every fault of a model but those of its motion: settings, then numbers."""
     yield from model_settings(simulation)
-    yield from left_out(simulation.linkage)
+    yield from misplaced_loads(simulation.linkage)
     yield from number_faults(simulation.linkage)
     yield from several_numbers(simulation.linkage)
 

@@ -57,7 +57,11 @@ def sentence(judgement: ImportedJudgement) -> str:
         return f"Not right: {len(over)} of {count} signals over {limit}: {_few(over)}{still_open}."
     if open_:
         return f"Right within the file's digits: {count - len(open_)} of {count} signals within {limit}{still_open}."
-    return f"Right: {'the signal is' if count == 1 else f'all {count} signals are'} within {limit}."
+    right = f"{'the signal is' if count == 1 else f'all {count} signals are'} within {limit}"
+    if judgement.missed:
+        peaks = _few([name for name, _ in judgement.missed])
+        return f"Right at the file's samples: {right}, but the peak of {peaks} lies between them."
+    return f"Right: {right}."
 
 
 def sentences(judgement: ImportedJudgement) -> list[str]:
