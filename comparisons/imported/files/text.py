@@ -11,7 +11,7 @@ from typing import Final
 
 from analytic.errors import LinkproofError, printable
 from comparisons.imported.headers.units import parsed
-from comparisons.imported.headers.words import TOKEN, means_something
+from comparisons.imported.headers.words import TOKEN, known_meanings
 
 LARGEST: Final = 1 << 29  # bytes of a file
 # First bytes of files that are no text.
@@ -126,5 +126,5 @@ def _without_mark(content: bytes, name: str) -> str:
 def _known_words(start: bytes, encoding: str) -> int:
     """How many words of the beginning of a file, in letters that are not English, mean something in an encoding."""
     tokens = TOKEN.findall(start.decode(encoding, "ignore"))
-    foreign = dict.fromkeys(token for token in tokens if not token.isascii())
-    return sum(means_something(token) or parsed(token) is not None for token in foreign)
+    foreign = dict.fromkeys(token for token in tokens if not token.isascii() and len(token) > 1)
+    return sum(bool(known_meanings(token)) or parsed(token) is not None for token in foreign)

@@ -21,7 +21,7 @@ from comparisons.imported.headers.said import (
     NotJudgedError,
     Said,
     by_owner,
-    known_words,
+    check_known,
     quantities_in,
 )
 from comparisons.imported.headers.units import OFFERED, Unit, parsed
@@ -112,9 +112,9 @@ class Recognition:
 
     def _read(self, name: str, unit: Unit | None, column: Column, names: Names) -> tuple[str, str]:
         """The signal that a name in a unit means, and what was taken for granted."""
-        found, spelled = known_words(words(name, names))
-        named, taken = self._signal(self._said(found, unit), column)
-        return named, "; ".join(filter(None, (spelled, taken)))
+        found = words(name, names)
+        check_known(found)
+        return self._signal(self._said(found, unit), column)
 
     def _checked(self, meaning: Meaning, split: SplitHeader) -> Meaning:
         if not split.unit:

@@ -37,6 +37,8 @@ ROUND: Final = 200.0  # roundings: the start of such a motion is a multiple of s
 NOTHING: Final = 1e-6  # of the rounding: the last bits of a number
 MANY: Final = 8  # pieces, from which a column may hold more than rounding
 FEWER: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
+BOUND: Final = 5.0  # root mean squares of noise that none of its samples exceeds
+SIXTH: Final = 20.5  # median of the sixth differences of noise, over its root mean square
 LARGEST_NOISE: Final = 1e-3  # of the largest value
 LEAST_JUMP: Final = 0.02  # of the largest acceleration
 TRIALS: Final = 4  # other columns that would round to the same
@@ -148,6 +150,9 @@ def _spread(time: Array, curves: Sequence[Segments], order: int) -> float:
 
 def _within(time: Array, values: Array, rounding: Array) -> tuple[Array, list[tuple[int, int, int]]]:
     """The noise of the column and its pieces: the rounding, or more where that makes far fewer pieces."""
+    if len(values) > MOST:  # of a smooth column so finely sampled these differences are its noise
+        noise = float(np.median(np.abs(np.diff(values, 6)))) / SIXTH
+        rounding = np.maximum(rounding, BOUND * noise)
     pieces = _pieces(time, values, SLACK * rounding)
     most = LARGEST_NOISE * float(np.max(np.abs(values)))
     while len(pieces) > MANY and float(np.max(rounding)) * WIDER < most:
