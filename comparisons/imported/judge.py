@@ -17,7 +17,7 @@ from comparisons.faults.columns import Evidence
 from comparisons.faults.fault import Correction, Fault, Kind
 from comparisons.faults.fitting import Fit
 from comparisons.faults.ranking import Explanation, FaultFinding, differs, explain, proposals
-from comparisons.faults.simulation import Simulation, is_angle
+from comparisons.faults.simulation import ChangedMotion, Simulation, is_angle
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
 from comparisons.imported.judging.column_checks import ColumnCheck, column_checks
 from comparisons.imported.judging.crank_column import (
@@ -178,10 +178,19 @@ def _in_another_unit(compared: _Compared, imported: ImportedResults, start: floa
             continue
         changed = replace(crank, values=factor * crank.values, resolution=factor * crank.resolution)
         other = replace(imported, signals=tuple(changed if one is crank else one for one in imported.signals))
-        left = _left(compared, Simulation(compared.model.linkage, _motion(other, None, start)[0]))
+        left = _left(compared, compared.model.moving(_rescaled(compared.model.motion, crank, other, factor, start)))
         if left < least:
             best, least = _OtherUnit(_unit_fault(crank, unit, factor), other), left
     return best
+
+
+def _rescaled(motion: Motion, crank: ImportedSignal, other: ImportedResults, factor: float, start: float) -> Motion:
+    """The motion of the crank's column times a factor; read anew where whole turns were taken from its angles."""
+    if crank.name == "omega":
+        return ChangedMotion(motion, factor, float(motion.angle(0.0)) * (1.0 - factor))
+    if np.array_equal(unwrapped(crank.values), crank.values):
+        return ChangedMotion(motion, factor)
+    return _motion(other, None, start)[0]
 
 
 def _left(compared: _Compared, model: Simulation) -> float:
