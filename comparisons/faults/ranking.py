@@ -27,6 +27,7 @@ MOST_FITTED: Final = 3000  # samples of a column to which its own faults are fit
 NOTICED: Final = 1.5  # of the tolerance: a larger difference wants a cause
 EXPLAINED: Final = 0.1  # of a signal's difference may be left by a cause that explains it
 WORTH: Final = 0.2  # the same on some samples, so that it is measured on all
+WORTH_A_PAIR: Final = 20.0  # of the tolerance: two numbers fit any smaller difference
 HARMED: Final = 1.5  # times as much is left of a signal that a cause makes worse
 ALIKE: Final = 1.5  # times the rounding, or the least that any cause leaves: not distinguished
 ROUNDED: Final = 0.6  # rms of a rounding over its bound
@@ -193,7 +194,9 @@ class _Search:
         return found
 
     def pair(self, names: Sequence[str], *, from_column: bool) -> FaultFinding | None:
-        """Two numbers that together explain all that nothing else does."""
+        """Two numbers that together explain all that nothing else does, and that is far more than the rounding."""
+        if any(np.nanmax(np.abs(one.residual)) < WORTH_A_PAIR for one in self.evidence if one.name in names):
+            return None
         motion = motion_settings(self.simulation.motion, from_column=from_column)
         faults = [one for one in chain(motion, model_faults(self.simulation)) if len(one.start) == 1]
         if self.simulation.mechanism.is_numerical:
