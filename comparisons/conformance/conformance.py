@@ -111,13 +111,23 @@ def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) ->
 def check_engine(engine: Engine, processes: int | None = None) -> list[Found]:
     """The findings of all checks, each made in a worker process; nothing an engine does brings this one down.
 
+    Mutants are tried once all other checks pass, or fail as expected.
+
     Of an engine that cannot be used, or whose adapter cannot be loaded, that is the only finding.
     """
     if isinstance(engine, Unusable):
         return [examined(engine, CHECKS[INSTALLED])]
     expected = expected_failures(engine)
     known = [name for name in expected if name in CHECKS]
-    found = in_workers(examine, engine, list(CHECKS), processes)
+    own = [name for name in CHECKS if not name.startswith(MUTANT)]
+    mutants = [name for name in CHECKS if name.startswith(MUTANT)]
+    found = in_workers(examine, engine, own, processes)
+    wrong = [each.check for each in found if with_expected(each, expected).finding is Finding.FAILED]
+    if wrong:  # a mutant of a wrong engine would say the same again, or nothing
+        reason = f"'{wrong[0]}' fails: correct the engine first"
+        found += [Found(name, Finding.NOT_TESTED, reason) for name in mutants]
+    else:
+        found += in_workers(examine, engine, mutants, processes)
     stale = [
         Found(name, Finding.FAILED, f"expected a check, got '{name}' among the expected failures: correct the name")
         for name in expected

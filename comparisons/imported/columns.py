@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
+from comparisons.faults.fault import Correction
 
 Array = NDArray[np.float64]
 Axis = Literal["time", "phi"]
@@ -53,27 +53,15 @@ class ResultTable:
     columns: tuple[Column, ...]
 
 
-@dataclass(frozen=True)
-class Correction:
-    """What the mapping agrees to: ``sign * factor * value + angle_offset`` at the file's time + ``time_shift``.
-
-    ``time_shift`` is in s, ``angle_offset`` in rad; the offset is that of an angle, which may be the axis.
-    """
-
-    sign: int = 1
-    factor: float = 1.0
-    time_shift: float = 0.0
-    angle_offset: float = 0.0
-
-    def keys(self, digits: int = 17) -> list[str]:
-        """It as the keys of a mapping, the angle in degrees, with so many significant digits."""
-        given = {"factor": self.factor, "time_shift": self.time_shift, "angle_offset": math.degrees(self.angle_offset)}
-        numbers = {key: float(f"{value:.{digits}g}") for key, value in given.items()}
-        neutral = {"sign": 1, "factor": 1.0}
-        return [f"{k} = {v!r}" for k, v in {"sign": self.sign, **numbers}.items() if v != neutral.get(k, 0.0)]
-
-
 NO_CORRECTION: Final = Correction()
+
+
+def keys(correction: Correction, unit: float, digits: int = 17) -> list[str]:
+    """A correction as the keys of a mapping, its offset in a ``unit`` of this SI value, with so many digits."""
+    given = {"factor": correction.factor, "time_shift": correction.time_shift, "offset": correction.offset / unit}
+    numbers = {key: float(f"{value:.{digits}g}") for key, value in given.items()}
+    neutral = {"sign": 1, "factor": 1.0}
+    return [f"{k} = {v!r}" for k, v in {"sign": correction.sign, **numbers}.items() if v != neutral.get(k, 0.0)]
 
 
 @dataclass(frozen=True)
@@ -98,7 +86,8 @@ class ImportedSignal:
 class ImportedResults:
     """What result files tell about a linkage.
 
-    ``corrections`` are those agreed to, by the names of signals; ``mapping_text`` is a mapping that says all that was
+    ``corrections`` are those agreed to, by the names of signals, ``units`` the SI values of their columns' units;
+    ``mapping_text`` is a mapping that says all that was
     recognised, to be written and changed.
     """
 
@@ -106,3 +95,8 @@ class ImportedResults:
     not_judged: tuple[tuple[Column, str], ...]
     corrections: Mapping[str, Correction]
     mapping_text: str
+    units: Mapping[str, float] = field(default_factory=dict)
+
+    def written(self, signal: str, correction: Correction) -> str:
+        """A correction of a signal's column as the keys of a mapping."""
+        return ", ".join(keys(correction, self.units.get(signal, 1.0), 6)) or "nothing"

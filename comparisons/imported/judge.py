@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -11,10 +12,13 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
-from analytic.signals import names
-from comparisons.imported.causes.corrections import proposals
-from comparisons.imported.causes.search import Explanation, explain
-from comparisons.imported.columns import Column, Correction, ImportedResults, ImportedSignal
+from analytic.signals import names, table
+from comparisons.faults.columns import Evidence
+from comparisons.faults.fault import Correction, Fault, Kind
+from comparisons.faults.fitting import Fit
+from comparisons.faults.ranking import Explanation, FaultFinding, differs, explain, proposals
+from comparisons.faults.simulation import ChangedMotion, Simulation, is_angle
+from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
 from comparisons.imported.judging.column_checks import ColumnCheck, column_checks
 from comparisons.imported.judging.crank_column import (
     ColumnMotion,
@@ -24,16 +28,23 @@ from comparisons.imported.judging.crank_column import (
     unwrapped,
 )
 from comparisons.imported.judging.judgement import DEFAULT_LIMIT, SignalVerdict, verdicts
-from comparisons.imported.judging.samples import JudgedModel, Samples, floor, is_angle
+from comparisons.imported.judging.samples import Samples, floor
 from comparisons.judging.records import Verdict
 from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
 
 FEWEST: Final = 2  # samples of a signal that can be judged
-STILL: Final = frozenset(("phi", "S", "Jeq"))  # signals of the linkage at rest: no speed is needed over the angle
 FINE: Final = 2000  # instants by which a curve is looked at between few samples
 SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
+# Units in which a column of the crank's angle or speed may be, whatever its header says, by their SI values.
+CRANK_UNITS: Final = {
+    "phi": {"rad": 1.0, "deg": math.pi / 180.0, "turns": 2.0 * math.pi},
+    "omega": {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0, "turns per second": 2.0 * math.pi},
+}
+LOOK: Final = 100  # samples by which another unit of the crank's motion is looked at
+RIGHT: Final = 0.1  # of a signal's size that it leaves at most, and of what the unit in the header leaves
+SAME_UNIT: Final = 1e-6  # relative
 
 
 @dataclass(frozen=True)
@@ -43,7 +54,7 @@ class ImportedJudgement:
     ``missed`` are signals whose peak lies between the file's samples, each with the share of it that is missed.
     """
 
-    model: JudgedModel
+    model: Simulation
     verdicts: tuple[SignalVerdict, ...]
     explanation: Explanation
     checks: tuple[ColumnCheck, ...]
@@ -56,8 +67,9 @@ class ImportedJudgement:
     @property
     def proposals(self) -> dict[str, Correction]:
         """Corrections by the names of signals that would make them right, to be agreed to in the mapping."""
-        columns = {one.name for one in self.imported.signals} | {one.axis for one in self.imported.signals}
-        return proposals(self.explanation, columns, self.imported.corrections)
+        known = self.imported
+        columns = [one.name for one in known.signals] + [one.axis for one in known.signals]
+        return proposals(self.explanation, dict.fromkeys(columns), known.corrections)
 
     @property
     def passed(self) -> bool:
@@ -79,41 +91,145 @@ def judge(
     Without a ``motion`` the crank follows the file's column of its angle, or of its speed from ``start_angle``, rad.
     ``gives_speed`` is False where the user states no speed, which moving signals over the crank angle need.
     """
-    sampled, source_motion, source, given = _motion(imported, motion, start_angle)
-    model = JudgedModel(linkage, source_motion)
-    signals = [_sampled(one, source_motion) for one in sampled if one.name not in given]
-    _check_speed(signals, gives_speed=gives_speed)
-    short = [one for one in signals if len(one.time) < FEWEST]
-    signals = [one for one in signals if len(one.time) >= FEWEST]
+    alike = _compared(linkage, imported, motion, limit, start_angle, gives_speed=gives_speed)
+    explanation: Explanation | None = None
+    if motion is None and any(differs(one.evidence) for one in alike.verdicts):
+        other = _in_another_unit(alike, imported, start_angle)
+        if other is not None:
+            again = _compared(linkage, other.imported, None, limit, start_angle, gives_speed=gives_speed)
+            if len(_differing(again)) < len(_differing(alike)):
+                explanation = _behind(other.fault, alike, again)
+    return ImportedJudgement(
+        alike.model,
+        tuple(alike.verdicts),
+        explanation or _explained(alike),
+        tuple(column_checks(alike.model, alike.signals, imported)),
+        (*imported.not_judged, *((one.imported.column, "a single sample") for one in alike.short)),
+        imported,
+        alike.source,
+        limit,
+        tuple(_missed(alike.model, alike.verdicts)),
+    )
+
+
+@dataclass(frozen=True)
+class _Compared:
+    """Every signal beside the closed form under one motion, which the column ``crank`` gives if a column does."""
+
+    model: Simulation
+    signals: list[Samples]
+    short: list[Samples]
+    verdicts: list[SignalVerdict]
+    source: str
+    crank: ImportedSignal | None
+
+    @property
+    def evidence(self) -> list[Evidence]:
+        """What causes are fitted to."""
+        return [one.evidence for one in self.verdicts]
+
+
+def _compared(
+    linkage: Linkage, imported: ImportedResults, motion: Motion | None, limit: float, start: float, *, gives_speed: bool
+) -> _Compared:
+    moved, source, crank = _motion(imported, motion, start)
+    model = Simulation(linkage, moved)
+    every = [_sampled(one, moved) for one in imported.signals if one is not crank]
+    _check_speed(model, every, gives_speed=gives_speed)
+    signals = [one for one in every if len(one.time) >= FEWEST]
     if not signals:
+        reasons = "".join(f"; '{column.header}' is not judged: {why}" for column, why in imported.not_judged)
         raise LinkproofError(
-            f"expected a signal to judge, got none besides the crank's motion ({source}): export more columns, or name "
-            "them in a mapping"
+            f"expected a signal to judge, got none besides the crank's motion ({source}){reasons}; name columns in a "
+            "mapping, or export more of them"
         )
     truth = model.predicted(signals)
     signals = [_without_turns(one, values) for one, values in zip(signals, truth, strict=True)]
     judged = verdicts(model, signals, truth, floor(model, signals, truth), limit)
-    known = names(model.mechanism)
-    return ImportedJudgement(
-        model,
-        tuple(judged),
-        explain(model, judged, known),
-        tuple(column_checks(model, signals, imported)),
-        (*imported.not_judged, *((one.imported.column, "a single sample") for one in short)),
-        imported,
-        source,
-        limit,
-        tuple(_missed(model, judged)),
+    return _Compared(model, signals, [one for one in every if len(one.time) < FEWEST], judged, source, crank)
+
+
+def _explained(compared: _Compared) -> Explanation:
+    model, evidence = compared.model, compared.evidence
+    return explain(model, evidence, names(model.mechanism), from_column=compared.crank is not None)
+
+
+def _differing(compared: _Compared) -> list[str]:
+    return [one.name for one in compared.evidence if differs(one)]
+
+
+@dataclass(frozen=True)
+class _OtherUnit:
+    """The results with the crank's column in another unit than its header says."""
+
+    fault: Fault
+    imported: ImportedResults
+
+
+def _in_another_unit(compared: _Compared, imported: ImportedResults, start: float) -> _OtherUnit | None:
+    """The unit of the crank's column that leaves far less of the signals than that of its header; None if none does."""
+    crank = compared.crank
+    if crank is None or crank.name not in CRANK_UNITS:
+        return None
+    best, least = None, RIGHT * min(1.0, _left(compared, compared.model))
+    for unit, value in CRANK_UNITS[crank.name].items():
+        factor = value / imported.units.get(crank.name, 1.0)
+        if abs(factor - 1.0) < SAME_UNIT:
+            continue
+        changed = replace(crank, values=factor * crank.values, resolution=factor * crank.resolution)
+        other = replace(imported, signals=tuple(changed if one is crank else one for one in imported.signals))
+        left = _left(compared, compared.model.moving(_rescaled(compared.model.motion, crank, other, factor, start)))
+        if left < least:
+            best, least = _OtherUnit(_unit_fault(crank, unit, factor), other), left
+    return best
+
+
+def _rescaled(motion: Motion, crank: ImportedSignal, other: ImportedResults, factor: float, start: float) -> Motion:
+    """The motion of the crank's column times a factor; read anew where whole turns were taken from its angles."""
+    if crank.name == "omega":
+        return ChangedMotion(motion, factor, float(motion.angle(0.0)) * (1.0 - factor))
+    if np.array_equal(unwrapped(crank.values), crank.values):
+        return ChangedMotion(motion, factor)
+    return _motion(other, None, start)[0]
+
+
+def _left(compared: _Compared, model: Simulation) -> float:
+    """What a model leaves of the signals, each over its size: the mean of their root mean squares."""
+    thin = [one.thinned(LOOK) for one in compared.evidence]
+    try:
+        curves = model.predicted(thin)
+    except LinkproofError:
+        return math.inf
+    sizes = [float(np.sqrt(np.mean(one.values**2))) or 1.0 for one in thin]
+    rest = [float(np.sqrt(np.mean((one.values - curve) ** 2))) for one, curve in zip(thin, curves, strict=True)]
+    return float(np.mean([r / size for r, size in zip(rest, sizes, strict=True)]))
+
+
+def _unit_fault(crank: ImportedSignal, unit: str, factor: float) -> Fault:
+    header = crank.column.header
+    words = f"the column '{header}' is in {unit}{f', not in {crank.column.unit}' if crank.column.unit else ''}"
+    cure = {crank.name: Correction(factor=factor)}
+    return Fault(
+        f"unit:{crank.name}", Kind.COLUMN, lambda simulation, _: simulation, lambda _: words, cure=lambda _: cure
     )
+
+
+def _behind(fault: Fault, first: _Compared, again: _Compared) -> Explanation:
+    """A fault of the crank's column, and what else is wrong once it is corrected."""
+    cured, rest = [name for name in _differing(first) if name not in _differing(again)], _explained(again)
+    nothing = np.zeros(len(first.verdicts))
+    left = max(one.error_max for one in again.verdicts if one.name in cured)
+    finding = FaultFinding(tuple(cured), Fit(fault, np.zeros(0), nothing, nothing, 0), (), left, True)
+    return Explanation((finding, *rest.findings), rest.unexplained)
 
 
 def _motion(
     imported: ImportedResults, motion: Motion | None, start_angle: float
-) -> tuple[tuple[ImportedSignal, ...], Motion, str, frozenset[str]]:
-    """The signals, the crank's motion, where it comes from, and the signals that it takes up."""
+) -> tuple[Motion, str, ImportedSignal | None]:
+    """The crank's motion, where it comes from, and the column that gives it."""
     signals = imported.signals
     if motion is not None:
-        return signals, motion, f"regime {motion.regime}", frozenset()
+        return motion, f"regime {motion.regime}", None
     over_time = {one.name: one for one in signals if one.axis == "time"}
     angle, speed = over_time.get("phi"), over_time.get("omega")
     made = [(motion_of_angles(*_at(angle)), angle)] if angle else []
@@ -121,7 +237,7 @@ def _motion(
         made += [(motion_of_speeds(*_at(speed), float(angle.values[0]) if angle else start_angle), speed)]
     if made:
         best, column = min(made, key=lambda pair: pair[0].doubt)
-        return signals, best, f"column '{column.column.header}'", frozenset((column.name,))
+        return best, f"column '{column.column.header}'", column
     kind = "over the crank angle" if signals and all(one.axis == "phi" for one in signals) else "over time"
     cure = "--speed" if kind.endswith("angle") else "--regime"
     raise LinkproofError(
@@ -148,16 +264,14 @@ def _sampled(one: ImportedSignal, motion: Motion) -> Samples:
     return Samples(one.name, at, one.values, one.resolution, rounding, one)
 
 
-def _check_speed(signals: Sequence[Samples], *, gives_speed: bool) -> None:
-    moving = [one.name for one in signals if one.imported.axis == "phi" and not _is_still(one.name)]
+def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: bool) -> None:
+    known = table(model.mechanism)
+    over_angle = [one.name for one in signals if one.imported.axis == "phi"]
+    moving = [name for name in over_angle if name not in known or not known[name].is_still]
     if moving and not gives_speed:
         raise LinkproofError(
             f"{moving[0]} over the crank angle: expected the crank's speed, got none; say it with --speed, in rpm"
         )
-
-
-def _is_still(name: str) -> bool:
-    return name in STILL or is_angle(name) or (name.startswith("point:") and name.endswith((":x", ":y")))
 
 
 def _without_turns(one: Samples, truth: Array) -> Samples:
@@ -171,12 +285,11 @@ def _without_turns(one: Samples, truth: Array) -> Samples:
     return replace(one, values=values + 2.0 * np.pi * turns)
 
 
-def _missed(model: JudgedModel, judged: Sequence[SignalVerdict]) -> list[tuple[str, float]]:
+def _missed(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:
     """Signals whose closed form peaks between the samples by more than the limit."""
-    found = []
     for verdict in judged:
         time = verdict.samples.time
-        if len(time) > 2000 or (isinstance(model.motion, ColumnMotion) and len(time) < 4):
+        if len(time) > FINE or (isinstance(model.motion, ColumnMotion) and len(time) < 4):
             continue
         between = np.linspace(0.0, 1.0, max(9, FINE // len(time)))[:-1]
         fine = (time[:-1, None] + np.diff(time)[:, None] * between).ravel()
@@ -184,5 +297,4 @@ def _missed(model: JudgedModel, judged: Sequence[SignalVerdict]) -> list[tuple[s
         peak = float(np.max(np.abs(whole)))
         share = 1.0 - float(np.max(np.abs(verdict.truth))) / peak if peak else 0.0
         if share > SPARSE * verdict.limit and not verdict.near_zero:
-            found.append((verdict.name, share))
-    return found
+            yield verdict.name, share

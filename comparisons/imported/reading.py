@@ -14,13 +14,13 @@ from typing import Final
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError, listed, printable, shortened
+from comparisons.faults.fault import Correction
 from comparisons.imported.columns import (
     NO_CORRECTION,
     TIME,
     Array,
     Axis,
     Column,
-    Correction,
     ImportedResults,
     ImportedSignal,
     MappingNeededError,
@@ -93,7 +93,8 @@ def read_results(paths: Sequence[Path], linkage: Linkage, mapping: Path | None =
         raise _nothing(reading)
     corrections = {m.signal: c.correction for c, m in reading.known if c.correction != NO_CORRECTION}
     not_judged = tuple((c.column, c.reason) for c in reading.columns if c.reason)
-    return ImportedResults(tuple(signals), not_judged, corrections, _text(reading))
+    units = {m.signal: m.unit.factor for _, m in reading.known if m.unit}
+    return ImportedResults(tuple(signals), not_judged, corrections, _text(reading), units)
 
 
 def _judged(agreement: Agreement, table: ResultTable, number: int, column: Column) -> _Judged:
@@ -208,7 +209,7 @@ def _signals(reading: _Reading, table: ResultTable, axis: _Judged | None) -> Ite
         return
     name: Axis = "time" if axis.meaning.signal == TIME else "phi"
     scale = axis.correction.sign * axis.correction.factor * axis.meaning.unit.factor
-    offset = axis.correction.time_shift if name == "time" else axis.correction.angle_offset
+    offset = axis.correction.time_shift if name == "time" else axis.correction.offset
     kept, repeated = instants(axis.column, name)
     at, sharpness = axis.column.values * scale + offset, axis.column.resolution * abs(scale)
     for judged, meaning in reading.of(table):
@@ -228,7 +229,7 @@ def _signals(reading: _Reading, table: ResultTable, axis: _Judged | None) -> Ite
 
 def _in_si(column: Column, unit: Unit, correction: Correction) -> tuple[Array, Array]:
     scale = correction.factor * unit.factor
-    return correction.sign * scale * column.values + correction.angle_offset, scale * column.resolution
+    return correction.sign * scale * column.values + correction.offset, scale * column.resolution
 
 
 def _text(reading: _Reading) -> str:
@@ -252,6 +253,7 @@ def _text(reading: _Reading) -> str:
                 c.meaning.printed if c.meaning else "",
                 c.reason,
                 c.correction,
+                c.meaning.unit.factor if c.meaning and c.meaning.unit else 1.0,
             )
         )
     ignored = dict.fromkeys(c.column.header for c in reading.columns if c.is_ignored)

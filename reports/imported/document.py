@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from comparisons.imported.causes.search import FaultFinding
+from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import SETTING, SignalVerdict
 from comparisons.judging.records import Record
@@ -70,8 +70,8 @@ def _signal(verdict: SignalVerdict) -> dict[str, Any]:
 def _finding(finding: FaultFinding) -> dict[str, Any]:
     return {
         "signals": list(finding.signals),
-        "likeliest": _cause(finding.likeliest.cause.kind, finding.likeliest.words),
-        "others": [_cause(other.cause.kind, other.words) for other in finding.others],
+        "likeliest": _cause(finding.likeliest.fault.name, finding.likeliest.words),
+        "others": [_cause(other.fault.name, other.words) for other in finding.others],
         "left": finding.left,
         "within_rounding": finding.fully,
         "aligned": {name: asdict(correction) for name, correction in finding.aligned.items()},

@@ -9,8 +9,7 @@ import numpy as np
 
 from analytic.description.law import FULL_TURN
 from analytic.written import fixed
-from comparisons.imported.causes.corrections import written
-from comparisons.imported.causes.search import FaultFinding
+from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
 from comparisons.judging.records import Verdict
@@ -58,26 +57,32 @@ def sentence(judgement: ImportedJudgement) -> str:
         return f"Not right: {len(over)} of {count} signals over {limit}: {_few(over)}{still_open}."
     if open_:
         return f"Right within the file's digits: {count - len(open_)} of {count} signals within {limit}{still_open}."
-    return f"Right: {'the signal is' if count == 1 else f'all {count} signals are'} within {limit}."
+    right = f"{'the signal is' if count == 1 else f'all {count} signals are'} within {limit}"
+    if judgement.missed:
+        peaks = _few([name for name, _ in judgement.missed])
+        return f"Right at the file's samples: {right}, but the peak of {peaks} lies between them."
+    return f"Right: {right}."
 
 
 def sentences(judgement: ImportedJudgement) -> list[str]:
     """What stands at the head of a page: the verdict, the causes, what to agree to, what is not judged."""
     found = [sentence(judgement), *_open(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
-    found += [_cause_in_a_sentence(finding) for finding in judgement.explanation.findings]
+    found += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
     found += [
-        f"If this is intended, accept it in the mapping: {name}: {written(correction)}."
+        f"If this is intended, accept it in the mapping: {name}: {judgement.imported.written(name, correction)}."
         for name, correction in judgement.proposals.items()
     ]
     found += [
-        f"Accepted in the mapping and applied: {name}: {written(agreed)}."
+        f"Accepted in the mapping and applied: {name}: {judgement.imported.written(name, agreed)}."
         for name, agreed in judgement.imported.corrections.items()
     ]
     return found + [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
 
 
-def _cause_in_a_sentence(finding: FaultFinding) -> str:
-    aligned = "".join(f"with {name} corrected first ({written(c)}) " for name, c in finding.aligned.items())
+def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) -> str:
+    aligned = "".join(
+        f"with {name} corrected first ({judgement.imported.written(name, c)}) " for name, c in finding.aligned.items()
+    )
     words = "; or ".join([finding.likeliest.words, *(other.words for other in finding.others[:MOST_OTHERS])])
     return f"Likely cause of the difference in {', '.join(finding.signals)}: {aligned}{words}. {_left(finding)}"
 
@@ -104,10 +109,12 @@ def _causes_in_short(judgement: ImportedJudgement) -> list[Printed]:
     style = "green" if judgement.passed else "red" if over else "yellow"
     lines: list[Printed] = [Paragraph(sentence(judgement), colour=style)]
     findings = judgement.explanation.findings
-    if findings:
+    if findings and not judgement.passed:
         finding = findings[0]
         others = f" (or {len(finding.others)} more that fit as well)" if finding.others else ""
-        aligned = "".join(f", and {name} needs {written(c)}" for name, c in finding.aligned.items())
+        aligned = "".join(
+            f", and {name} needs {judgement.imported.written(name, c)}" for name, c in finding.aligned.items()
+        )
         lines.append(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}.")
     elif judgement.explanation.unexplained and over:
         lines.append("No single cause explains the difference.")
@@ -125,13 +132,12 @@ def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
 
 
 def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
-    sign = RUNS[verdict.outcome.value]
+    sign, (unit, value) = RUNS[verdict.outcome.value], verdict.shown
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
     moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.samples.time) else 0.0
     return (
         verdict.name + ("*" if verdict.near_zero else ""), TableCell(error, colour=sign.colour), share(verdict.floor),
-        f"{moment:.5g} s", place, figure(verdict.value_there, 5), figure(verdict.truth_there, 5),
-        verdict.unit,
+        f"{moment:.5g} s", place, figure(verdict.value_there / value, 5), figure(verdict.truth_there / value, 5), unit,
     )  # fmt: skip
 
 
@@ -149,13 +155,13 @@ def _causes(judgement: ImportedJudgement) -> Iterator[Printed]:
     for finding in judgement.explanation.findings:
         yield f"Likely cause of the difference in {', '.join(finding.signals)}:"
         for name, correction in finding.aligned.items():
-            yield f"  with {name} corrected first: {written(correction)}"
+            yield f"  with {name} corrected first: {judgement.imported.written(name, correction)}"
         yield f"  {finding.likeliest.words}"
         for other in finding.others[:MOST_OTHERS]:
             yield f"  or: {other.words}"
         more = len(finding.others) - MOST_OTHERS
         if more > 0:
-            yield f"  or one of {more} more: {', '.join(other.cause.kind for other in finding.others[MOST_OTHERS:])}"
+            yield f"  or one of {more} more: {', '.join(other.fault.name for other in finding.others[MOST_OTHERS:])}"
         yield f"  {_left(finding)}"
     unexplained = judgement.explanation.unexplained
     if unexplained:
@@ -174,9 +180,9 @@ def _corrections(judgement: ImportedJudgement) -> Iterator[Printed]:
     if proposals:
         yield "If this is intended, agree in the mapping (--write-mapping FILE writes it):"
     for name, correction in proposals.items():
-        yield f"  {name}: {written(correction)}"
+        yield f"  {name}: {judgement.imported.written(name, correction)}"
     for name, agreed in judgement.imported.corrections.items():
-        yield f"Accepted in the mapping and applied: {name}: {written(agreed)}"
+        yield f"Accepted in the mapping and applied: {name}: {judgement.imported.written(name, agreed)}"
 
 
 def _checks(judgement: ImportedJudgement) -> Iterator[Printed]:

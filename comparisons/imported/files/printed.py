@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import Final
 
@@ -12,8 +11,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d{1,3})?")
+NUMBER: Final = re.compile(r"[+-]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eEdD][+-]?[0-9]{1,3})?")
 LONGEST: Final = 60  # characters of a number
+LARGEST: Final = 1e100  # of a number: squares of larger ones are beyond all numbers
 MOST_DIGITS: Final = 17  # of a double: more say nothing
 SMALLEST: Final = 400  # decimals of the smallest double, and more
 
@@ -21,7 +21,7 @@ SMALLEST: Final = 400  # decimals of the smallest double, and more
 def is_number(word: str) -> bool:
     """Whether a word is a finite number with a decimal point."""
     plain = word.replace("d", "e").replace("D", "e")
-    return len(word) <= LONGEST and NUMBER.fullmatch(word) is not None and math.isfinite(float(plain))
+    return len(word) <= LONGEST and NUMBER.fullmatch(word) is not None and abs(float(plain)) < LARGEST
 
 
 def parse(words: list[str]) -> tuple[Array, Array] | None:
@@ -33,7 +33,7 @@ def parse(words: list[str]) -> tuple[Array, Array] | None:
         values = np.array(words, dtype=np.float64)
     except ValueError:
         return _slowly(words)
-    if not np.isfinite(values).all():
+    if not (np.abs(values) < LARGEST).all() or not all(map(str.isascii, words)):
         return None
     text = np.array(words, dtype=np.bytes_)
     return values, _decimals(text)
@@ -45,7 +45,7 @@ def _slowly(words: list[str]) -> tuple[Array, Array] | None:
         return None
     plain = [word.replace("d", "e").replace("D", "e") for word in words]
     values = np.array(plain, dtype=np.float64)
-    return (values, _decimals(np.array(plain, dtype=np.bytes_))) if np.isfinite(values).all() else None
+    return (values, _decimals(np.array(plain, dtype=np.bytes_))) if (np.abs(values) < LARGEST).all() else None
 
 
 def _decimals(text: NDArray[np.bytes_]) -> Array:

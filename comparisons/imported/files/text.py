@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import codecs
 import re
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from analytic.errors import LinkproofError, printable
 from comparisons.imported.headers.units import parsed
-from comparisons.imported.headers.words import TOKEN, means_something
+from comparisons.imported.headers.words import TOKEN, known_meanings
 
 LARGEST: Final = 1 << 29  # bytes of a file
 # First bytes of files that are no text.
@@ -67,6 +68,8 @@ def _bytes(path: Path, wanted: str) -> bytes:
     try:
         if path.is_dir():
             raise LinkproofError(f"{wanted}, got the folder '{path}'; give a file")
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait for whoever writes into it
+            raise LinkproofError(f"{wanted}, got '{path}', which is no ordinary file; give a file")
         size = path.stat().st_size
         if size > LARGEST:
             raise LinkproofError(
@@ -123,5 +126,5 @@ def _without_mark(content: bytes, name: str) -> str:
 def _known_words(start: bytes, encoding: str) -> int:
     """How many words of the beginning of a file, in letters that are not English, mean something in an encoding."""
     tokens = TOKEN.findall(start.decode(encoding, "ignore"))
-    foreign = dict.fromkeys(token for token in tokens if not token.isascii())
-    return sum(means_something(token) or parsed(token) is not None for token in foreign)
+    foreign = dict.fromkeys(token for token in tokens if not token.isascii() and len(token) > 1)
+    return sum(bool(known_meanings(token)) or parsed(token) is not None for token in foreign)

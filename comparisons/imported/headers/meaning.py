@@ -21,7 +21,7 @@ from comparisons.imported.headers.said import (
     NotJudgedError,
     Said,
     by_owner,
-    known_words,
+    check_known,
     quantities_in,
 )
 from comparisons.imported.headers.units import OFFERED, Unit, parsed
@@ -112,9 +112,9 @@ class Recognition:
 
     def _read(self, name: str, unit: Unit | None, column: Column, names: Names) -> tuple[str, str]:
         """The signal that a name in a unit means, and what was taken for granted."""
-        found, spelled = known_words(words(name, names))
-        named, taken = self._signal(self._said(found, unit), column)
-        return named, "; ".join(filter(None, (spelled, taken)))
+        found = words(name, names)
+        check_known(found)
+        return self._signal(self._said(found, unit), column)
 
     def _checked(self, meaning: Meaning, split: SplitHeader) -> Meaning:
         if not split.unit:
@@ -218,7 +218,15 @@ class Recognition:
         if along and not points and ("drive" in said.meanings or self.linkage.crank in said.links):
             return of_drive, ""
         output = self.linkage.output
-        if points or component or output is None or "path" in said.meanings:
+        slides = output is not None and any(slider.point == output.point for slider in self.linkage.sliders)
+        is_output = (
+            slides
+            and output is not None
+            and [*points] == [output.point]
+            and not said.links
+            and quantity in said.meanings
+        )
+        if (points and not is_output) or component or output is None or "path" in said.meanings:
             known = listed(signals.moving_points(self.linkage))
             raise NotJudgedError(f"its name has no point with a component, as in 'D.x' (points are {known})")
         if said.links and set(said.links) != {output.link}:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Final
 
 from analytic.errors import LinkproofError, listed, shortened
 from comparisons.imported.columns import MAGNITUDE
 from comparisons.imported.headers.units import Dimension
-from comparisons.imported.headers.words import MEANINGS, Word
+from comparisons.imported.headers.words import Word
 
 # Exponents of m, kg, s and rad.
 DIMENSIONS: Final[Mapping[str, Dimension]] = {
@@ -36,8 +34,6 @@ TURNING: Final = {
 # The quantity that turns where a word speaks of any.
 ANGULAR: Final = {"displacement": "angle", "speed": "angular_speed", "acceleration": "angular_acceleration"}
 COMPONENTS: Final = ("x", "y", "z", MAGNITUDE)
-SIMILAR: Final = 0.85  # share of equal letters from which one word is taken for a misspelling of another
-SHORTEST: Final = 5  # letters of a word that may be misspelled
 
 
 class NotJudgedError(LinkproofError):
@@ -105,23 +101,8 @@ def quantities_in(meanings: Iterable[str]) -> tuple[frozenset[str], frozenset[st
     return frozenset(quantities), frozenset(components)
 
 
-def known_words(found: list[Word]) -> tuple[list[Word], str]:
-    """Words that all mean something, misspelled ones put right, and what was put right."""
-    result, spelled = [], []
+def check_known(found: Iterable[Word]) -> None:
+    """Raise NotJudgedError for a word that means nothing: whoever exported it has to say what it is."""
     for word in found:
-        if word.meanings or word.kind:
-            result.append(word)
-            continue
-        near = _nearest(word.text.lower())
-        if near is None:
+        if not (word.meanings or word.kind):
             raise NotJudgedError(f"'{shortened(word.text)}' in its name is no link, point or joint, nor a known word")
-        result.append(replace(word, meanings=frozenset(MEANINGS[near])))
-        spelled.append(f"'{word.text}' read as '{near}'")
-    return result, "; ".join(spelled)
-
-
-@lru_cache(maxsize=4096)
-def _nearest(word: str) -> str | None:
-    """The known word that a word is a misspelling of, if any."""
-    near = difflib.get_close_matches(word, MEANINGS, n=1, cutoff=SIMILAR) if len(word) >= SHORTEST else []
-    return near[0] if near else None

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import tomllib
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Final
 
 from analytic.description.linkage import GROUND, Linkage
 
 _WORDS: Final = tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8"))
+TOGETHER: Final = "together"
 LONGEST: Final = 200  # characters of a header that is looked at
 TOKEN: Final = re.compile(r"[^\W\d_]+|\d+")
 # Where a word begins inside another: camelCase, and the last capital of a run of them.
@@ -30,15 +31,18 @@ def plain(text: str) -> str:
 def _meanings() -> dict[str, set[str]]:
     meanings: dict[str, set[str]] = {}
     for meaning, table in _WORDS.items():
-        for word in table["words"]:
+        for word in table["words"] if meaning != TOGETHER else ():
             meanings.setdefault(" ".join(plain(word).split()), set()).add(meaning)
+    for language in _WORDS[TOGETHER]:
+        for first, then in itertools.product(language["first"], language["then"]):
+            meanings.setdefault(plain(first + then), set()).update(meanings[plain(first)] | meanings[plain(then)])
     return meanings
 
 
 MEANINGS: Final[Mapping[str, set[str]]] = _meanings()
 STEMS: Final = tuple(sorted((word[:-1] for word in MEANINGS if word.endswith("*")), key=len, reverse=True))
 MOST_WORDS: Final = max(word.count(" ") for word in MEANINGS) + 1
-SHORTEST_PART: Final = 3  # Latin letters of a word inside another
+ENDING: Final = 5  # letters behind a stem
 
 
 @dataclass(frozen=True)
@@ -102,42 +106,19 @@ def _next(tokens: list[str], names: Names) -> tuple[int, list[Word]]:
     token = tokens[0]
     if token.isdigit():
         return 1, []
-    parts = [part for piece in CAMEL.split(token) for part in _parts(piece)]
-    return 1, parts
+    pieces = [token] if known_meanings(token) else CAMEL.split(token)
+    return 1, [Word(piece, known_meanings(piece)) for piece in pieces]
 
 
 def _phrase(tokens: Iterable[str]) -> set[str]:
     return set(MEANINGS.get(plain(" ".join(tokens)), ()))
 
 
-@lru_cache(maxsize=4096)
-def _parts(token: str) -> tuple[Word, ...]:
-    """A token as known words written together, else as one unknown word."""
-    text = plain(token)
-    best: list[tuple[Word, ...] | None] = [()] + [None] * len(text)
-    for end in range(1, len(text) + 1):
-        for start in range(end):
-            before = best[start]
-            word = _word(text[start:end], is_whole=end - start == len(text), is_last=end == len(text))
-            if before is not None and word and (best[end] is None or len(before) + 1 < len(best[end] or ())):
-                best[end] = (*before, word)
-    return best[-1] or (Word(token),)
-
-
-def means_something(token: str) -> bool:
-    """Whether a token is a known word, or several written together; a Latin one has more than three letters."""
-    is_long = len(token) > SHORTEST_PART or not plain(token).isascii()
-    return is_long and all(word.meanings for word in _parts(token))
-
-
-def _word(text: str, *, is_whole: bool, is_last: bool) -> Word | None:
-    if not is_whole and text.isascii() and len(text) < SHORTEST_PART:
-        return None
-    meanings = MEANINGS.get(text)
-    if meanings is None and is_last:
-        stem = next((stem for stem in STEMS if text.startswith(stem) and len(text) <= len(stem) + 5), None)
-        meanings = MEANINGS[f"{stem}*"] if stem else None
-    return Word(text, frozenset(meanings)) if meanings else None
+def known_meanings(word: str) -> frozenset[str]:
+    """What a word means, exactly or by its stem; nothing for an unknown one."""
+    text = plain(word)
+    stem = next((f"{stem}*" for stem in STEMS if text.startswith(stem) and len(text) <= len(stem) + ENDING), "")
+    return frozenset(MEANINGS.get(text) or MEANINGS.get(stem) or ())
 
 
 def bodies(found: Iterable[Word], kind: str) -> Iterator[str]:

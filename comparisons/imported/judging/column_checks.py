@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamics.reduced import potential_energy
+from comparisons.faults.simulation import Simulation
 from comparisons.imported.columns import ImportedResults
 from comparisons.imported.judging.crank_column import regular
-from comparisons.imported.judging.samples import JudgedModel, Samples
+from comparisons.imported.judging.samples import Samples
 from comparisons.judging.records import IMPORTED, Record, Verdict
 from comparisons.observation.quadrature import error_bound, integral
 from engines.contract import Signal
@@ -58,7 +59,7 @@ class ColumnCheck:
         return self.error <= self.limit
 
 
-def column_checks(model: JudgedModel, signals: Sequence[Samples], imported: ImportedResults) -> Iterator[ColumnCheck]:
+def column_checks(model: Simulation, signals: Sequence[Samples], imported: ImportedResults) -> Iterator[ColumnCheck]:
     """Every check that the columns allow."""
     found = {one.name: one for one in signals}
     for one in imported.signals:  # those that are the crank's motion too
@@ -92,7 +93,7 @@ def _same_clock(*signals: Samples) -> bool:
     )
 
 
-def _derivative(model: JudgedModel, whole: Samples, part: Samples) -> ColumnCheck:
+def _derivative(model: Simulation, whole: Samples, part: Samples) -> ColumnCheck:
     """The integral of the derivative beside the signal itself: differences would multiply its rounding."""
     time, rate = part.time, Signal(part.time, part.values)
     jumps = model.motion.jumps
@@ -118,7 +119,7 @@ def _power(power: Samples, torque: Samples, speed: Samples) -> ColumnCheck:
     )
 
 
-def _lengths(model: JudgedModel, found: dict[str, Samples]) -> Iterator[ColumnCheck]:
+def _lengths(model: Simulation, found: dict[str, Samples]) -> Iterator[ColumnCheck]:
     """Points of one link keep their distance."""
     linkage = model.linkage
     for name, link in linkage.links.items():
@@ -137,7 +138,7 @@ def _lengths(model: JudgedModel, found: dict[str, Samples]) -> Iterator[ColumnCh
             yield ColumnCheck(f"length of {name} from {one} to {other}", words, float(error[worst]) / length, open_)
 
 
-def _place(model: JudgedModel, found: dict[str, Samples], point: str) -> tuple[Array, Array, float]:
+def _place(model: Simulation, found: dict[str, Samples], point: str) -> tuple[Array, Array, float]:
     if point in model.linkage.ground:
         x, y = model.linkage.ground[point]
         return np.array([x]), np.array([y]), 0.0
@@ -146,12 +147,12 @@ def _place(model: JudgedModel, found: dict[str, Samples], point: str) -> tuple[A
     return x_column.values, y_column.values, open_
 
 
-def _only_gravity(model: JudgedModel) -> bool:
+def _only_gravity(model: Simulation) -> bool:
     linkage = model.linkage
     return not (linkage.forces or linkage.torques or linkage.springs or linkage.dampers)
 
 
-def _energy(model: JudgedModel, power: Samples, kinetic: Samples) -> ColumnCheck:
+def _energy(model: Simulation, power: Samples, kinetic: Samples) -> ColumnCheck:
     """Work of the drive beside kinetic energy and, of the linkage's weights, potential energy."""
     time, jumps = power.time, model.motion.jumps
     work = integral(Signal(time, power.values), jumps)

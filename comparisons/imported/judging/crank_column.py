@@ -32,8 +32,13 @@ FEWEST: Final = 4  # samples that tell a motion
 MOST: Final = 1000  # samples to which a piece is fitted while its end is sought
 WIDER: Final = 4.0  # times the rounding: the next noise that is tried
 FINEST: Final = 0.02  # of the coarsest rounding of a column
+EXACT: Final = 0.02  # of the rounding: a known motion that leaves less is printed in full, 1.5° after 1.5°
+ROUND: Final = 200.0  # roundings: the start of such a motion is a multiple of so many, that is, of 100 last digits
+NOTHING: Final = 1e-6  # of the rounding: the last bits of a number
 MANY: Final = 8  # pieces, from which a column may hold more than rounding
 FEWER: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
+BOUND: Final = 5.0  # root mean squares of noise that none of its samples exceeds
+SIXTH: Final = 20.5  # median of the sixth differences of noise, over its root mean square
 LARGEST_NOISE: Final = 1e-3  # of the largest value
 LEAST_JUMP: Final = 0.02  # of the largest acceleration
 TRIALS: Final = 4  # other columns that would round to the same
@@ -102,7 +107,11 @@ def _motion(time: Array, values: Array, resolution: Array, name: str, *, of_spee
     rounding = np.maximum(resolution, FINEST * coarsest)  # the first angles of a run-up have digits that no fit holds
     known = known_fit(time, values, rounding, of_speed=of_speed)
     if known is not None:
-        trials = (replace(known.column, values=values + trial) for trial in _trials(rounding))
+        column = known.column  # of fewer samples than the file, if that has many
+        share, start = float(np.max(np.abs(known.rest) / column.rounding)), known.start / (ROUND * coarsest)
+        is_exact = share < EXACT and abs(start - round(start)) < EXACT
+        within = column.rounding * (max(share, NOTHING) if is_exact else 1.0)
+        trials = (replace(column, values=column.values + trial) for trial in _trials(within))
         alike = tuple(trial.near(known.time).motion for trial in trials)
         return ColumnMotion(known.column.name, known.motion.segments, known.motion.jumps, coarsest, alike)
     within, pieces = _within(time, values, rounding)
@@ -141,6 +150,9 @@ def _spread(time: Array, curves: Sequence[Segments], order: int) -> float:
 
 def _within(time: Array, values: Array, rounding: Array) -> tuple[Array, list[tuple[int, int, int]]]:
     """The noise of the column and its pieces: the rounding, or more where that makes far fewer pieces."""
+    if len(values) > MOST:  # of a smooth column so finely sampled these differences are its noise
+        noise = float(np.median(np.abs(np.diff(values, 6)))) / SIXTH
+        rounding = np.maximum(rounding, BOUND * noise)
     pieces = _pieces(time, values, SLACK * rounding)
     most = LARGEST_NOISE * float(np.max(np.abs(values)))
     while len(pieces) > MANY and float(np.max(rounding)) * WIDER < most:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.units import SI, factor
 from analytic.signals import unit
-from comparisons.imported.judging.samples import JudgedModel, Samples, is_angle, is_force, jumps_of
+from comparisons.faults.columns import Evidence
+from comparisons.faults.simulation import Simulation, is_angle, is_force
+from comparisons.imported.judging.samples import Samples, jumps_of
 from comparisons.judging.deviations import Deviation
 from comparisons.judging.records import IMPORTED, Record, Verdict
 from comparisons.reference.motion import Motion
@@ -30,13 +33,16 @@ class SignalVerdict:
 
     ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``floor``
     is the largest that the file's rounding leaves open; ``worst`` is the sample with the largest error. Samples at a
-    jump of the crank's acceleration are not ``kept``: their errors count beyond the jump's size.
+    jump of the crank's acceleration are not ``kept``: their errors count beyond the jump's size, those that are still
+    over the limit are ``over``, and ``truth_there`` is the side of the jump that is nearer to the file. ``shown`` is
+    the unit of the linkage's file and its SI value.
     """
 
     samples: Samples
     truth: Array
     open: Array
     kept: NDArray[np.bool_]
+    over: NDArray[np.bool_]
     unit: str
     scale: float
     near_zero: bool
@@ -45,7 +51,9 @@ class SignalVerdict:
     error_rms: float
     worst: int
     worst_angle: float
+    truth_there: float
     outcome: Verdict
+    shown: tuple[str, float]
 
     @property
     def name(self) -> str:
@@ -57,16 +65,14 @@ class SignalVerdict:
         """The rounding over the scale."""
         return float(np.max(self.open[self.kept], initial=0.0)) / self.scale
 
-    def thinned(self, most: int) -> SignalVerdict:
-        """With at most so many of its samples, equally spread: enough to fit a cause to."""
-        every = -(-len(self.truth) // most)
-        parts = {part: getattr(self, part)[::every] for part in ("truth", "open", "kept")}
-        return replace(self, samples=self.samples.thinned(most), **parts)
-
     @property
-    def residual(self) -> Array:
-        """Value less truth, (n,)."""
-        return self.samples.values - self.truth
+    def evidence(self) -> Evidence:
+        """What causes are fitted to."""
+        own, over = self.samples, np.abs(self.samples.values - self.truth) > self.limit * self.scale
+        alone = self.over & ~np.any(over & self.kept)  # nothing but samples at a jump is off
+        return Evidence(
+            own.name, own.time, own.values, self.truth, self.open, self.kept | alone, alone, self.scale, *self.shown
+        )
 
     @property
     def worst_time(self) -> float:
@@ -77,11 +83,6 @@ class SignalVerdict:
     def value_there(self) -> float:
         """The file's value there."""
         return float(self.samples.values[self.worst])
-
-    @property
-    def truth_there(self) -> float:
-        """The closed form there."""
-        return float(self.truth[self.worst])
 
     @property
     def left_out(self) -> int:
@@ -132,7 +133,7 @@ class SignalVerdict:
 
 
 def verdicts(
-    model: JudgedModel, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
+    model: Simulation, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
 ) -> list[SignalVerdict]:
     """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
     scales = natural_scales(model, samples, truth)
@@ -143,17 +144,18 @@ def verdicts(
 
 
 def _verdict(
-    model: JudgedModel, one: Samples, truth: Array, open_: Array, *, limit: float, natural: float
+    model: Simulation, one: Samples, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
     jump = jumps_of(model, one)
-    kept = jump == 0.0
+    kept, size = jump == 0.0, np.abs(jump)
     peak = float(np.max(np.abs(truth[kept] if kept.any() else truth)))
     least = NEAR_ZERO * natural
     near_zero = peak < least
     scale = (least if near_zero else peak) or 1.0
-    error = np.maximum(np.abs(one.values - truth) - jump, 0.0)
+    error = np.maximum(np.abs(one.values - truth) - size, 0.0)
     worst = int(np.argmax(error))
     over = error > limit * scale
+    sides = (float(truth[worst]), float(truth[worst] + jump[worst]))
     outcome = Verdict.PASSED
     if np.any(over & (error > open_)):
         outcome = Verdict.OVER_LIMIT
@@ -164,6 +166,7 @@ def _verdict(
         truth=truth,
         open=open_,
         kept=kept,
+        over=over & ~kept,
         unit=_unit(one.name, model),
         scale=scale,
         near_zero=near_zero,
@@ -172,15 +175,25 @@ def _verdict(
         error_rms=float(np.sqrt(np.sum(error**2) / max(1, np.sum(kept)))) / scale,
         worst=worst,
         worst_angle=float(model.motion.angle(one.time[worst])),
+        truth_there=min(sides, key=lambda side: abs(side - one.values[worst])),
         outcome=outcome,
+        shown=in_file_units(_unit(one.name, model), model.linkage.units),
     )
 
 
-def _unit(name: str, model: JudgedModel) -> str:
+def in_file_units(si: str, units: Mapping[str, str]) -> tuple[str, float]:
+    """The unit of a linkage's file in which what has an SI unit is shown, and its SI value."""
+    base, solidus, rate = si.partition("/")
+    kind = next((kind for kind in ("length", "angle", "force", "torque") if SI[kind] == base), "")
+    value = factor(kind, units[kind]) if kind in units else 1.0
+    return (si, 1.0) if value == 1.0 else (units[kind].replace("*", " ") + solidus + rate, value)
+
+
+def _unit(name: str, model: Simulation) -> str:
     return "N" if name.startswith("joint_force") else unit(name, model.linkage)
 
 
-def natural_scales(model: JudgedModel, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
+def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
     """Of each signal what is large for its kind in this linkage and motion: a length, a force, a torque.
 
     A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals

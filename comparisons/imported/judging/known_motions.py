@@ -1,10 +1,10 @@
-"""Motions that a column of crank angles or speeds may be within its rounding: a run-up, a swing, there and back."""
+"""Motions that a column of crank angles or speeds may be within its rounding: constant speed, a run-up, a swing."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Final
 
 import numpy as np
@@ -18,11 +18,15 @@ Family = Callable[
     [float, float], CrankMotion
 ]  # time of the ramp or of one way, whole duration, s: of speed or travel 1
 
+CONSTANT: Final = "constant-speed"
 SLACK: Final = 1.2  # of the rounding: the last bits of the numbers
 TIMES: Final = 50  # from which the search of a family's time begins
 FEW: Final = 200  # samples by which a family is ruled out
+MOST: Final = 2000  # samples to which one is fitted; all are held against it
+NOTHING: Final = 1e-9  # of the duration: no dwell
 SMALL, NEWTON = 1e-5, 3  # of the duration: a change of the time by which its slope is found; steps to rounding
 LEAST: Final = 0.02  # of the duration: the shortest time tried
+PARTS: Final = ("time", "values", "rounding")
 
 
 def _run_up(name: str, time: float, duration: float) -> CrankMotion:
@@ -30,15 +34,17 @@ def _run_up(name: str, time: float, duration: float) -> CrankMotion:
 
 
 def _swing(law: str, time: float, duration: float, *, back: bool) -> CrankMotion:
-    ways = 2.0 if back else 1.0
-    return swing(law, 0.0, 1.0, time=time, dwell=max(duration - ways * time, 0.0), back=back)
+    dwell = duration - (2.0 if back else 1.0) * time
+    return swing(law, 0.0, 1.0, time=time, dwell=dwell if dwell > NOTHING * duration else 0.0, back=back)
 
 
+RUN_UPS: Final = (CONSTANT, *RAMPS)
+BACK: Final = " and back"
 _AT_REST: Final = [name for name, law in LAWS.items() if law.at_rest]
 FAMILIES: Final[Mapping[str, Family]] = {
-    **{name: partial(_run_up, name) for name in RAMPS},
+    **{name: partial(_run_up, name) for name in RUN_UPS},
     **{name: partial(_swing, name, back=False) for name in _AT_REST},
-    **{f"{name} and back": partial(_swing, name, back=True) for name in _AT_REST},
+    **{f"{name}{BACK}": partial(_swing, name, back=True) for name in _AT_REST},
 }
 
 
@@ -53,23 +59,29 @@ class KnownColumn:
     of_speed: bool
     duration: float
 
+    def thinned(self, most: int) -> KnownColumn:
+        """At most so many of the samples, equally spread."""
+        return replace(self, **{part: getattr(self, part)[:: -(-len(self.time) // most)] for part in PARTS})
+
     def fitted(self) -> KnownFit | None:
         """The motion of the family that the column is within its rounding, if there is one."""
-        thin = replace(self, **{part: getattr(self, part)[:: -(-len(self.time) // FEW)] for part in PARTS})
-        coarse = np.linspace(LEAST * self.duration, self._longest, TIMES)
+        thin = self.thinned(FEW)
+        coarse = np.linspace(LEAST * self.duration, self._longest, 1 if self.name == CONSTANT else TIMES)
         near = float(coarse[int(np.argmin([thin._cost(time) for time in coarse]))])
         if not thin.near(near).is_within:
             return None
-        fit = self.near(near)
-        return fit if fit.is_within else None
+        fit = self.thinned(MOST).near(near)
+        return fit if replace(fit, rest=self._rest(fit.time, fit.size, fit.start), column=self).is_within else None
 
     @property
     def _longest(self) -> float:
         """The longest time, s: neither a dwell nor a hold is left."""
-        return (0.5 if self.name.endswith("back") else 1.0) * self.duration
+        return (0.5 if self.name.endswith(BACK) else 1.0) * self.duration
 
     def near(self, about: float) -> KnownFit:
-        """The nearest motion whose time is about that."""
+        """The nearest motion whose time is about that; constant speed has none."""
+        if self.name == CONSTANT:
+            return self._of(about)
         bounds = (max(about - self.duration / TIMES, 0.5 * LEAST * self.duration), about + self.duration / TIMES)
         options = {"xatol": 1e-12 * self.duration}
         place = float(minimize_scalar(self._cost, bounds=bounds, method="bounded", options=options).x)
@@ -92,20 +104,27 @@ class KnownColumn:
     def _cost(self, time: float) -> float:
         return float(np.sum((self._of(time).rest / self.rounding) ** 2))
 
+    def _shape(self, time: float) -> Array:
+        """The column of size 1 with that time, (n,): of one motion for all times, on another clock."""
+        one, order = _unit(self.name.removesuffix(BACK)), int(self.of_speed)
+        if self.name.endswith(BACK):
+            returns = self.time > 0.5 * self.duration
+            shape = one._evaluate(np.where(returns, self.duration - self.time, self.time) / time, order)
+            return np.asarray(np.where(returns, -shape, shape) if order else shape)
+        return np.asarray(one._evaluate(self.time / time, order))
+
+    def _rest(self, time: float, size: float, start: float) -> Array:
+        return np.asarray(self.values - start - size * self._shape(time))
+
     def _of(self, time: float) -> KnownFit:
         """The motion with that time that is nearest to the column."""
-        one = FAMILIES[self.name](time, self.duration)
-        shape = one.speed(self.time) if self.of_speed else one.angle(self.time)
-        weights = self.rounding**-2.0
+        shape, weights = self._shape(time), self.rounding**-2.0
         means = (0.0, 0.0) if self.of_speed else (np.average(part, weights=weights) for part in (shape, self.values))
         tip, mean = means
         arm = shape - tip
         size = float((weights * arm) @ (self.values - mean)) / (float((weights * arm) @ arm) or 1.0)
         start = float(mean - size * tip)
-        return KnownFit(self, time, one, size, start, np.asarray(self.values - start - size * shape))
-
-
-PARTS: Final = ("time", "values", "rounding")
+        return KnownFit(self, time, size, start, self._rest(time, size, start))
 
 
 @dataclass(frozen=True)
@@ -114,7 +133,6 @@ class KnownFit:
 
     column: KnownColumn
     time: float
-    one: CrankMotion
     size: float
     start: float
     rest: Array
@@ -126,21 +144,33 @@ class KnownFit:
 
     @property
     def motion(self) -> CrankMotion:
-        """The motion, rad and s."""
+        """The motion, rad and s; the size is that of a shape in 1 s."""
+        column = self.column
+        one = FAMILIES[column.name](self.time, column.duration)
+        runs_up = column.name in RUN_UPS  # to speed 1; a swing has travel 1
+        size = self.size * (1.0 if runs_up is column.of_speed else 1.0 / self.time if runs_up else self.time)
         pieces = tuple(
             Segment(
                 p.start,
                 p.end,
-                (self.start + self.size * p.coefficients[0], *(self.size * c for c in p.coefficients[1:])),
+                (self.start + size * p.coefficients[0], *(size * c for c in p.coefficients[1:])),
             )
-            for p in self.one.segments
+            for p in one.segments
         )
         return CrankMotion(self.column.name, pieces)
 
 
+@lru_cache
+def _unit(name: str) -> CrankMotion:
+    """A run-up or one way of a swing in 1 s, and long enough after it."""
+    rest = 2.0 / LEAST
+    return _run_up(name, 1.0, rest) if name in RUN_UPS else swing(name, 0.0, 1.0, time=1.0, dwell=rest)
+
+
 def known_fit(time: Array, values: Array, rounding: Array, *, of_speed: bool) -> KnownFit | None:
     """The first family with a motion from t = 0, before which no file begins, that a column is within its rounding."""
-    if time[0] < 0.0 or np.ptp(values) <= np.max(rounding):
+    moved = values if of_speed else values - values[0]
+    if time[0] < 0.0 or np.max(np.abs(moved)) <= np.max(rounding):
         return None
     column = KnownColumn("", time, values, rounding, of_speed, float(time[-1]))
     fits = (replace(column, name=name).fitted() for name in FAMILIES)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from analytic.errors import UnknownNameError
-from comparisons.imported.columns import NO_CORRECTION, TIME, Column, Correction, ResultTable
+from comparisons.faults.fault import Correction
+from comparisons.imported.columns import NO_CORRECTION, TIME, Column, ResultTable
 from comparisons.imported.headers.meaning import Meaning, Recognition
 from comparisons.imported.headers.said import NotJudgedError
 from comparisons.imported.headers.units import parsed
@@ -31,7 +31,8 @@ class Agreement:
             return self.recognition.meaning(column), NO_CORRECTION
         at, entry = found
         meaning = self._named(at, entry, column)
-        return meaning, self._correction(at, entry, meaning.signal)
+        unit = meaning.unit.factor if meaning.unit else 1.0
+        return meaning, Correction(entry.sign, entry.factor, entry.time_shift, entry.offset * unit)
 
     def _named(self, at: int, entry: MappedColumn, column: Column) -> Meaning:
         if entry.signal is None:
@@ -67,13 +68,3 @@ class Agreement:
                 f"'{text}'; correct it",
             )  # fmt: skip
         return Meaning(meaning.signal, unit, text, meaning.taken)
-
-    def _correction(self, at: int, entry: MappedColumn, signal: str) -> Correction:
-        offset = math.radians(entry.angle_offset)
-        if offset and self.recognition.unit(signal).dimension != (0, 0, 0, 1):
-            raise self.mapping.fail(
-                at,
-                "angle_offset",
-                f"expected an offset of an angle, got one of {signal}; write it in the [[column]] of an angle",
-            )
-        return Correction(entry.sign, entry.factor, entry.time_shift, offset)

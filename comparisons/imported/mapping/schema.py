@@ -16,7 +16,7 @@ class MappedColumn(TomlTable):
     """A column by its ``header``, where that does not tell it by its ``file`` and the number of its ``table`` there.
 
     What it is: a ``signal`` in a ``unit``; what its header says where they are left out. What is agreed to:
-    ``sign * factor * value + angle_offset`` (deg) at the file's time + ``time_shift`` (s).
+    ``sign * factor * value + offset`` (in the column's unit) at the file's time + ``time_shift`` (s).
     """
 
     header: Text
@@ -27,7 +27,7 @@ class MappedColumn(TomlTable):
     sign: Sign = 1
     factor: Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)] = 1.0
     time_shift: Finite = 0.0
-    angle_offset: Finite = 0.0
+    offset: Finite = 0.0
 
 
 class MappingDocument(TomlTable):

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from analytic.errors import printable
-from comparisons.imported.columns import NO_CORRECTION, TIME, Correction
+from comparisons.faults.fault import Correction
+from comparisons.imported.columns import NO_CORRECTION, keys
 
 TO_FILL_IN = '""  # fill in'
 
@@ -24,6 +25,7 @@ class MappingLine:
     unit: str = ""
     reason: str = ""
     correction: Correction = NO_CORRECTION
+    scale: float = 1.0
 
 
 def mapping_text(linkage: str, axis: str, lines: Iterable[MappingLine], ignored: Iterable[str]) -> str:
@@ -31,7 +33,7 @@ def mapping_text(linkage: str, axis: str, lines: Iterable[MappingLine], ignored:
     head = [
         f"# Columns of result files as signals of {printable(linkage)}: correct what is wrong, and give this file",
         "# to judge with --mapping. Corrections that a [[column]] has are applied as they stand here, as",
-        "# the value sign * factor * value + angle_offset (deg) at the time time + time_shift (s).",
+        "# the value sign * factor * value + offset (in the column's unit) at the time time + time_shift (s).",
     ]
     head += [f'axis = "{axis}"'] if axis else []
     ignored = list(ignored)
@@ -49,7 +51,7 @@ def _entry(line: MappingLine) -> list[str]:
             *(f"# {part}" for part in (*entry, 'signal = ""', 'unit = ""')),
         ]
     unit = _quoted(line.unit) if line.unit else TO_FILL_IN
-    return [*entry, f"signal = {_quoted(line.signal)}", f"unit = {unit}", *line.correction.keys()]
+    return [*entry, f"signal = {_quoted(line.signal)}", f"unit = {unit}", *keys(line.correction, line.scale)]
 
 
 def _quoted(text: str) -> str:
@@ -57,13 +59,16 @@ def _quoted(text: str) -> str:
     return json.dumps(printable(text), ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def with_proposals(text: str, proposals: Mapping[str, Correction]) -> str:
+def with_proposals(text: str, proposals: Mapping[str, Correction], units: Mapping[str, float]) -> str:
     """A mapping with corrections that are not agreed to yet, by the names of signals, as comments to take away.
 
-    Those of "*" are for all signals, and stand with the time.
+    ``units`` are the SI values of the units in which their offsets are written.
     """
-    for signal, correction in ((TIME if name == "*" else name, own) for name, own in proposals.items()):
-        lines = "".join(f"\n# {line}  # estimated: remove the first # to accept" for line in correction.keys(digits=9))
+    for signal, correction in proposals.items():
+        lines = "".join(
+            f"\n# {line}  # estimated: remove the first # to accept"
+            for line in keys(correction, units.get(signal, 1.0), 9)
+        )
         pattern = rf"(?m)^(signal = {re.escape(_quoted(signal))}\nunit = .*)$"
         text = re.sub(pattern, lambda entry, added=lines: entry[1] + added, text)  # type: ignore[misc]
     return text

@@ -44,8 +44,9 @@ def judge(options: JudgeOptions, destination: Destination, write_mapping: Path |
         write_text(write_mapping, error.mapping_text)
         destination.say(f"mapping to fill in: {write_mapping}")
         raise
+    imported = judgement.imported
     if write_mapping is not None:
-        write_text(write_mapping, with_proposals(judgement.imported.mapping_text, judgement.proposals))
+        write_text(write_mapping, with_proposals(imported.mapping_text, judgement.proposals, imported.units))
         destination.say(f"mapping: {write_mapping}")
     command = command_line("judge", options)
     if destination.out is not None:

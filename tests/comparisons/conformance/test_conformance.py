@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from comparisons.conformance import conformance
 from comparisons.conformance.conformance import (
     CHECKS,
     MUTANT,
@@ -14,7 +15,14 @@ from comparisons.conformance.conformance import (
 )
 from comparisons.conformance.findings import Finding, Found, examined, in_workers, with_expected
 from engines.direct_adapter.adapter import DirectEngine
-from tests.comparisons.conformance.wrong_engines import WRONG, AlterableEngine, BlindEngine, DyingEngine, NarrowEngine
+from tests.comparisons.conformance.wrong_engines import (
+    WRONG,
+    AlterableEngine,
+    BlindEngine,
+    DyingEngine,
+    NarrowEngine,
+    PrintingEngine,
+)
 
 pytest_plugins = ["pytester"]
 OWN = [name for name in CHECKS if not name.startswith(MUTANT)]
@@ -78,6 +86,17 @@ def test_a_failure_that_is_expected_is_told_from_one_that_is_not():
     )
     assert with_expected(passed, expected).finding is Finding.FAILED
     assert with_expected(failed, {}) == failed
+
+
+def test_mutants_wait_until_the_engine_itself_passes(monkeypatch):
+    chosen = ("identity", "silence", "mutant: no gravity", "mutant: two joints' forces exchanged")
+    monkeypatch.setattr(conformance, "CHECKS", {name: CHECKS[name] for name in chosen})
+    found = {each.check: each for each in check_engine(PrintingEngine(), 1)}
+    assert found["silence"].finding is Finding.FAILED
+    for name in chosen[2:]:
+        assert (found[name].finding, found[name].detail) == (
+            Finding.NOT_TESTED, "'silence' fails: correct the engine first"
+        )  # fmt: skip
 
 
 def test_an_expected_failure_of_no_check_is_named():

@@ -18,7 +18,7 @@ import numpy as np
 from analytic.description.changes import with_point, without
 from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
-from comparisons.imported.causes.filters import moving_average
+from comparisons.faults.filters import moving_average
 from comparisons.imported.judge import judge
 from comparisons.imported.reading import read_results
 from tests.comparisons.imported.engine_curves import curves
@@ -137,7 +137,7 @@ def is_right(export, judgement):
     findings = judgement.explanation.findings
     if not export.expected:
         return judgement.passed and not findings
-    return any(kind(f.likeliest.cause) in export.expected for f in findings) and not judgement.explanation.unexplained
+    return any(kind(f.likeliest.fault) in export.expected for f in findings) and not judgement.explanation.unexplained
 
 
 def _only(name, change):
@@ -195,24 +195,24 @@ PLANTED = (
            engine="simbody"),
     Export("another ramp", ("ramp",), motion=LINEAR, true_motion=CUBIC, signals=("Mkr", "S"), layout="robotran",
            engine="exudyn"),
-    Export("a mass", ("mass",), linkage=_mass("coupler", 1.3), digits=5, layout="res", engine="mujoco"),
-    Export("a mass centre", ("centre",), linkage=_shifted_centre("coupler", 2e-3), layout="tab",
+    Export("a mass", ("coupler.mass",), linkage=_mass("coupler", 1.3), digits=5, layout="res", engine="mujoco"),
+    Export("a mass centre", ("coupler.centre.x",), linkage=_shifted_centre("coupler", 2e-3), layout="tab",
            engine="simbody"),
-    Export("a length", ("length",), linkage=_longer("coupler", "D", 1.02), digits=5, style=GERMAN,
+    Export("a length", ("coupler.D.x",), linkage=_longer("coupler", "D", 1.02), digits=5, style=GERMAN,
            engine="exudyn"),
     Export("sample rate too low", ("sample rate, joined by straight lines",), curves=_coarse, layout="modelica",
            engine="exudyn"),
     Export("torque of the reaction", ("sign",), curves=_only("Mkr", lambda y: -y), layout="solidworks",
            engine="simbody"),
     Export("single samples flipped", ("flipped samples",), curves=_only("Mkr", _flipped), digits=4, engine="exudyn"),
-    Export("inertia left out", ("inertia",), linkage=lambda k: with_link(k, "coupler", inertia=0.0)),
+    Export("inertia left out", ("coupler.inertia",), linkage=lambda k: with_link(k, "coupler", inertia=0.0)),
     Export("start angle", ("start angle",), motion=crank_motion("run-up-quintic", start_angle=0.3), true_motion=QUINTIC,
            signals=("Mkr", "S")),
     Export("clock late", ("time shift",), curves=lambda t, v: (t + 0.002, v), true_motion=QUINTIC,
            signals=("Mkr", "S", "v")),
     Export("power for torque", ("is Peq",), curves=lambda t, v: (t, {**v, "Mkr": v["Peq"]})),
     Export("torque limited", ("clipped",), curves=_only("Mkr", lambda y: np.clip(y, -0.08, 0.08))),
-    Export("a mass, six-bar", ("mass",), "rimoldi-164", linkage=_mass("rod", 0.9)),
+    Export("a mass, six-bar", ("rod.mass",), "rimoldi-164", linkage=_mass("rod", 0.9)),
     Export("speed", ("speed",), motion=crank_motion("run-up-quintic", speed=960.0 * RPM), true_motion=QUINTIC,
            signals=("Mkr", "S")),
     Export("gravity along x", ("gravity's direction",), linkage=lambda k: replace(k, gravity=(9.81, 0.0))),
@@ -245,9 +245,9 @@ CLEAN = (
 )  # fmt: skip
 
 
-def kind(cause):
-    """The family of a cause."""
-    return cause.kind.partition(":")[0]
+def kind(fault):
+    """The name of a fault without that of its column."""
+    return fault.name.partition(":")[0]
 
 
 def main():
@@ -258,7 +258,7 @@ def main():
             judgement = judged(export)
             took = clock.perf_counter() - start
             findings = judgement.explanation.findings
-            named = [f"{kind(f.likeliest.cause)}{f' (+{len(f.others)})' if f.others else ''}" for f in findings]
+            named = [f"{kind(f.likeliest.fault)}{f' (+{len(f.others)})' if f.others else ''}" for f in findings]
             right = is_right(export, judgement)
             largest = max(v.error_max for v in judgement.verdicts)
             sys.stdout.write(

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from comparisons.faults.simulation import Simulation
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
-from comparisons.imported.judging.samples import JudgedModel, Samples
+from comparisons.imported.judging.samples import Samples
 
 
 def samples(name, time):
@@ -25,7 +26,7 @@ def rounded(values, digits):
 
 def exported(linkage, motion, names, time, *, digits=6, change=None, model=None):
     """Imported results of a model, the true one by default; ``change`` alters values by name."""
-    model = model or JudgedModel(linkage, motion)
+    model = model or Simulation(linkage, motion)
     values = dict(zip(names, model.predicted([samples(name, time) for name in names]), strict=True))
     values = change(values, time) if change else values
     signals = []

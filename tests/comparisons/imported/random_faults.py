@@ -14,11 +14,10 @@ from analytic.description.changes import with_point, without
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.imported.causes.filters import low_pass, moving_average
-from comparisons.imported.causes.search import differs
+from comparisons.faults.filters import low_pass, moving_average
+from comparisons.faults.ranking import differs
+from comparisons.faults.simulation import ChangedMotion, Simulation
 from comparisons.imported.judge import judge
-from comparisons.imported.judging.changed_motion import ChangedMotion
-from comparisons.imported.judging.samples import JudgedModel
 from comparisons.judging.records import Verdict
 from tests.comparisons.imported.exported import exported, with_link
 
@@ -41,20 +40,20 @@ def planted(random, linkage, motion):
         return np.where(np.isfinite(means), means, y)
 
     def model(**changes):
-        return lambda: {"model": JudgedModel(with_link(linkage, body, **changes), motion)}
+        return lambda: {"model": Simulation(with_link(linkage, body, **changes), motion)}
 
     def curve(change):
         return lambda: {"change": lambda values, _: {**values, "Mkr": change(values["Mkr"])}}
 
     def moved(*changes, **named):
-        return lambda: {"model": JudgedModel(linkage, ChangedMotion(motion, *changes, **named))}
+        return lambda: {"model": Simulation(linkage, ChangedMotion(motion, *changes, **named))}
 
     (x, y), start = link.centre, float(motion.angle(0.0))
     faults = {
-        "gravity": lambda: {"model": JudgedModel(without(linkage, "gravity"), motion)},
-        f"mass:{body}": model(mass=link.mass * (1.0 + size)),
-        f"inertia:{body}": model(inertia=link.inertia * (1.0 + size)),
-        f"centre:{body}": model(centre=(x + size * extent, y)),
+        "gravity": lambda: {"model": Simulation(without(linkage, "gravity"), motion)},
+        f"{body}.mass": model(mass=link.mass * (1.0 + size)),
+        f"{body}.inertia": model(inertia=link.inertia * (1.0 + size)),
+        f"{body}.centre.x": model(centre=(x + size * extent, y)),
         "direction": moved(-1.0, 2.0 * start),
         "start angle": moved(offset=size),
         "time shift": moved(shift=0.02 * size),
@@ -64,15 +63,16 @@ def planted(random, linkage, motion):
         "smoothed by moving average:Mkr": curve(smoothed),
         "smoothed by low-pass filter:Mkr": curve(lambda m: low_pass(m, width / 4.0)),
         "clipped:Mkr": curve(lambda m: np.clip(m, -0.7 * np.max(np.abs(m)), 0.7 * np.max(np.abs(m)))),
-        "friction:Mkr": curve(lambda m: m + abs(size) * np.mean(np.abs(m)) * np.sign(motion.speed(0.5))),
+        "friction": curve(lambda m: m + abs(size) * np.mean(np.abs(m)) * np.sign(motion.speed(0.5))),
     }
     if points:
         point = points[random.integers(len(points))]
         px, py = link.points[point]
         place = ((1.0 + 0.1 * size) * px, (1.0 + 0.1 * size) * py)
-        faults[f"length:{body}:{point}"] = lambda: {
-            "model": JudgedModel(with_point(linkage, body, point, place), motion)
-        }
+        origin = next((name for name, at in link.points.items() if at == (0.0, 0.0)), "")
+        faults[f"{body}.{point}.x" if not py else f"{body}.{point}.y" if not px else f"{body}.{origin}-{point}"] = (
+            lambda: {"model": Simulation(with_point(linkage, body, point, place), motion)}
+        )
     kind = list(faults)[random.integers(len(faults))]
     return kind, faults[kind]()
 
@@ -100,13 +100,14 @@ def verdict_on(kind, judgement):
     if not kind:
         over = any(verdict.outcome is Verdict.OVER_LIMIT for verdict in judgement.verdicts)
         return "false alarm" if findings or over else "clean" if judgement.passed else "open"
-    if any(finding.likeliest.cause.kind == kind for finding in findings):
+    if any(finding.likeliest.fault.name == kind for finding in findings):
         return "likeliest"
-    if any(fit.cause.kind == kind for finding in findings for fit in finding.others):
+    if any(fit.fault.name == kind for finding in findings for fit in finding.others):
         return "not told apart"
     if not findings:
-        differs = any(differs(verdict) for verdict in judgement.verdicts)
-        return "none named" if differs else "within the rounding"
+        return (
+            "none named" if any(differs(verdict.evidence) for verdict in judgement.verdicts) else "within the rounding"
+        )
     return "misnamed"
 
 
@@ -123,9 +124,9 @@ def main(count=200, seed=0):
                 sys.stdout.write(f"refused: {error}\n")
                 continue
             outcomes[outcome] += 1
-            if outcome in ("misnamed", "none named", "false alarm"):
+            if outcome in ("misnamed", "none named", "false alarm", "not told apart"):
                 named = [
-                    f"{f.likeliest.cause.kind} (+{len(f.others)}) left {f.left:.1e}"
+                    f"{f.likeliest.fault.name} (+{len(f.others)}) left {f.left:.1e}"
                     for f in judgement.explanation.findings
                 ]
                 errors = ", ".join(f"{v.name} {v.error_max:.1e} floor {v.floor:.1e}" for v in judgement.verdicts)

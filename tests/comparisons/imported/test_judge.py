@@ -11,10 +11,10 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names as signal_names
-from comparisons.imported.causes.signal_changes import signal_changes
-from comparisons.imported.columns import Correction
+from comparisons.faults.columns import column_faults
+from comparisons.faults.fault import Correction
+from comparisons.faults.simulation import Simulation
 from comparisons.imported.judge import judge
-from comparisons.imported.judging.samples import JudgedModel
 from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
 from comparisons.reference.case import own_case
@@ -66,7 +66,7 @@ def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
 def test_at_a_jump_of_the_acceleration_a_torque_may_be_off_by_the_jump_and_no_more():
     linear, at = crank_motion("run-up"), 300
     sides = [np.array([np.nextafter(0.6, 0.0)]), np.array([0.6])]
-    before, after = (JudgedModel(JUKI, linear).predicted([samples("Mkr", side)])[0][0] for side in sides)
+    before, after = (Simulation(JUKI, linear).predicted([samples("Mkr", side)])[0][0] for side in sides)
     outcomes, worst = {}, 0.0
     for factor in (-1.0, 0.0, 0.5, 1.0, 3.0):
 
@@ -114,9 +114,9 @@ def test_pushed_linkages_change_points_and_released_cranks_are_judged(path, regi
     assert judge(linkage, exported(linkage, motion, names, time), told).passed
     heavier = with_link(linkage, body, mass=1.5 * linkage.links[body].mass)
     torque = ("phi", "Peq" if regime == "squeezing" else "Mkr", "Teq")
-    wrong = exported(linkage, motion, torque, time, model=JudgedModel(heavier, motion))
+    wrong = exported(linkage, motion, torque, time, model=Simulation(heavier, motion))
     (finding,) = judge(linkage, wrong, told).explanation.findings
-    assert f"mass:{body}" in {fit.cause.kind for fit in finding.every}
+    assert f"{body}.mass" in {fit.fault.name for fit in finding.every}
 
 
 def test_a_reaction_that_is_zero_has_the_natural_scale_of_forces():
@@ -157,8 +157,8 @@ def test_a_fault_behind_a_sign_is_named_with_the_sign_said():
     other = replace(JUKI, links={**JUKI.links, "coupler": heavier})
     results = exported(other, QUINTIC, ("Mkr",), TIME, change=lambda v, _: {"Mkr": -v["Mkr"]})
     (finding,) = judge(JUKI, results, QUINTIC).explanation.findings
-    assert finding.likeliest.cause.kind == "mass:coupler"
-    assert finding.likeliest.numbers[0] == pytest.approx(1.4, rel=1e-3)
+    assert finding.likeliest.fault.name == "coupler.mass"
+    assert finding.likeliest.numbers[0] == pytest.approx(heavier.mass, rel=1e-3)
     assert finding.corrections == {"Mkr": Correction(sign=-1)}
 
 
@@ -236,9 +236,6 @@ def test_a_thousandth_is_taken_for_no_unit_of_another_ratio():
     time = np.linspace(0.0, 0.06, 241)
     (right,) = judge(JUKI, exported(JUKI, steady, ("S",), time), steady).verdicts
     small = replace(right, samples=replace(right.samples, values=1e-3 * right.samples.values))
-    words = [
-        cause.words(np.ones(0))
-        for cause in signal_changes(JudgedModel(JUKI, steady), small, ())
-        if "unit" in cause.kind
-    ]
+    faults = column_faults(small.evidence, Simulation(JUKI, steady), ())
+    words = [fault.words(np.ones(0)) for fault in faults if fault.name.startswith("unit")]
     assert words == ["S is 0.001 times the closed form's: a unit taken for another (1000)"]

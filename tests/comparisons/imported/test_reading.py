@@ -1,5 +1,6 @@
 """Result files read as signals of a linkage: what is taken, what is asked for, what is refused, with which cure."""
 
+import os
 import re
 
 import numpy as np
@@ -96,28 +97,21 @@ def test_the_mapping_of_a_reading_reads_the_same(tmp_path):
 def test_corrections_count_only_once_their_comment_sign_is_taken_away(tmp_path):
     text = f"Zeit [s],Moment [Nm]\n{ROWS}"
     plain = read(tmp_path, text)
-    proposed = with_proposals(plain.mapping_text, {"Mkr": Correction(-1, 2.0, 0.25)})
+    proposed = with_proposals(plain.mapping_text, {"Mkr": Correction(-1, 2.0, 0.25, 0.5)}, {"Mkr": 1e-3})
     assert not read(tmp_path, text, proposed).corrections
-    agreed = read(tmp_path, text, re.sub(r"(?m)^# (?=(?:sign|factor|time_shift) =)", "", proposed))
-    assert agreed.corrections == {"Mkr": Correction(-1, 2.0, 0.25)}
-    np.testing.assert_allclose(agreed.signals[0].values, -2.0 * plain.signals[0].values)
+    agreed = read(tmp_path, text, re.sub(r"(?m)^# (?=(?:sign|factor|time_shift|offset) =)", "", proposed))
+    assert agreed.corrections == {"Mkr": Correction(-1, 2.0, 0.25, 500.0)}
+    np.testing.assert_allclose(agreed.signals[0].values, 500.0 - 2.0 * plain.signals[0].values)
     np.testing.assert_allclose(agreed.signals[0].at, plain.signals[0].at + 0.25)
     np.testing.assert_allclose(agreed.signals[0].resolution, 2.0 * plain.signals[0].resolution)
 
 
-def test_a_shift_of_all_curves_stands_with_the_time(tmp_path):
-    text = f"Zeit [s],Moment [Nm]\n{ROWS}"
-    proposed = with_proposals(read(tmp_path, text).mapping_text, {"*": Correction(time_shift=0.5)})
-    (signal,) = read(tmp_path, text, proposed.replace("# time_shift", "time_shift")).signals
-    np.testing.assert_allclose(signal.at, [0.5, 0.6, 0.7, 0.8])
-
-
 def test_an_angle_may_be_offset_and_mirrored(tmp_path):
     text = f"Zeit [s],Kurbelwinkel [deg]\n{ROWS}"
-    mapping = '[[column]]\nheader = "Kurbelwinkel [deg]"\nsign = -1\nangle_offset = 90.0\n'
+    mapping = '[[column]]\nheader = "Kurbelwinkel [deg]"\nsign = -1\noffset = 90.0\n'
     results = read(tmp_path, text, mapping)
     np.testing.assert_allclose(results.signals[0].values, np.radians([88.5, 87.75, 87.0, 86.0]))
-    assert results.corrections["phi"].angle_offset == np.radians(90.0)
+    assert results.corrections["phi"].offset == np.radians(90.0)
 
 
 @pytest.mark.parametrize(
@@ -167,7 +161,6 @@ def test_bad_files_are_told_in_one_sentence(tmp_path, text, expected):
         ('[[column]]\nheader = "Torque"\nfactor = 0.0\n', "column #1.factor: expected a positive finite number, got 0"),
         ('[[column]]\nheader = "Torque"\nsign = 2\n', "column #1.sign: expected 1 or -1, got 2"),
         ('[[column]]\nheader = "Torque"\ntable = 2\n', "mapping.toml:1: column #1: expected a column 'Torque'"),
-        ('[[column]]\nheader = "Torque"\nangle_offset = 1.0\n', "expected an offset of an angle, got one of Mkr"),
         ('[[column]]\nheader = "Torque"\n[[column]]\nheader = "Torque"\n', "expected one [[column]] for 'Torque'"),
         ('axis = "t"\n', 'mapping.toml:1: axis: expected "time" or "phi"'),
         ("[[column]\n", "mapping.toml:1: not valid TOML"),
@@ -195,3 +188,40 @@ def test_folders_and_missing_files_are_told(tmp_path):
     for path, expected in ((tmp_path, "got the folder"), (tmp_path / "no.csv", "No such file or directory")):
         with pytest.raises(LinkproofError, match=expected):
             read_results([path], JUKI)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("Time [s],Torque [Nm]\n0,٣\n1,1\n2,2\n3,3\n", "run.csv:2: expected a finite number in column 2, got '٣'"),
+        (
+            "Time [s],Torque [Nm]\n0,1\n1,1e300\n2,2\n3,3\n",
+            "run.csv:3: expected a finite number in column 2, got '1e300'",
+        ),
+        (f"Time [s],Torque [Nm]\n{ROWS}5,{'1' * 10**6}\n", "run.csv:6: expected a finite number in column 2, got '111"),
+        (f"Time [s],{'Drehmoment' * 500}\n{ROWS}", "'DrehmomentDrehmoment"),
+    ],
+)
+def test_numbers_that_are_none_and_endless_words_are_refused_at_once(tmp_path, text, expected):
+    assert expected in message(tmp_path, text)
+
+
+def test_a_pipe_is_refused_rather_than_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(LinkproofError, match="which is no ordinary file"):
+        read_results([tmp_path / "pipe.csv"], load("juki-mf7923d"))
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        ("t [s];Winkel [°]\n0;1\n1;2\n2;3\n3;4\n", "cp1252"),
+        ("czas [s];moment napędowy [N·m]\n0;1\n1;2\n2;3\n3;4\n", "cp1250"),
+        ("时间 [s],电机扭矩 [N*m]\n0,1\n1,2\n2,3\n3,4\n", "gb18030"),
+        ("t [s];Mkr [N*m]\n0;1\n1;2\n2;3\n3;4\n", "utf-16-le"),
+    ],
+)
+def test_encodings_without_a_mark_are_recognised(tmp_path, text, encoding):
+    (tmp_path / "run.csv").write_bytes(text.encode(encoding))
+    (signal,) = read_results([tmp_path / "run.csv"], load("juki-mf7923d")).signals
+    assert signal.name in ("phi", "Mkr")

@@ -20,7 +20,7 @@ MEANT = {
         "Antriebsmoment [Nm]",
             "Drehmoment (N·m)", "couple moteur (N·m)", "coppia motore [Nm]", "par motor (N·m)", "крутящий момент, Н·м",
             "Момент двигателя (Н·м)", "Крутний момент (Н·м)", "moment obrotowy silnika [Nm]", "电机扭矩 (N·m)",
-            "モータートルク (N·m)", "motor.tau", "MOTION_1.TZ", "Motor [Nm]", "Torqe (Nm)", "DriveTorque [in-lb]",
+            "モータートルク (N·m)", "motor.tau", "MOTION_1.TZ", "Motor [Nm]", "DriveTorque [in-lb]",
             "Torque (Motor1)", "Torque RotaryMotor1 (N*mm)"),
     "phi": ("Angular Displacement1 (deg)", "Kurbelwinkel [°]", "Crank angle", "φ/°", "crank.phi", "phi", "Angle (rad)",
             "Winkel (deg)", "Угол поворота кривошипа (град)", "кут кривошипа (град)", "angle de manivelle (°)",
@@ -66,6 +66,7 @@ OPEN = {
     "A D x (mm)": "more than one point",
     "Angular Velocity D (rad/s)": "that of a link",
     "Temperature [K]": "in its name",
+    "Torqe motor (Nm)": "'Torqe' in its name is no link, point or joint, nor a known word",
 }
 
 
@@ -98,7 +99,6 @@ def test_what_is_taken_is_said():
         "Torque [Nm]": "its name has no drive: taken as the crank's",
         "Angle (deg)": "its name has no link: taken as the crank's",
         "Motor Torque (Nm)": "",
-        "Torqe motor (Nm)": "'Torqe' read as 'torque'",
         "Weg [mm]": "taken as the output's, D along [0, 1]",
         "Reaction Force A (N)": "its name has no component: taken as the size of the force",
     }

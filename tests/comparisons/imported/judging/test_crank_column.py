@@ -91,3 +91,10 @@ def test_swings_there_and_back_with_all_their_digits_are_known(law):
         assert column._evaluate(time, 2) == pytest.approx(
             motion._evaluate(time, 2), abs=1e-8 * motion.peak_speed / 0.01
         )
+
+
+def test_of_a_noisy_column_the_motion_comes_back():
+    time, random = np.linspace(0.0, 0.7, 5_001), np.random.default_rng(0)
+    angle = 60.0 * time + 0.3 * np.sin(9.0 * time)
+    found = motion_of_angles(time, angle + random.normal(0.0, 1e-3, len(time)), np.full(len(time), 1e-8))
+    np.testing.assert_allclose(found.angle(time), angle, atol=2e-3)

@@ -1,0 +1,321 @@
+"""What may be wrong with columns of a file: sign, unit, zero, clock, filter, limit, sample rate, single samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.written import signed
+from comparisons.faults import filters
+from comparisons.faults.fault import Correction, Fault, Kind
+from comparisons.faults.simulation import Predict, Simulation, is_angle, is_place, is_rotary
+from comparisons.reference.motion import Motion
+
+Array = NDArray[np.float64]
+
+RADIAN: Final = math.pi / 180.0
+# What one unit is of another that is printed in its place, either way round.
+UNIT_RATIOS: Final = {
+    "10": 10.0,
+    "100": 100.0,
+    "1000": 1e3,
+    "1e6": 1e6,
+    "degrees and radians": 1.0 / RADIAN,
+    "rpm and rad/s": 30.0 / math.pi,
+    "rpm and deg/s": 6.0,
+    "turns and radians": 2.0 * math.pi,
+    "turns and degrees": 360.0,
+    "1/s and rpm": 60.0,
+    "g and m/s², or kgf and N": 9.80665,
+    "in and mm": 25.4,
+    "in and m": 1.0 / 0.0254,
+    "lb and kg": 1.0 / 0.45359237,
+    "lbf and N": 4.4482216152605,
+    "lbf·in and N·m": 1.0 / 0.1129848290276167,
+    "lbf·ft and N·m": 1.3558179483314,
+    "hp and W": 745.69987158227,
+}
+NEAR_RATIO: Final = 0.2  # of a unit's ratio, by which the file's may differ where it has other faults
+FEW: Final = 0.03  # of the samples: single ones
+LIMITED: Final = 4  # samples at one value: a limit
+NEAR: Final = 0.05  # of the peak, within which a column is another quantity
+NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
+MOST_TIMES: Final = 4  # of single samples that are named
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A column of a file beside the closed form: ``values`` and ``truth`` (n,) at ``time`` (n,), s.
+
+    The file leaves ``rounding`` (n,) open. A cause need not explain samples that are not ``counted``; ``over`` are
+    those that are off even so. ``scale`` is the size over which errors are stated; words are in ``unit``.
+    """
+
+    name: str
+    time: Array
+    values: Array
+    truth: Array
+    rounding: Array
+    counted: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    scale: float
+    unit: str
+    unit_value: float = 1.0
+
+    def thinned(self, most: int) -> Evidence:
+        """At most so many of the samples, equally spread."""
+        every = -(-len(self.time) // most)
+        parts: dict[str, Any] = {k: v[::every] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
+        return replace(self, **parts)
+
+    @property
+    def tolerance(self) -> Array:
+        """What a cause need not explain, (n,)."""
+        return np.asarray(self.rounding + NEGLIGIBLE * self.scale)
+
+    @property
+    def residual(self) -> Array:
+        """Value less truth over the tolerance, (n,), nan where nothing is compared."""
+        return np.where(self.counted, (self.values - self.truth) / self.tolerance, np.nan)
+
+
+def column_faults(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Fault]:
+    """Every fault that lies in one column; ``names`` are the signals that it may be taken for."""
+    name = evidence.name
+    yield scaled(f"sign:{name}", (name,), -1.0, f"{name} has the other sign")
+    yield from _units(evidence)
+    yield _factor(name)
+    yield from _offsets(evidence)
+    if name == "Mkr":
+        yield friction(simulation.motion, evidence.scale)
+    yield _delayed(evidence)
+    for kind, widths, smooth in filters.kinds(len(evidence.time)):
+        yield _smoothed(evidence, kind, widths, smooth)
+    for kind, fill in filters.FILLED.items():
+        yield _coarser(evidence, kind, fill)
+    yield from _limited(evidence)
+    yield from _single_samples(evidence)
+    yield from _mistaken(evidence, simulation, names)
+
+
+def changed(
+    name: str,
+    kind: Kind,
+    columns: Collection[str],
+    alter: Callable[[Array, Array, Array], Array],
+    words: Callable[[Array], str],
+    *numbers: Any,  # noqa: ANN401 - fields of Fault, from start on
+    **rest: Any,  # noqa: ANN401
+) -> Fault:
+    """A fault that makes ``alter(time, values, numbers)`` of the curves of some columns."""
+
+    def apply(simulation: Simulation, p: Array) -> Simulation:
+        def change(predict: Predict, of: str, time: Array) -> Array:
+            values = predict(of, time)
+            return alter(time, values, p) if of in columns else values
+
+        return simulation.then(change)
+
+    return Fault(name, kind, apply, words, *numbers, **rest)
+
+
+def scaled(name: str, columns: Sequence[str], factor: float, words: str) -> Fault:
+    """Columns times a factor that a sign or a unit explains."""
+    correction = Correction(-1 if factor < 0.0 else 1, 1.0 / abs(factor))
+    return changed(name, Kind.COLUMN, frozenset(columns), lambda _, y, __: factor * y, lambda _: words,
+                   cure=lambda _: dict.fromkeys(columns, correction))  # fmt: skip
+
+
+def _units(evidence: Evidence) -> Iterator[Fault]:
+    """Units taken for others that are near the file's factor."""
+    name, truth = evidence.name, evidence.truth[evidence.counted]
+    size = float(truth @ truth)
+    share = float(evidence.values[evidence.counted] @ truth) / size if size else 0.0
+    for unit, ratio in UNIT_RATIOS.items():
+        for factor in (ratio, 1.0 / ratio, -ratio, -1.0 / ratio):
+            if abs(share / factor - 1.0) < NEAR_RATIO:
+                sense = "" if factor > 0.0 else " and has the other sign"
+                words = f"{name} is {abs(factor):.6g} times the closed form's{sense}: a unit taken for another ({unit})"
+                yield scaled(f"unit:{name}", (name,), factor, words)
+
+
+def _factor(name: str) -> Fault:
+    return changed(f"factor:{name}", Kind.FREE, (name,), lambda _, y, k: k[0] * y,
+                   lambda k: f"{name} is {k[0]:.5g} times the closed form's", (1.0,), (1.0,))  # fmt: skip
+
+
+def _offsets(evidence: Evidence) -> Iterator[Fault]:
+    """Another zero, counted the same way or the other: as a stroke from the other dead centre."""
+    name, size = evidence.name, (evidence.scale,)
+    kind = Kind.COLUMN if is_angle(name) or is_place(name) else Kind.SEVERAL  # nothing else has a zero to choose
+
+    def by(c: Array) -> str:
+        return f"{signed(c[0] / evidence.unit_value, '.4g')} {evidence.unit}"
+
+    yield changed(f"offset:{name}", kind, (name,), lambda _, y, c: y + c[0],
+                  lambda c: f"{name} counts from another zero, {by(c)} from the linkage file's", (0.0,), size,
+                  cure=lambda c: {name: Correction(offset=-float(c[0]))})  # fmt: skip
+    yield changed(f"counted back:{name}", kind, (name,), lambda _, y, c: c[0] - y,
+                  lambda c: f"{name} counts the other way, from {by(c)}, as from the other dead centre", (0.0,), size,
+                  guesses=(size,), cure=lambda c: {name: Correction(sign=-1, offset=float(c[0]))})  # fmt: skip
+
+
+def friction(motion: Motion, size: float) -> Fault:
+    """A torque against the motion, whatever the speed."""
+
+    def alter(time: Array, values: Array, numbers: Array) -> Array:
+        way = np.sign(motion.speed(time))
+        return np.asarray(values + numbers[0] * np.where(way == 0.0, np.nan, way))  # at rest it is anything up to that
+
+    def words(c: Array) -> str:
+        return f"a friction of {c[0]:.3g} N m brakes the crank at any speed"
+
+    return changed("friction", Kind.NUMBER, ("Mkr",), alter, words, (0.0,), (size,), unit=1.0)
+
+
+def _delayed(evidence: Evidence) -> Fault:
+    """One column of other instants than the rest: read before or after the step."""
+    name, step = evidence.name, float(np.median(np.diff(evidence.time)))
+
+    def apply(simulation: Simulation, shift: Array) -> Simulation:
+        def change(predict: Predict, of: str, time: Array) -> Array:
+            return predict(of, time + float(shift[0]) if of == name else time)
+
+        return simulation.then(change)
+
+    def words(p: Array) -> str:
+        halves = 2.0 * p[0] / step
+        whole = f", {abs(p[0] / step):.2g} samples," if round(halves) and abs(halves - round(halves)) < 0.1 else ""
+        return f"{name} is {abs(p[0]):.4g} s{whole} too {'early' if p[0] > 0.0 else 'late'}"
+
+    return Fault(
+        f"delay:{name}", Kind.SEVERAL, apply, words, (0.0,), (step,), ((0.0,), (4.0 * step,), (-4.0 * step,)),
+        tuple((k * step,) for k in (0.5, -0.5, 1.0, -1.0, 2.0, -2.0)),
+        cure=lambda p: {name: Correction(time_shift=float(p[0]))},
+    )  # fmt: skip
+
+
+def _smoothed(evidence: Evidence, kind: str, widths: Sequence[float], smooth: Callable[[Array, float], Array]) -> Fault:
+    """Smoothed over several samples: of some filters over a whole odd number of them."""
+    name, step = evidence.name, float(np.median(np.diff(evidence.time)))
+    tried, whole = tuple((width,) for width in widths), kind in filters.WHOLE
+
+    def words(w: Array) -> str:
+        return f"{name} is smoothed: a {kind} over {w[0]:.3g} samples ({w[0] * step:.3g} s)"
+
+    return changed(
+        f"smoothed by {kind}:{name}", Kind.NUMBER, (name,), lambda _, y, w: smooth(y, float(w[0])), words,
+        () if whole else (0.0,), () if whole else (1.0,), guesses=() if whole else tried, usual=tried if whole else (),
+    )  # fmt: skip
+
+
+def _coarser(evidence: Evidence, kind: str, fill: Callable[[Array, Array, int, int], Array]) -> Fault:
+    """Every k-th sample alone is simulated, the rest filled in."""
+    name = evidence.name
+    return changed(
+        f"sample rate, {kind}:{name}", Kind.NUMBER, (name,), lambda t, y, k: fill(t, y, int(k[0]), int(k[1])),
+        lambda k: f"the sample rate of {name} is too low: one sample in {k[0]:.0f} is simulated, {kind}",
+        usual=tuple(filters.every_kth(len(evidence.time))),
+    )  # fmt: skip
+
+
+def _limited(evidence: Evidence) -> Iterator[Fault]:
+    """Cut off at a largest or a smallest value."""
+    values, truth, unit = evidence.values, evidence.truth, evidence.unit
+    low, high = float(np.min(values)), float(np.max(values))
+    at_end = max(np.sum(np.abs(values - end) <= evidence.tolerance) for end in (low, high))
+    if at_end < LIMITED or not np.any(np.abs(np.clip(truth, low, high) - truth) > evidence.tolerance):
+        return
+    cut = ((low, np.min(truth) < low), (high, np.max(truth) > high))
+    ends = " and ".join(f"{end / evidence.unit_value:.4g} {unit}" for end, is_cut in cut if is_cut)
+    yield changed(
+        f"clipped:{evidence.name}", Kind.NUMBER, (evidence.name,), lambda _, y, p: np.clip(y, p[0], p[1]),
+        lambda _: f"{evidence.name} is limited to {ends}", usual=((low, high),),
+    )  # fmt: skip
+
+
+def _single_samples(evidence: Evidence) -> Iterator[Fault]:
+    """Single samples with the other sign, or else off in any way."""
+    name, values, truth, open_ = evidence.name, evidence.values, evidence.truth, evidence.tolerance
+    flipped = (np.abs(values + truth) <= open_ + 0.01 * np.abs(truth)) & (np.abs(values - truth) > open_)
+    stray = (np.abs(values - truth) > 5.0 * open_ + 1e-3 * evidence.scale) & evidence.counted | evidence.over
+    if _are_few(flipped) and not np.any(stray & ~flipped):
+        yield changed(
+            f"flipped samples:{name}", Kind.COLUMN, (name,),
+            lambda t, y, at: np.where(np.isin(t, at), -y, y),
+            lambda at: f"{name} has the other sign in {_counted(at)}", usual=(tuple(evidence.time[flipped]),),
+        )  # fmt: skip
+    elif _are_few(stray):
+        own = evidence.time
+        yield changed(
+            f"stray samples:{name}", Kind.SEVERAL, (name,),
+            lambda t, y, at: np.where(np.isin(t, at), np.interp(t, own, values), y),
+            lambda at: f"{name} is off in {_counted(at)}", usual=(tuple(evidence.time[stray]),),
+        )  # fmt: skip
+
+
+def _are_few(which: NDArray[np.bool_]) -> bool:
+    return bool(0 < np.sum(which) <= max(1.0, FEW * len(which)))
+
+
+def _counted(times: Array) -> str:
+    at = ", ".join(f"{time:.5g}" for time in times[:MOST_TIMES])
+    more = f" and {len(times) - MOST_TIMES} more" if len(times) > MOST_TIMES else ""
+    return f"{'a single sample' if len(times) == 1 else f'{len(times)} single samples'}, at {at} s{more}"
+
+
+def _mistaken(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Fault]:
+    """Another quantity of the linkage under this name."""
+    name, thin = evidence.name, evidence.thinned(100)
+    others = [other for other in names if other != name]
+    scale = float(np.max(np.abs(thin.values)))
+    curves = [replace(thin, name=other) for other in others]
+    for other, truth in zip(others, simulation.predicted(curves), strict=True):
+        for sign in (1.0, -1.0):
+            if float(np.max(np.abs(sign * truth - thin.values))) < NEAR * scale:
+                yield _other_quantity(name, other, sign)
+
+
+def _other_quantity(name: str, other: str, sign: float) -> Fault:
+    def apply(simulation: Simulation, _: Array) -> Simulation:
+        def change(predict: Predict, of: str, time: Array) -> Array:
+            return sign * predict(other, time) if of == name else predict(of, time)
+
+        return simulation.then(change)
+
+    sense = "" if sign > 0.0 else " with the other sign"
+    return Fault(f"is {other}{sense}:{name}", Kind.COLUMN, apply, lambda _: f"{name} contains {other}{sense}")
+
+
+def group_faults(evidence: Sequence[Evidence]) -> Iterator[Fault]:
+    """Faults of at least two columns at once: an axis the other way, a unit, a reaction for an action."""
+    names = [one.name for one in evidence]
+    groups: dict[str, tuple[Callable[[str], bool], str]] = {
+        "rotary": (is_rotary, "angles, turns and torques count clockwise"),
+        "x": (_component("x"), "the x axis points the other way"),
+        "y": (_component("y"), "the y axis points the other way"),
+        "output": (lambda name: name in ("S", "v", "a"), "the output counts the other way"),
+        "forces": (lambda name: name.startswith("joint_force"), "joint forces are those on the other links"),
+    }
+    for joint in {name.rpartition(":")[0] for name in names if name.startswith("joint_force")}:
+        words = f"the force of '{joint.partition(':')[2]}' is that on the other link"
+        groups[joint] = (lambda name, joint=joint: name.rpartition(":")[0] == joint, words)  # type: ignore[misc]
+    for kind, (chosen, words) in groups.items():
+        members = [name for name in names if chosen(name)]
+        if len(members) > 1:
+            yield scaled(f"sign of {kind}", members, -1.0, words)
+    for unit in sorted({one.unit for one in evidence}):
+        members = [one.name for one in evidence if one.unit == unit]
+        for ratio in UNIT_RATIOS.values() if len(members) > 1 else ():
+            for factor in (ratio, 1.0 / ratio):
+                words = f"all that is in {unit or '1'} is {factor:.6g} times too large: a unit taken for another"
+                yield scaled(f"unit {unit} {factor:g}", members, factor, words)
+
+
+def _component(axis: str) -> Callable[[str], bool]:
+    return lambda name: name.rpartition(":")[2] in (axis, f"v{axis}", f"a{axis}")

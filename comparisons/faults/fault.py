@@ -1,0 +1,90 @@
+"""A fault: one thing that may be wrong with a simulation, by what it does, how it is said and how it is cured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.faults.simulation import Simulation
+
+Array = NDArray[np.float64]
+Numbers = tuple[float, ...]
+
+
+class Kind(IntEnum):
+    """Where a fault lies, in the order in which an engineer looks: of causes that fit alike the first is named."""
+
+    COLUMN = 0  # sign, unit or meaning of a column of the file
+    SETTING = 1  # one setting of the tool: gravity, direction, start, units, what is left out
+    NUMBER = 2  # one number of the description, or of what is done to a column
+    SEVERAL = 3  # several numbers at once
+    FREE = 4  # a factor of a column that no unit explains
+    PAIR = 5  # two faults
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What a mapping may agree to: ``sign * factor * value + offset`` at the file's time + ``time_shift``; SI."""
+
+    sign: int = 1
+    factor: float = 1.0
+    time_shift: float = 0.0
+    offset: float = 0.0
+
+    def after(self, first: Correction) -> Correction:
+        """This correction behind another."""
+        return Correction(
+            self.sign * first.sign,
+            self.factor * first.factor,
+            self.time_shift + first.time_shift,
+            self.sign * self.factor * first.offset + self.offset,
+        )
+
+
+Cure = Callable[[Array], dict[str, Correction]]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that may be wrong: ``apply(simulation, numbers)`` is the simulation with it.
+
+    Raises LinkproofError where the linkage cannot be so. ``start`` (k,) are the numbers with which nothing is wrong,
+    ``sizes`` what counts as a change of each; fits begin at the ``guesses``, and ``usual`` numbers are tried as they
+    are. ``unit`` is that in which a single number is written, as SI value: round ones are likelier. ``words(numbers)``
+    say it in one sentence, ``cure(numbers)`` gives corrections by the names of signals, "*" for all.
+    One that ``reshapes`` the linkage makes it move otherwise.
+    """
+
+    name: str
+    kind: Kind
+    apply: Callable[[Simulation, Array], Simulation]
+    words: Callable[[Array], str]
+    start: Numbers = ()
+    sizes: Numbers = ()
+    guesses: tuple[Numbers, ...] = ()
+    usual: tuple[Numbers, ...] = ()
+    unit: float = 0.0
+    cure: Cure = lambda _: {}
+    reshapes: bool = False
+
+    def plant(self, simulation: Simulation, *numbers: float) -> Simulation:
+        """The simulation with this fault."""
+        return self.apply(simulation, np.array(numbers, dtype=float))
+
+
+def both(first: Fault, then: Fault) -> Fault:
+    """Two faults at once."""
+    k = len(first.start)
+    return Fault(
+        f"{first.name} + {then.name}",
+        Kind.PAIR,
+        lambda simulation, p: then.apply(first.apply(simulation, p[:k]), p[k:]),
+        lambda p: f"{first.words(p[:k])}; and {then.words(p[k:])}",
+        (*first.start, *then.start),
+        (*first.sizes, *then.sizes),
+        cure=lambda p: {**first.cure(p[:k]), **then.cure(p[k:])},
+    )

@@ -1,0 +1,229 @@
+"""A fault fitted to the columns of a file: its few numbers by least squares, usual and round ones as they are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import LinkproofError
+from comparisons.faults.columns import Evidence
+from comparisons.faults.fault import Fault, Kind, Numbers, both
+from comparisons.faults.simulation import Simulation, at_jumps, holds_acceleration
+
+Array = NDArray[np.float64]
+
+ROUNDS: Final = 8  # of Gauss-Newton
+MOST_GUESSES: Final = 3  # from which fits are made
+HALVINGS: Final = 6
+SETTLED: Final = 1e-3  # relative gain below which a fit ends
+STEP: Final = 1e-4  # of a number's own size, for its difference quotient
+MOST_OPEN: Final = 0.2  # of a signal's samples that a cause may leave open, such as a filter's ends
+AS_GOOD: Final = 1.3  # times the rms of the best numbers that usual ones may leave
+AS_ROUND: Final = 1.1  # the same, of round ones
+DIGITS: Final = (1, 2, 3)  # of round numbers
+ODD: Final = 4  # digits of a number that is not round
+NEAREST: Final = 2  # usual numbers that are tried
+HOPELESS: Final = 0.05  # of the squares: a number that takes less away where it is small explains nothing
+MOST_PAIRS: Final = 6  # of two numbers that are fitted
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fault with its numbers, and what it leaves of each signal's difference, relative to the signal's tolerance.
+
+    ``digits`` are those of its number: 0 for a usual one or none, fewer for a round one.
+    """
+
+    fault: Fault
+    numbers: Array
+    rms: Array
+    largest: Array
+    digits: int = ODD
+
+    @property
+    def words(self) -> str:
+        """What it is, in one sentence."""
+        return self.fault.words(self.numbers)
+
+    @property
+    def change(self) -> float:
+        """How far its numbers are from those with which nothing is wrong, over what counts as a change of each."""
+        start = np.array(self.fault.start)
+        return float(np.linalg.norm((self.numbers - start) / self.fault.sizes)) if len(start) else 0.0
+
+    @property
+    def rank(self) -> tuple[int, int]:
+        """Small for what an engineer looks at first."""
+        kind = self.fault.kind
+        if kind is Kind.SEVERAL and not self.digits:
+            return (Kind.SETTING, 0) if len(self.numbers) < 2 else (Kind.NUMBER, ODD)
+        return kind, self.digits
+
+
+class Fitting:
+    """Faults fitted to some columns, of a simulation without them."""
+
+    def __init__(self, simulation: Simulation, evidence: Sequence[Evidence]) -> None:
+        self.simulation, self.evidence = simulation, evidence
+
+    def rest(self, fault: Fault, numbers: Array) -> list[Array] | None:
+        """What a fault leaves of every column, over its tolerance; nan where it is open; None if it cannot be."""
+        try:
+            with np.errstate(all="ignore"):  # two points of a link in one place, a speed beyond all bounds
+                other = fault.apply(self.simulation, numbers)
+                curves = other.predicted(self.evidence)
+        except (LinkproofError, ArithmeticError):
+            return None
+        moved = other.motion.jumps != self.simulation.motion.jumps
+        remains = []
+        for one, values in zip(self.evidence, curves, strict=True):
+            rest = np.where(one.counted, (one.values - values) / one.tolerance, np.nan)
+            if moved and holds_acceleration(one.name):
+                rest = np.where(at_jumps(one.time, other.motion) & ~one.over, np.nan, rest)
+            rest = np.where(one.over & np.isnan(rest), one.residual, rest)  # left open, it is not explained
+            remains.append(rest)
+        return remains
+
+    def at(self, fault: Fault, numbers: Numbers | Array, digits: int = ODD) -> Fit | None:
+        """A fault with these numbers."""
+        numbers = np.array(numbers, dtype=float)
+        rest = self.rest(fault, numbers)
+        return None if rest is None else Fit(fault, numbers, *_measures(rest), digits)
+
+    def best(self, fault: Fault) -> Fit | None:
+        """The best fit of a fault, with usual or round numbers where they leave as little; None if it cannot be."""
+        if fault.usual and not fault.start:
+            return _least(self.at(fault, numbers, 0) for numbers in fault.usual)
+        if not fault.start:
+            return self.at(fault, (), 0)
+        best = _least(self._from(fault, np.array(guess)) for guess in self._promising(fault))
+        if best is None:
+            return None
+        usual = _least(self.at(fault, numbers, 0) for numbers in self._near(fault, best))
+        if usual and _is_as_good(usual, best, AS_GOOD):
+            return usual
+        return best
+
+    def rounded(self, fit: Fit) -> Fit:
+        """The same with a number as round as the file allows, in the unit in which it is written."""
+        unit = fit.fault.unit
+        if not unit or len(fit.numbers) != 1 or not fit.digits:
+            return fit
+        for digits in DIGITS:
+            value = float(f"{fit.numbers[0] / unit:.{digits - 1}e}") * unit
+            trial = self.at(fit.fault, (value,), digits)
+            if trial and _is_as_good(trial, fit, AS_ROUND):
+                return trial
+        return fit
+
+    def pairs(self, faults: Iterable[Fault]) -> Iterator[Fit]:
+        """The likeliest two of some faults of one number at once, chosen by what they change where they are small."""
+        start = [(fault, column) for fault in faults if (column := self._slope(fault)) is not None]
+        if len(start) < 2:
+            return
+        slopes = np.stack([column / np.linalg.norm(column) for _, column in start])
+        right = slopes @ _vector([one.residual for one in self.evidence])
+        cosines = np.triu(slopes @ slopes.T, 1)
+        apart = np.maximum(1.0 - cosines**2, 1e-9)
+        gain = (right[:, None] ** 2 + right**2 - 2.0 * cosines * np.outer(right, right)) / apart
+        gain[np.tril_indices(len(start))] = -math.inf
+        gain[apart <= 1e-6] = -math.inf
+        for place in np.argsort(gain, axis=None)[::-1][:MOST_PAIRS]:
+            first, then = divmod(int(place), len(start))
+            if math.isfinite(gain[first, then]):
+                fit = self._from(pair := both(start[first][0], start[then][0]), np.array(pair.start))
+                if fit:
+                    yield fit
+
+    def _slope(self, fault: Fault) -> Array | None:
+        """By how much a small change of a fault's number changes what is left, (all samples,)."""
+        start = np.array(fault.start)
+        beside = self.rest(fault, start + STEP * np.array(fault.sizes))
+        if beside is None:
+            return None
+        slope = _slopes([one.residual for one in self.evidence], beside)
+        return slope if np.any(slope) and np.all(np.isfinite(slope)) else None
+
+    def _near(self, fault: Fault, best: Fit) -> Sequence[Numbers]:
+        """The usual numbers that may be as good as the best: the nearest, or all where fits have several ends."""
+        if fault.guesses:
+            return fault.usual
+        sizes = np.array(fault.sizes)
+        return sorted(fault.usual, key=lambda one: float(np.sum(((best.numbers - one) / sizes) ** 2)))[:NEAREST]
+
+    def _promising(self, fault: Fault) -> Sequence[Numbers]:
+        """The guesses from which a fit is made: of many those that are nearest to the file as they are."""
+        if len(fault.guesses) <= MOST_GUESSES:
+            return fault.guesses or (fault.start,)
+        fits = {guess: self.at(fault, guess) for guess in fault.guesses}
+        costs = {guess: float(np.sum(fit.rms**2)) for guess, fit in fits.items() if fit is not None}
+        return sorted(costs, key=lambda guess: costs[guess])[:MOST_GUESSES]
+
+    def _from(self, fault: Fault, numbers: Array) -> Fit | None:
+        """Gauss-Newton with halved steps."""
+        is_start = np.array_equal(numbers, fault.start)
+        rest = [one.residual for one in self.evidence] if is_start else self.rest(fault, numbers)
+        if rest is None:
+            return None
+        sizes = np.array(fault.sizes)
+        for _ in range(ROUNDS):
+            vector = _vector(rest)
+            cost = float(vector @ vector)
+            beside = [self.rest(fault, numbers + STEP * size) for size in np.diag(sizes)]
+            slopes = [_slopes(rest, one) for one in beside if one is not None]
+            if len(slopes) < len(sizes):
+                break
+            jacobian = np.stack(slopes, axis=1)
+            if not np.all(np.isfinite(jacobian)) or not np.any(jacobian):
+                break
+            step = -np.linalg.lstsq(jacobian, vector, rcond=1e-10)[0]
+            gain = cost - float(np.sum((vector + jacobian @ step) ** 2))
+            if gain <= (HOPELESS if is_start else SETTLED) * cost:
+                break
+            step, is_start = step * sizes, False
+            for _ in range(HALVINGS):
+                trial = self.rest(fault, numbers + step)
+                gain = -1.0 if trial is None else cost - float(np.sum(_vector(trial) ** 2))
+                if gain > 0.0:
+                    break
+                step = 0.5 * step
+            if trial is None or gain <= 0.0:
+                break
+            numbers, rest = numbers + step, trial
+            if gain <= SETTLED * cost:
+                break
+        return Fit(fault, numbers, *_measures(rest))
+
+
+def _least(fits: Iterable[Fit | None]) -> Fit | None:
+    return min((fit for fit in fits if fit), key=lambda fit: float(np.sum(fit.rms**2)), default=None)
+
+
+def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
+    return bool(np.all(fit.rms <= np.maximum(times * best.rms, 1.0)))
+
+
+def _measures(rest: Sequence[Array]) -> tuple[Array, Array]:
+    """RMS and largest magnitude of what is left of every signal; infinite where too much of it is open."""
+    rms, largest = [], []
+    for one in rest:
+        known = one[np.isfinite(one)]
+        enough = len(known) and len(known) >= (1.0 - MOST_OPEN) * len(one)
+        rms.append(float(np.sqrt(np.mean(known**2))) if enough else np.inf)
+        largest.append(float(np.max(np.abs(known))) if enough else np.inf)
+    return np.array(rms), np.array(largest)
+
+
+def _slopes(rest: Sequence[Array], beside: Sequence[Array]) -> Array:
+    """The change of what is left by a small step, none where either is open."""
+    return _vector([(other - one) / STEP for one, other in zip(rest, beside, strict=True)])
+
+
+def _vector(rest: Sequence[Array]) -> Array:
+    """Every signal alike, however many samples it has."""
+    return np.concatenate([np.nan_to_num(one) / np.sqrt(len(one)) for one in rest])

@@ -1,0 +1,273 @@
+"""Which faults explain what a file shows: what an engineer would look at first, and all that fit as well."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.faults.columns import UNIT_RATIOS, Evidence, column_faults, group_faults
+from comparisons.faults.fault import Correction, Fault, Kind
+from comparisons.faults.fitting import Fit, Fitting
+from comparisons.faults.numbers import misplaced_loads, number_faults, several_numbers
+from comparisons.faults.settings import model_settings, motion_settings
+from comparisons.faults.simulation import Simulation, is_rotary
+
+Array = NDArray[np.float64]
+
+SAMPLES: Final = 300  # of a signal to which faults of the model are fitted,
+FEWEST: Final = 100  # or fewer of each where they are many
+MANY: Final = 4  # signals
+MOST_FITTED: Final = 3000  # samples of a column to which its own faults are fitted
+NOTICED: Final = 1.5  # of the tolerance: a larger difference wants a cause
+EXPLAINED: Final = 0.1  # of a signal's difference may be left by a cause that explains it
+WORTH: Final = 0.2  # the same on some samples, so that it is measured on all
+WORTH_A_PAIR: Final = 20.0  # of the tolerance: two numbers fit any smaller difference
+HARMED: Final = 1.5  # times as much is left of a signal that a cause makes worse
+ALIKE: Final = 1.5  # times the rounding, or the least that any cause leaves: not distinguished
+ROUNDED: Final = 0.6  # rms of a rounding over its bound
+MOST_ALIKE: Final = 12  # causes of one rank that are not distinguished: so many name none
+MOST_OF_ALL: Final = 24  # the same, of any rank: the difference is too small to tell anything
+BETTER: Final = 0.3  # of what is left without a correction of sign or unit
+SIMILAR: Final = 0.9  # correlation of a signal that is right but for its sign or unit
+NEAR_UNIT: Final = 0.35  # natural logarithm within which a factor is taken for a unit's, other faults besides
+
+
+@dataclass(frozen=True)
+class FaultFinding:
+    """Signals that one cause explains, by its names: the likeliest and the ``others`` that fit as well.
+
+    ``left`` is what it leaves of their error, over the signals' scales; ``fully`` whether that is within the rounding.
+    ``aligned`` are corrections of sign and unit without which it does not fit.
+    """
+
+    signals: tuple[str, ...]
+    likeliest: Fit
+    others: tuple[Fit, ...]
+    left: float
+    fully: bool
+    aligned: Mapping[str, Correction] = field(default_factory=dict)
+
+    @property
+    def corrections(self) -> dict[str, Correction]:
+        """What the mapping may agree to, by the names of signals: the likeliest's own, and what it needs besides."""
+        return {**self.aligned, **self.likeliest.fault.cure(self.likeliest.numbers)}
+
+    @property
+    def every(self) -> tuple[Fit, ...]:
+        """All of them, the likeliest first."""
+        return (self.likeliest, *self.others)
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """The causes of differences, and the signals that differ without one."""
+
+    findings: tuple[FaultFinding, ...]
+    unexplained: tuple[str, ...]
+
+
+def explain(
+    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], *, from_column: bool
+) -> Explanation:
+    """The causes of all differences beyond the rounding; ``names`` are the signals that a column may be taken for."""
+    raw = _explain(simulation, evidence, names, from_column=from_column)
+    partly = {name for finding in raw.findings if not finding.fully for name in finding.signals}
+    open_names = {*raw.unexplained, *partly}
+    estimates = {v.name: c for v in evidence if v.name in open_names and (c := estimated(v)) is not None}
+    if estimates:
+        aligned = [_corrected(v, estimates.get(v.name)) for v in evidence]
+        raw = _merged(raw, _explain(simulation, aligned, names, from_column=from_column), estimates)
+    if raw.unexplained:
+        pair = _Search(simulation, evidence).pair(raw.unexplained, from_column=from_column)
+        raw = Explanation((*raw.findings, pair), ()) if pair else raw
+    return raw
+
+
+def _merged(raw: Explanation, again: Explanation, estimates: Mapping[str, Correction]) -> Explanation:
+    """Findings with those in their place that leave much less of a signal once its sign or unit is corrected."""
+    better = []
+    for finding in again.findings:
+        before = [other.left for other in raw.findings if set(other.signals) & set(finding.signals)]
+        if finding.left < BETTER * min(before, default=math.inf):
+            aligned = {name: c for name, c in estimates.items() if name in finding.signals}
+            better.append(replace(finding, aligned=aligned))
+    covered = {name for finding in better for name in finding.signals}
+    kept = (finding for finding in raw.findings if not covered & set(finding.signals))
+    return Explanation((*kept, *better), tuple(name for name in raw.unexplained if name not in covered))
+
+
+def estimated(evidence: Evidence) -> Correction | None:
+    """Sign and unit that a signal has but for its other faults; None where it is right or cannot be estimated."""
+    values, truth = evidence.values[evidence.counted], evidence.truth[evidence.counted]
+    size = float(np.sqrt(np.sum(values**2) * np.sum(truth**2)))
+    product = float(values @ truth)
+    if not size or abs(product) < SIMILAR * size:
+        return None
+    ratio = abs(product) / float(truth @ truth)
+    factors = [1.0, *(k for ratio in UNIT_RATIOS.values() if ratio > 2.0 for k in (ratio, 1.0 / ratio))]
+    factor = min(factors, key=lambda k: abs(np.log(ratio / k)))
+    if abs(np.log(ratio / factor)) > NEAR_UNIT or (factor == 1.0 and product > 0.0):
+        return None
+    return Correction(sign=1 if product > 0.0 else -1, factor=1.0 / factor)
+
+
+def _corrected(evidence: Evidence, correction: Correction | None) -> Evidence:
+    """A signal with sign and factor corrected."""
+    if correction is None:
+        return evidence
+    factor = correction.sign * correction.factor
+    return replace(evidence, values=factor * evidence.values, rounding=max(abs(factor), 1.0) * evidence.rounding)
+
+
+def differs(evidence: Evidence) -> bool:
+    """Whether a signal's difference is beyond its rounding and what is negligible."""
+    return bool(np.any(np.abs(evidence.residual) > NOTICED))
+
+
+def _explain(
+    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], *, from_column: bool
+) -> Explanation:
+    open_names = [one.name for one in evidence if differs(one)]
+    if not open_names:
+        return Explanation((), ())
+    search = _Search(simulation, evidence)
+    fits = search.fits(names, open_names, from_column=from_column)
+    findings: list[FaultFinding] = []
+    unnamed: list[str] = []
+    while open_names:
+        covering = [(search.explained(fit, open_names), fit) for fit in fits]
+        most = max((len(covered) for covered, _ in covering), default=0)
+        if not most:
+            break
+        rivals = [(covered, fit) for covered, fit in covering if len(covered) == most]
+        covered = min(rivals, key=lambda pair: search.left(pair[1], pair[0]))[0]
+        finding = search.finding([fit for names, fit in rivals if names == covered], covered)
+        equal = sum(fit.rank == finding.likeliest.rank for fit in finding.others)
+        if equal < MOST_ALIKE and len(finding.others) < MOST_OF_ALL:
+            findings.append(finding)
+        else:
+            unnamed += covered
+        open_names = [name for name in open_names if name not in covered]
+    return Explanation(tuple(findings), (*unnamed, *open_names))
+
+
+class _Search:
+    """Faults fitted to some columns, and how they compare with the residuals before any fault is applied."""
+
+    def __init__(self, simulation: Simulation, evidence: Sequence[Evidence]) -> None:
+        self.simulation, self.evidence = simulation, evidence
+        self.places = {one.name: n for n, one in enumerate(evidence)}
+        self.whole = Fitting(simulation, evidence)
+        few = max(FEWEST, min(SAMPLES, SAMPLES * MANY // len(evidence)))
+        self.thin = Fitting(simulation, [one.thinned(few) for one in evidence])
+        rest = [one.residual[one.counted] for one in evidence]
+        self.rms = np.array([float(np.sqrt(np.mean(r**2))) if len(r) else 0.0 for r in rest])
+        shares = [(one.rounding / one.tolerance)[one.counted] for one in evidence]
+        self.floor = np.array([ROUNDED * float(np.sqrt(np.mean(s**2))) if len(s) else 0.0 for s in shares]) + 1e-4
+
+    def fits(self, names: Sequence[str], open_names: Sequence[str], *, from_column: bool) -> list[Fit]:
+        """Every fault fitted that does no harm: those of the model to some samples, then those of columns.
+
+        Where one of the model explains several columns at once, nothing is sought in each of them, nor in the shape of
+        a linkage whose positions are found by iteration.
+        """
+        model = [*motion_settings(self.simulation.motion, from_column=from_column), *model_faults(self.simulation)]
+        slow = [fault for fault in model if fault.reshapes and self.simulation.mechanism.is_numerical]
+        found = [fit for fault in model if fault not in slow and (fit := self._of_model(fault))]
+        if not any(self.is_harmless(fit) and len(self.explained(fit, open_names)) == len(open_names) for fit in found):
+            found += [fit for fault in slow if (fit := self._of_model(fault))]
+        found += [fit for fault in group_faults(self.evidence) if (fit := self.whole.best(fault))]
+        found = [fit for fit in found if self.is_harmless(fit)]
+        if len(open_names) > MANY and any(len(self.explained(fit, open_names)) == len(open_names) for fit in found):
+            return found
+        for one in self.evidence:
+            if one.name in open_names:
+                own = Fitting(self.simulation, [one.thinned(MOST_FITTED)])
+                of_column = column_faults(own.evidence[0], self.simulation, names)
+                found += [self._spread(fit, one.name) for fault in of_column if (fit := own.best(fault))]
+        return found
+
+    def pair(self, names: Sequence[str], *, from_column: bool) -> FaultFinding | None:
+        """Two numbers that together explain all that nothing else does, and that is far more than the rounding."""
+        if any(np.nanmax(np.abs(one.residual)) < WORTH_A_PAIR for one in self.evidence if one.name in names):
+            return None
+        motion = motion_settings(self.simulation.motion, from_column=from_column)
+        faults = [one for one in chain(motion, model_faults(self.simulation)) if len(one.start) == 1]
+        if self.simulation.mechanism.is_numerical:
+            faults = [one for one in faults if not one.reshapes]
+        fits = [fit for one in self.thin.pairs(faults) if (fit := self.whole.at(one.fault, one.numbers))]
+        fits = [fit for fit in fits if self.is_harmless(fit) and len(self.explained(fit, names)) == len(names)]
+        return self.finding(fits, tuple(names)) if fits else None
+
+    def _of_model(self, fault: Fault) -> Fit | None:
+        """A fault fitted to some samples, and if it explains anything there measured on all."""
+        fit = self.thin.best(fault)
+        if fit is None or not np.any(fit.rms <= np.maximum(1.0, WORTH * self.rms)):
+            return None
+        return self.whole.at(fault, fit.numbers, fit.digits)
+
+    def _spread(self, fit: Fit, name: str) -> Fit:
+        """A fit of one column beside all others, which it leaves as they are."""
+        own = np.arange(len(self.rms)) == self.places[name]
+        largest = np.array([float(np.nanmax(np.abs(one.residual), initial=0.0)) for one in self.evidence])
+        return replace(fit, rms=np.where(own, fit.rms, self.rms), largest=np.where(own, fit.largest, largest))
+
+    def is_harmless(self, fit: Fit) -> bool:
+        """Whether a fit makes no signal worse beyond its rounding."""
+        return bool(np.all(fit.rms <= np.maximum(1.0, HARMED * self.rms)))
+
+    def explained(self, fit: Fit, names: Sequence[str]) -> tuple[str, ...]:
+        """Which of the signals a fit explains."""
+        return tuple(n for n in names if fit.rms[(p := self.places[n])] <= max(ROUNDED, EXPLAINED * self.rms[p]))
+
+    def left(self, fit: Fit, names: Sequence[str]) -> float:
+        """Logarithm of what a fit leaves of some signals, beyond the rounding."""
+        places = [self.places[name] for name in names]
+        return float(np.mean(np.log(np.maximum(fit.rms[places] / self.floor[places], ALIKE))))
+
+    def finding(self, rivals: Sequence[Fit], names: tuple[str, ...]) -> FaultFinding:
+        """The likeliest of several fits that explain the same signals, and those that fit as well."""
+        places = [self.places[name] for name in names]
+        least = min(rivals, key=lambda fit: self.left(fit, names))
+        bound = ALIKE * np.maximum(least.rms[places], self.floor[places])
+        alike = [self.whole.rounded(fit) for fit in rivals if np.all(fit.rms[places] <= bound)]
+        best, *others = sorted(alike, key=lambda fit: (fit.rank, round(self.left(fit, names), 1), fit.change))
+        scales = [float(np.max(self.evidence[p].tolerance)) / self.evidence[p].scale for p in places]
+        left = max(largest * scale for largest, scale in zip(best.largest[places], scales, strict=True))
+        fully = bool(np.all(best.largest[places] <= NOTICED))
+        return FaultFinding(names, best, tuple(_worth_a_word(best, others)), left, fully)
+
+
+def _worth_a_word(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
+    """Fits beside the likeliest: no freer ones beside a setting or a column, no pair beside a single fault."""
+    kind, _ = best.rank
+    most = Kind.NUMBER if kind <= Kind.SETTING else max(Kind.SEVERAL, kind)
+    return (fit for fit in others if fit.rank[0] <= most)
+
+
+def model_faults(simulation: Simulation) -> Iterator[Fault]:
+    """Every fault of a model but those of its motion: settings, then numbers."""
+    yield from model_settings(simulation)
+    yield from misplaced_loads(simulation.linkage)
+    yield from number_faults(simulation.linkage)
+    yield from several_numbers(simulation.linkage)
+
+
+def proposals(
+    explanation: Explanation, columns: Iterable[str], agreed: Mapping[str, Correction]
+) -> dict[str, Correction]:
+    """The corrections among the likeliest causes by the names of ``columns``, those agreed to already included."""
+    known, found = list(columns), dict[str, Correction]()
+    for finding in explanation.findings:
+        for name, correction in finding.corrections.items():
+            groups = {"*": finding.signals, "rotary": [one for one in known if is_rotary(one)]}
+            for one in groups.get(name, (name,)):
+                if one in known and one not in found:
+                    found[one] = correction.after(agreed.get(one, Correction()))
+    return found

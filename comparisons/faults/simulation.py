@@ -1,0 +1,194 @@
+"""What a tool simulates: a linkage under a motion of its driver, and what becomes of the curves until they are read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import signal
+from comparisons.reference.case import Truth
+from comparisons.reference.motion import Motion
+
+Array = NDArray[np.float64]
+Predict = Callable[[str, Array], Array]  # a signal's name, times (n,), s
+Change = Callable[[Predict, str, Array], Array]
+
+WINDOW: Final = 1e-2  # of the shortest piece of the motion: half the window at its acceleration jumps
+STEPS: Final = 1.01  # of the file on either side of a jump: its instant is rounded
+SHAPE: Final = ("ground", "sliders", "slots", "pins", "output", "crank")  # of a linkage, besides its links' points
+
+
+class Curve(Protocol):
+    """A signal by its name at times (n,), s."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def time(self) -> Array:
+        """Times (n,), s."""
+        ...
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A linkage under a motion, as the closed form has it; ``modes`` are its assembly modes if others.
+
+    ``after`` are changes of single curves, in their order: each has what stands before it, a signal's name and times.
+    """
+
+    linkage: Linkage
+    motion: Motion
+    modes: tuple[int, ...] | None = None
+    after: tuple[Change, ...] = ()
+    _seen: dict[tuple[str, bytes], Array] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The closed form."""
+        mechanism = Mechanism(self.linkage)
+        if self.modes is not None:
+            mechanism.structure = mechanism.structure.with_signs(self.modes)
+        return mechanism
+
+    def moving(self, motion: Motion) -> Simulation:
+        """The same linkage under another motion; what is known of the linkage stays known."""
+        other = replace(self, motion=motion, _seen={})
+        other.__dict__["mechanism"] = self.mechanism
+        return other
+
+    def of(self, linkage: Linkage) -> Simulation:
+        """Another linkage under the same motion; where only masses and loads differ it moves as this one does."""
+        other = replace(self, linkage=linkage, _seen={})
+        if _shape(linkage) == _shape(self.linkage):
+            other.__dict__["mechanism"] = self.mechanism.with_loads_of(linkage)
+        return other
+
+    def assembled(self, modes: tuple[int, ...]) -> Simulation:
+        """The same linkage in other assembly modes."""
+        return replace(self, modes=modes, _seen={})
+
+    def then(self, change: Change) -> Simulation:
+        """The same, its curves changed afterwards: what they were before is computed once."""
+        other = replace(self, after=(*self.after, change))
+        other.__dict__["mechanism"] = self.mechanism
+        return other
+
+    def predicted(self, curves: Iterable[Curve]) -> list[Array]:
+        """Each curve at its times; those on one clock share the work."""
+        truths: dict[bytes, Truth] = {}
+
+        def closed_form(name: str, time: Array) -> Array:
+            clock = time.tobytes()
+            if (name, clock) not in self._seen:
+                truth = truths.setdefault(clock, Truth(self.mechanism, self.motion, time))
+                self._seen[name, clock] = signal(truth, name)
+            return self._seen[name, clock]
+
+        predict: Predict = closed_form
+        for change in self.after:
+            predict = partial(change, predict)
+        return [predict(curve.name, curve.time) for curve in curves]
+
+
+def _shape(linkage: Linkage) -> list[Any]:
+    """What decides how a linkage moves."""
+    points = {name: link.points for name, link in linkage.links.items()}
+    return [points, *(getattr(linkage, part) for part in SHAPE)]
+
+
+@dataclass(frozen=True)
+class ChangedMotion:
+    """``pace`` φ(t + ``shift``) + ``offset``; derivatives above ``order`` are left out: 0 of them leave rest."""
+
+    motion: Motion
+    pace: float = 1.0
+    offset: float = 0.0
+    shift: float = 0.0
+    order: int = 2
+
+    @property
+    def regime(self) -> str:
+        """Name of the regime."""
+        return self.motion.regime
+
+    @property
+    def duration(self) -> float:
+        """Time at which it ends, s."""
+        return self.motion.duration
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        return self.motion.peak_speed * abs(self.pace)
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps, s."""
+        return tuple(jump - self.shift for jump in self.motion.jumps)
+
+    def _clock(self, time: ArrayLike) -> Array:
+        return np.asarray(np.asarray(time, dtype=float) + self.shift)
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return np.asarray(self.pace * self.motion.angle(self._clock(time)) + self.offset)
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return np.asarray((self.order > 0) * self.pace * self.motion.speed(self._clock(time)))
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """ε(t), rad/s²."""
+        return np.asarray((self.order > 1) * self.pace * self.motion.acceleration(self._clock(time)))
+
+
+def is_force(name: str) -> bool:
+    """Whether a signal is a torque, a force or a power: what masses and loads decide."""
+    return name in ("Mkr", "Peq") or name.startswith(("joint_force", "shaking"))
+
+
+def holds_acceleration(name: str) -> bool:
+    """Whether a signal jumps with the crank's acceleration."""
+    return is_force(name) or name in ("epsilon", "a") or name.endswith((":ax", ":ay", ":alpha"))
+
+
+def is_angle(name: str) -> bool:
+    """Whether a signal is an angle, of which whole turns say nothing."""
+    return name == "phi" or name.endswith(":angle") or name.startswith("transmission_angle")
+
+
+def is_place(name: str) -> bool:
+    """Whether a signal is a length that counts from some zero."""
+    return name == "S" or (name.startswith("point:") and name.endswith((":x", ":y")))
+
+
+def is_rotary(name: str) -> bool:
+    """Whether a signal changes its sign where the drawing is looked at from behind."""
+    return name in ("phi", "omega", "epsilon", "Mkr", "shaking_moment") or name.startswith("link:")
+
+
+def at_jumps(time: Array, motion: Motion) -> NDArray[np.bool_]:
+    """Samples in the window at any jump of the crank's acceleration."""
+    near = np.zeros(len(time), dtype=bool)
+    for jump in motion.jumps:
+        near |= near_jump(time, motion, jump)
+    return near
+
+
+def near_jump(time: Array, motion: Motion, jump: float) -> NDArray[np.bool_]:
+    """Samples in the window at one jump."""
+    ends = np.array([0.0, *motion.jumps, motion.duration])
+    pieces = np.diff(np.unique(ends))
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    window = max(WINDOW * float(np.min(pieces[pieces > 0.0], initial=motion.duration)), STEPS * step)
+    return np.asarray(np.abs(time - jump) <= window)
