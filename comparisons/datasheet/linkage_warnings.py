@@ -34,6 +34,7 @@ GRAVITY: Final = 100.0  # m/s²: what pulls harder is a slip of the unit, which 
 GAP: Final = 4.0  # times the usual step of a load's table: a wider one is a part of the turn without values
 MOST_GAP: Final = math.radians(60.0)
 OVERSHOOT: Final = 0.5  # of the range of a load's values: how far its spline may leave it
+SHORTEST, LONGEST = 2e-3, 50.0  # a spring's free length over the linkage's size
 # Of a load beside all else: rpm, crank angles, times as much, what rounding leaves of it.
 SPEED, PLACES, MOST_TIMES, NOISE = 1000.0, 120, 100.0, 1e-9
 SMALLER: Final = {"N/mm": "N/m", "kN": "N", "N*m": "N*mm", "N m": "N*mm"}
@@ -100,6 +101,11 @@ def _loads(linkage: Linkage) -> Iterator[str]:
     for spring in linkage.springs:
         if not spring.has_length:
             yield f"the {_name(spring)} has no free length: it pulls at every length; add length if it has one"
+        elif spring.length and not SHORTEST * linkage.extent() < spring.length < LONGEST * linkage.extent():
+            yield (
+                f"the {_name(spring)} is {linkage.written(spring.length)} long when free, and the linkage "
+                f"{linkage.written(linkage.extent())}: check the unit of its length"
+            )
     for force in linkage.forces:
         yield from _table(_name(force), force.force)
     for torque in linkage.torques:

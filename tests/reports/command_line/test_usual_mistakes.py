@@ -105,6 +105,7 @@ WARNED = {
     "gravity upwards": ("-9.81]", "9.81]", "gravity points along +y", "write [0, -9.81]"),
     "spelling": ("A = [20, 0]", "A = [20, 0], p = [1, 1]", "points 'P' and 'p' are two", "a pin needs one spelling"),
     "free length missing": ("length = 50\n", "", "spring between P and O2", "add length if it has one"),
+    "free length in m": ("length = 50\n", "length = 0.05\n", "spring between P and O2 is 0.05 mm", "check the unit"),
     "stiffness in N/m": (UNITS, 'angle = "deg", stiffness = "N/mm" }', "the spring between", "(N/m read as N/mm?)"),
     "force in N": (UNITS, 'angle = "deg", force = "kN" }', "the force at 'P' moves", "(N read as kN?)"),
     "torque in N*mm": ("\n[[springs]]", TORQUE, "the torque on 'rocker'", "(N*mm read as N*m?)"),
