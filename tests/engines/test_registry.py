@@ -23,7 +23,7 @@ from engines import registry
 from engines.contract import Outcome, Setting
 from engines.ondsel_adapter import OndselEngine
 from engines.scene import Channel
-from reports.command_line import requests
+from reports.requests import campaign
 from tests.commands import process
 from tests.comparisons.faults import PATIENCE, announce
 
@@ -107,9 +107,9 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
 def test_an_engine_too_old_is_refused_by_name_and_a_row_otherwise(monkeypatch):
     monkeypatch.setattr(OndselEngine, "package", "numpy")
     monkeypatch.setattr(OndselEngine, "oldest", "9999")
-    monkeypatch.setattr(requests, "adapters", lambda names: [OndselEngine() for _ in names])
+    monkeypatch.setattr(campaign, "adapters", lambda names: [OndselEngine() for _ in names])
     with pytest.raises(LinkproofError, match=r"numpy .* is too old, 9999 is the first that will do: pip install"):
-        requests.named(["ondsel"])
+        campaign.named(["ondsel"])
     run = OndselEngine().run(CASE.scene([Channel.TORQUE]), Setting.TUNED)
     assert (run.outcome, "is too old" in run.reason) == (Outcome.UNAVAILABLE, True)
 

@@ -101,16 +101,16 @@ def test_blocks_written_in_any_order_are_read_by_others(tmp_path, monkeypatch, s
 
 def test_unfinished_work_of_another_command_is_left_alone(tmp_path):
     Journal(tmp_path, "linkproof compare juki-mf7923d").keep("run", b"")
-    saved = SavedSweep(request(), tmp_path, {})
+    saved = SavedSweep(request(), tmp_path, {"command": "linkproof sweep rimoldi-164"})
     with pytest.raises(LinkproofError, match="unfinished work of `linkproof compare juki-mf7923d`"):
-        saved.check("linkproof sweep rimoldi-164")
+        saved.check()
 
 
 def test_another_request_is_not_resumed(tmp_path):
-    saved = SavedSweep(request(), tmp_path, {})
+    saved = SavedSweep(request(), tmp_path, {"command": "linkproof sweep two"})
     saved.begin(Journal(tmp_path, "linkproof sweep one"))
     sweep(saved.request, keep=saved.keep)
-    saved.check("linkproof sweep two")
+    saved.check()
     with pytest.raises(LinkproofError, match="expected the request that was begun"):
         SavedSweep(request(), tmp_path, {}).begin(Journal(tmp_path, "linkproof sweep two"))
 
@@ -126,9 +126,9 @@ def test_what_is_forgotten_leaves_nothing(tmp_path):
 @pytest.mark.skipif(not shutil.os.path.exists("/dev/full"), reason="no /dev/full")
 def test_a_full_disk_is_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=100))
-    saved = SavedSweep(request(), tmp_path / "out", {})
+    saved = SavedSweep(request(), tmp_path / "out", {"command": "linkproof sweep"})
     with pytest.raises(LinkproofError, match="expected room for 30 designs"):
-        saved.check("linkproof sweep")
+        saved.check()
     saved.begin(Journal(tmp_path / "out", "linkproof sweep"))
     saved._path.parent.mkdir(parents=True)
     saved._path.symlink_to("/dev/full")
