@@ -1,6 +1,6 @@
 """Work-precision: every engine, method and step measured on every case, round after round, one run at a time.
 
-The first round goes down one sweep of every engine on every case at once, coarse steps first, then the next of each,
+The first round goes down one sweep of every engine on a case at once, coarse steps first, then the next of each,
 and takes the errors; the rounds after it repeat every point for its time alone. Each round visits all points in turn,
 so that a slow spell of the machine hits all alike.
 """
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from itertools import zip_longest
 from typing import Any
 
 from analytic.errors import UnknownNameError
@@ -127,17 +126,23 @@ def _sweeps(request: BenchRequest) -> Iterator[Track]:
 
 
 def _turns(sweeps: Sequence[Track]) -> list[list[Track]]:
-    """Sweeps that are measured to their ends one turn after the other: one of every engine on every case at a time.
+    """Sweeps that are measured to their ends one turn after the other: one of every engine on a case at a time.
 
-    Where the time ends first, some sweeps are whole and others have no point, rather than each a single one. So the
-    settings come first and then each engine's most advanced method; extrapolated ones and the best setting, which is
-    mostly one of them, come last.
+    Where the time ends first, few cases have whole curves, rather than many a point each: case by case come the
+    settings and each engine's most advanced method. The other methods follow; extrapolated ones and the best setting,
+    which is mostly one of them, come last.
     """
     groups: dict[tuple[int, str], list[Track]] = {}
     for track in sweeps:
         groups.setdefault((track.points[0].case, track.points[0].engine), []).append(track)
-    ordered = [[track for _, track in sorted(enumerate(group), key=_rank)] for group in groups.values()]
-    return [[track for track in turn if track is not None] for turn in zip_longest(*ordered)]
+    ordered = {place: sorted(enumerate(group), key=_rank) for place, group in groups.items()}
+    turns: dict[tuple[int, int, int], list[Track]] = {}
+    for (case, _), group in ordered.items():
+        first = sum(_rank(one)[0] == 0 for one in group)  # number of settings that come before the first method
+        for number, (_, track) in enumerate(group):
+            place = (0, case, number) if number <= first else (1, number, case)
+            turns.setdefault(place, []).append(track)
+    return [turns[place] for place in sorted(turns)]
 
 
 def _rank(numbered: tuple[int, Track]) -> tuple[int, int]:
