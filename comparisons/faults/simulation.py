@@ -25,7 +25,7 @@ STEPS: Final = 1.01  # of the file on either side of a jump: its instant is roun
 SHAPE: Final = ("ground", "sliders", "slots", "pins", "output", "crank")  # of a linkage, besides its links' points
 
 
-class Curve(Protocol):
+class SampledCurve(Protocol):
     """A signal by its name at times (n,), s."""
 
     @property
@@ -83,7 +83,7 @@ class Simulation:
         other.__dict__["mechanism"] = self.mechanism
         return other
 
-    def predicted(self, curves: Iterable[Curve]) -> list[Array]:
+    def predicted(self, curves: Iterable[SampledCurve]) -> list[Array]:
         """Each curve at its times; those on one clock share the work."""
         truths: dict[bytes, Truth] = {}
 
