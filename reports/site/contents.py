@@ -104,7 +104,7 @@ class Contents:
 
     def _studies(self) -> Iterator[Words]:
         if self.bench is not None:
-            yield BENCH, ": ", sentence("index_bench", points=self.bench.records)
+            yield BENCH, ": ", sentence("index_bench", points=[one for one in self.bench.points if one.errors])
         if self.stress is not None:
             yield STRESS, ": ", sentence("index_stress", cells=len(self.stress.results), count=self.stress.count())
 
