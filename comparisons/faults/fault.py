@@ -1,4 +1,4 @@
-"""A fault: one thing that may be wrong with a simulation, by what it does, how it is said and how it is cured."""
+"""A fault: one thing that may be wrong with a simulation, what it does, its sentence and its cure."""
 
 from __future__ import annotations
 

@@ -59,13 +59,13 @@ def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limi
 
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
     """
-    running(limits)
     completed = in_project(options, limits, standard)
+    where = running(completed.limits)
     file = baseline_file(standard, completed.project)
     return Campaign(
         request(completed.options, completed.known),
         chosen_standard(completed, standard),
-        running(completed.limits),
+        where,
         options,
         command_line("compare", completed.options),
         command_line("compare", completed.options, standard, completed.limits),

@@ -10,12 +10,11 @@ from comparisons.designs.optimum.optimisation import Optimum, Wish, optimise
 from comparisons.designs.parameters import mass_words
 from reports.requests.campaign import named
 from reports.requests.options.designs import OptimiseOptions
-from reports.requests.steady import check_steady, steady_case
+from reports.requests.steady import steady_case
 
 
 def wish_of(options: OptimiseOptions) -> Wish:
     """What is optimised; raises LinkproofError for what cannot be, before anything is worked out."""
-    check_steady(options)
     if (options.minimise is None) == (options.maximise is None):
         got = "neither" if options.minimise is None else "both"
         raise LinkproofError(f"expected --minimise FIGURE or --maximise FIGURE, got {got}; give one, such as Mkr.peak")

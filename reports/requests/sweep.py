@@ -22,7 +22,7 @@ from reports.requests.campaign import named
 from reports.requests.options.campaign import CompareOptions, RunLimits
 from reports.requests.options.designs import DESIGNS, SweepOptions
 from reports.requests.running import running
-from reports.requests.steady import SteadyCase, check_steady, steady_case
+from reports.requests.steady import SteadyCase, steady_case
 
 
 class SimulatedCampaign(NamedTuple):
@@ -34,8 +34,7 @@ class SimulatedCampaign(NamedTuple):
 
 
 def check_sweep(options: SweepOptions) -> None:
-    """Raise LinkproofError for motions, cores and simulations that cannot be, before anything is worked out."""
-    check_steady(options)
+    """Raise LinkproofError for cores and simulations that cannot be, before anything is worked out."""
     if options.designs < 1:
         raise LinkproofError(f"--designs: expected 1 design or more to simulate, got {options.designs}; give more")
     if options.seed < 0:

@@ -22,7 +22,7 @@ from comparisons.runs.files import write_text
 from reports.command_line.destination import Destination
 from reports.designs.optimum.optimise_terminal import aim, closing, document, printed
 from reports.requests import PASSED
-from reports.requests.optimise import optimum, wish_of
+from reports.requests.optimise import optimum
 from reports.requests.options.campaign import CompareOptions
 from reports.requests.options.declaring import command_line
 from reports.requests.options.designs import OptimiseOptions
@@ -35,7 +35,6 @@ CURVES = "before-after.svg"
 def optimise(options: OptimiseOptions, destination: Destination) -> int:
     """Look for the best design, write the requested files, print the tables; returns the exit code."""
     destination.check(JSON)
-    wish_of(options)
     linkage = load(options.mechanism, options.variant)
     with destination.progress() as announce:
         best, conditions = optimum(linkage, options, announce)

@@ -11,12 +11,10 @@ from comparisons.datasheet.building import page_sheet, sheet
 from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
-from comparisons.reference.case import Case
 from comparisons.runs.files import check_writable
 from reports.command_line.destination import STDOUT, check_files, files_of, write_files
 from reports.designs.results.files import csv_table, json_text
 from reports.document.terminal import show
-from reports.requests.motions import check_motion
 from reports.requests.options.linkage import ResultsFiles, ResultsOptions
 from reports.requests.results import requested_results
 
@@ -31,7 +29,6 @@ def results(
 
     A browser ``opens`` the page of a folder. With ``strict`` what looks like a slip is refused.
     """
-    check_motion(options)
     named = files_of(files)
     _check(files, named, opens=opens)
     check_files(named, {"the linkage's file": Path(options.mechanism)})
@@ -40,12 +37,14 @@ def results(
         check_slips(linkage)
     case, chosen = requested_results(linkage, options)
     found = sheet(case, chosen, every_peak=files.json is not None)
-    drawn = page_sheet(case) if {*PICTURES} & {*named} else found
+    drawn = found
+    if files.out is not None or {*PICTURES} & {*named}:
+        drawn = page_sheet(case, tuple(case.mechanism.linkage.released) if files.out is not None else ())
     write_files(
         {file: _content(option, drawn if option in PICTURES else found, files) for option, file in named.items()}
     )
     if files.out is not None:
-        _write_page(files.out, case, opens=opens, quiet=quiet)
+        _write_page(files.out, drawn, opens=opens, quiet=quiet)
     if STDOUT not in named.values() and not quiet:
         from reports.designs.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
@@ -66,12 +65,11 @@ def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:
         check_writable(files.out / PAGE)
 
 
-def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
-    """Save the data sheet of a case among those of a report's folder, and write the report's pages."""
+def _write_page(out: Path, own: Sheet, *, opens: bool, quiet: bool) -> None:
+    """Save a data sheet among those of a report's folder, and write the report's pages."""
     from reports.site.contents import contents  # noqa: PLC0415 - seconds that nothing else pays for
     from reports.site.site import write_site  # noqa: PLC0415
 
-    own = page_sheet(case, tuple(case.mechanism.linkage.released))
     sheets = load_sheets(out) if (out / FILE).is_file() else ()
     others = [one for one in sheets if (one.name, one.variant) != (own.name, own.variant)]
     save_sheets(out, [*others, own])

@@ -7,7 +7,7 @@ command in saved results are all made of it.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import Field, dataclass, fields
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
@@ -69,11 +69,8 @@ def stated(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a data
     return found
 
 
-def command_line(command: str, *options: Any, **others: Sequence[str]) -> str:  # noqa: ANN401 - dataclasses
-    """The command that repeats a request: its arguments, its options with their values, and its flags; ``others`` last.
-
-    ``others`` are further options by name, each with its values.
-    """
+def command_line(command: str, *options: Any) -> str:  # noqa: ANN401 - dataclasses
+    """The command that repeats a request: its arguments, its options with their values, and its flags."""
     arguments = [
         str(word)
         for each in options
@@ -81,9 +78,9 @@ def command_line(command: str, *options: Any, **others: Sequence[str]) -> str:  
         if isinstance(one.info, Argument)
         for word in _several(getattr(each, one.field.name))
     ]
-    given = {name: values for each in options for name, values in stated(each).items()} | others
-    valued = [word for name, values in given.items() for value in values for word in (f"--{name}", str(value))]
-    flags = [f"--{name}" for name, values in given.items() if not values and name not in others]
+    given = {name: values for each in options for name, values in stated(each).items()}
+    valued = [word for name, values in given.items() for value in values for word in (f"--{name}", value)]
+    flags = [f"--{name}" for name, values in given.items() if not values]
     return shlex.join(["linkproof", command, *arguments, *valued, *flags])
 
 
