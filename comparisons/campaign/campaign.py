@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from analytic.description.crank_motion import CrankMotion
@@ -13,8 +13,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.checks import checks
 from comparisons.judging.deviations import Deviation, NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
-from comparisons.judging.records import CONTROL, Record, Verdict, blank_record
-from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
+from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, from_row, run_record
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case, unpickled
@@ -22,14 +21,12 @@ from comparisons.runs.failures import Failure, Lost, blamed_on
 from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import run_engine
-from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.study import Announce, Study, Task, Written
 from comparisons.runs.worker_process import host
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
-
-__all__ = ["CampaignRequest", "RunResult", "cases", "compare", "tasks"]
 
 
 @dataclass(frozen=True)
@@ -99,6 +96,22 @@ def cases(request: CampaignRequest) -> list[Case]:
     return found
 
 
+@dataclass(frozen=True)
+class CampaignRuns(Iterable[RunRecord]):
+    """The runs of a campaign in the order of its tasks: made when they are first gone through, then read back."""
+
+    study: Study[RunRecord]
+    tasks: Sequence[Task]
+    bounds: Bounds
+
+    def make(self) -> None:
+        """Make those that are not there yet."""
+        self.study.complete(self.tasks, self.bounds)
+
+    def __iter__(self) -> Iterator[RunRecord]:
+        return self.study.in_order(self.tasks, self.bounds)
+
+
 def compare(
     request: CampaignRequest,
     announce: Announce = lambda *_: None,
@@ -106,24 +119,22 @@ def compare(
     bounds: Bounds = DEFAULT_BOUNDS,
     pool: Pool | None = None,
     journal: Journal | None = None,
-) -> Iterator[RunResult]:
-    """Make the runs, in parallel, and yield them in the order of ``tasks``.
+) -> CampaignRuns:
+    """The runs of a request, made in parallel as they are gone through.
 
     ``announce`` hears the label of the run begun last, how many are finished and how many there are. Runs are made in
     the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is made
-    here, unbounded. A ``journal`` is given every finished run to keep, and spares
-    those that it has kept already.
+    here, unbounded. A ``journal`` is given every finished run to keep, and spares those that it has kept already.
 
     What ``tasks`` raises is raised at once, before the first run; LinkproofError too, if the journal is
     another request's.
     """
     todo = tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
-    study = Study(judged, lost, to_bytes, from_bytes, journal, announce, where)
-    return study.in_order(todo, bounds)
+    return CampaignRuns(Study(judged, lost, written, from_row, journal, announce, where), todo, bounds)
 
 
-def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunResult:
+def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunRecord:
     """The records of a run whose process gave no result."""
     case = unpickled(pickled)
     blank = blank_record(case, setting, name, engine(name).version() or "", failure.host)
@@ -135,7 +146,7 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
     return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
 
 
-def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> RunResult:
+def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> RunRecord:
     """One run of a pickled case, judged by the quantities of these names."""
     case, adapter = unpickled(pickled), engine(name)
     quantities = chosen_quantities(case, names)
@@ -153,18 +164,24 @@ def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], 
         return _all_alike(quantities, blank, run.outcome, run.reason)
     motion = ObservedMotion(model, run.history)
     compared = {quantity.name: _compared(case, quantity, motion, blank, adapter) for quantity in quantities}
-    return RunResult(
-        tuple(record for record, _ in compared.values()),
+    return run_record(
+        blank,
+        [record for record, _ in compared.values()],
         checks(case, motion, replace(blank, origin=CONTROL if adapter.is_control else "")) if with_invariants else (),
-        {name: found for name, (_, found) in compared.items() if found is not None},
-        dict(run.details),
+        {name: found.curve for name, (_, found) in compared.items() if found is not None},
+        run.details,
     )
 
 
-def _all_alike(quantities: Iterable[Quantity], blank: Record, outcome: Outcome | Failure, reason: str) -> RunResult:
+def written(result: RunRecord) -> Written:
+    """A run for its journal."""
+    return result.row, result.curves
+
+
+def _all_alike(quantities: Iterable[Quantity], blank: Record, outcome: Outcome | Failure, reason: str) -> RunRecord:
     """The records of a run that gave no motion."""
     blank = replace(blank, outcome=Verdict(outcome.value).value, detail=reason)
-    return RunResult(tuple(replace(blank, quantity=q.name, unit=q.unit) for q in quantities), ())
+    return run_record(blank, (replace(blank, quantity=q.name, unit=q.unit) for q in quantities))
 
 
 def _compared(

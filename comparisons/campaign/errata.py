@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import judged, lost
-from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
+from comparisons.campaign.campaign import judged, lost, written
+from comparisons.judging.records import RunRecord, from_row
 from comparisons.reference.case import Case, own_case
 from comparisons.reference.motion import Spin
 from comparisons.reference.printed_models import printed_motion
@@ -93,7 +93,7 @@ def judge_errata(
     trials = list(_trials(linkages))
     tasks = [_task(*trial, name) for trial in trials for name in engines]
     where = pool or LocalPool(usual_processes(len({task.key for task in tasks})))
-    study = Study(judged, lost, to_bytes, from_bytes, journal, pool=where)
+    study = Study(judged, lost, written, from_row, journal, pool=where)
     with closing(study.in_order(tasks, bounds)) as runs:
         for erratum, case in trials:
             printed = None
@@ -119,16 +119,16 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
         yield from ((erratum, cases[erratum.regime]) for erratum in linkage.errata)
 
 
-def _record(trial: Trial, name: str, printed: Spin, result: RunResult) -> ErratumRecord:
+def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> ErratumRecord:
     erratum, case = trial
-    corrected, found = case.motion, result.deviations.get(SPEED)
+    corrected, found = case.motion, result.curves.get(SPEED)
     record = ErratumRecord(
         mechanism=case.mechanism.linkage.name,
         erratum=erratum.name,
         place=erratum.place,
         regime=erratum.regime,
         engine=name,
-        outcome=result.records[0].outcome,
+        outcome=result.errors[0].outcome,
         supports="neither",
         deviation_corrected=None,
         deviation_printed=None,
@@ -136,13 +136,13 @@ def _record(trial: Trial, name: str, printed: Spin, result: RunResult) -> Erratu
         mean_speed_corrected=_mean_speed(corrected, corrected.duration),
         mean_speed_printed=_mean_speed(printed, corrected.duration),
         note=erratum.note,
-        reason=result.records[0].detail,
+        reason=result.errors[0].detail,
     )
     if found is None:
         return record
+    time, _, observed, _ = found
     far, further = (
-        float(np.max(np.abs(found.observed - model.speed(found.time)))) / corrected.peak_speed
-        for model in (corrected, printed)
+        float(np.max(np.abs(observed - model.speed(time)))) / corrected.peak_speed for model in (corrected, printed)
     )
     return replace(
         record,
@@ -150,7 +150,7 @@ def _record(trial: Trial, name: str, printed: Spin, result: RunResult) -> Erratu
         supports=_supported(far, further),
         deviation_corrected=far,
         deviation_printed=further,
-        mean_speed=_observed_mean(Signal(found.time, found.observed), corrected.duration),
+        mean_speed=_observed_mean(Signal(time, observed), corrected.duration),
         reason="",
     )
 

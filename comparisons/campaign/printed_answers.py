@@ -5,12 +5,11 @@ A figure of another kind, a stroke or a range, is the closed form's alone.
 
 from __future__ import annotations
 
-import json
 import math
 import pickle
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -30,7 +29,7 @@ from comparisons.reference.signal_figures import case_of
 from comparisons.runs.failures import Lost
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import run_engine
-from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.study import Announce, Study, Task, Written
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting
 from engines.scene import Channel
@@ -202,11 +201,9 @@ def _lost(failure: Lost, _pickled: bytes, _name: str, asked: tuple[Asked, ...]) 
     return RunAnswers((None,) * len(asked), f"{failure.outcome}: {failure.reason}")
 
 
-def _encoded(told: RunAnswers) -> bytes:
-    return json.dumps([told.values, told.reason]).encode()
+def _encoded(answers: RunAnswers) -> Written:
+    return asdict(answers), {}
 
 
-def _decoded(content: bytes) -> RunAnswers:
-    values: Any
-    values, reason = json.loads(content)
-    return RunAnswers(tuple(values), reason)
+def _decoded(row: Mapping[str, Any], _: Mapping[str, Array]) -> RunAnswers:
+    return RunAnswers(tuple(row["values"]), row["reason"])

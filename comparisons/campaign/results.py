@@ -1,63 +1,63 @@
-"""The results of a campaign as one labelled dataset: every curve, every record, and all a report needs besides."""
+"""The results of a campaign: its runs, and all that a report needs besides; saved and read back."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import shutil
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.linkage import Linkage, Vector
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import CampaignRequest, RunResult
+from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.campaign.saved_document import checked, limits_of
+from comparisons.campaign.saved_document import FORM
 from comparisons.campaign.standards import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
-from comparisons.judging.limits import LimitTable
-from comparisons.judging.records import Record, from_rows, to_json
-from comparisons.judging.run_result import ARRAYS
+from comparisons.judging.limits import LimitTable, shipped_limits, table_of
+from comparisons.judging.records import Record, RunRecord, from_row
 from comparisons.runs.environment import environment
-from comparisons.runs.files import write_file
+from comparisons.runs.study_folder import has_study, load_study, save_study, usable
 
-if TYPE_CHECKING:
-    import xarray
+Array = NDArray[np.float64]
 
-DATASET = "curves.nc"
-RECORDS = "records.json"
-LABELS = ("mechanism", "variant", "regime", "engine", "setting")
+COMPARE: Final = "compare"
+JUDGE: Final = "judge"  # another tool's results in an engine's place
+KINDS: Final = (COMPARE, JUDGE)
 
 
 @dataclass(frozen=True)
 class Results:
-    """A finished campaign: its document, its ``curves`` as ``dataset`` lays them out, a data sheet of each linkage."""
+    """A finished campaign: its document, its runs, a data sheet of each linkage."""
 
-    document: dict[str, Any]
-    curves: xarray.Dataset
+    document: Mapping[str, Any]
+    runs: tuple[RunRecord, ...]
     sheets: tuple[Sheet, ...] = ()
 
     @cached_property
     def records(self) -> tuple[Record, ...]:
         """One record per run and quantity."""
-        return from_rows(self.document["records"])
+        return tuple(record for run in self.runs for record in run.records)
 
     @cached_property
     def invariants(self) -> tuple[Record, ...]:
         """One record per run and invariant."""
-        return from_rows(self.document["invariants"])
+        return tuple(record for run in self.runs for record in run.checks)
 
     @cached_property
     def limits(self) -> LimitTable:
-        """The limits that the records are held against; of a campaign that did not save them the suite's."""
-        return limits_of(self.document)
+        """The limits that the records are held against; those of the suite where none are saved."""
+        return table_of(self.document["limits"]) if "limits" in self.document else shipped_limits()
 
     @cached_property
     def figures(self) -> tuple[KeyFigure, ...]:
@@ -82,20 +82,12 @@ class Results:
         )
 
     @cached_property
-    def _places(self) -> dict[tuple[str, str], slice]:
-        """Where each curve lies along the samples, by run and quantity."""
-        ends = np.cumsum(self.curves["row_size"].values)
-        names = zip(self.curves["run"].values, self.curves["quantity"].values, strict=True)
-        sizes = self.curves["row_size"].values
-        return {
-            (str(run), str(quantity)): slice(int(end - size), int(end))
-            for (run, quantity), end, size in zip(names, ends, sizes, strict=True)
-        }
+    def _curves(self) -> Mapping[tuple[str, ...], Mapping[str, Array]]:
+        return {run.run: run.curves for run in self.runs}
 
-    def curve(self, run: Sequence[str], quantity: str) -> tuple[np.ndarray, ...]:
-        """``ARRAYS`` of one run (mechanism, variant, regime, engine, setting) and quantity, (samples,) each."""
-        place = self._places["/".join(run), quantity]
-        return tuple(self.curves[name].values[place] for name in ARRAYS)
+    def curve(self, run: Sequence[str], quantity: str) -> Array:
+        """``CURVE`` of one run (mechanism, variant, regime, engine, setting) and quantity, (4, samples)."""
+        return self._curves[tuple(run)][quantity]
 
 
 def described(text: str, name: str, variant: str | None, gravity: Vector) -> Linkage:
@@ -105,22 +97,17 @@ def described(text: str, name: str, variant: str | None, gravity: Vector) -> Lin
 
 def document(
     request: CampaignRequest,
-    results: Sequence[RunResult],
     command: str,
     errata: Sequence[ErratumRecord] = (),
     readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
 ) -> dict[str, Any]:
-    """Everything but the curves, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.told`` has them."""
+    """All but the runs, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.told`` has them."""
     return {
-        "format": 1,
         "command": command,
         "conditions": request.conditions,
         "environment": environment(request.engines),
-        "records": [asdict(record) for result in results for record in result.records],
-        "invariants": [asdict(record) for result in results for record in result.invariants],
         "errata": [{**asdict(record), "sentence": record.sentence} for record in errata],
         "readouts": dict(readouts or {}),
-        "details": {"/".join(r.records[0].run): r.details for r in results if r.records},
         "motions": [
             {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}
             for m in request.motions
@@ -138,77 +125,48 @@ def document(
     }
 
 
-def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Dataset:
-    """The curves of all runs that finished, one after the other: a contiguous ragged array of the CF conventions.
-
-    Along ``sample``: time, s, true crank angle, rad, observed and reference, in the quantity's unit. Along ``curve``:
-    run, quantity and every other label, and ``row_size``, how many samples each curve has.
-    """
-    import xarray  # noqa: PLC0415  half a second that a run without --out does not pay
-
-    curves = [(result, name, found) for result in results for name, found in result.deviations.items()]
-    attributes = {
-        "title": "linkproof: engines against the closed form",
-        "Conventions": "CF-1.8",
-        "document": to_json(told),
+def with_runs(told: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:
+    """A campaign's document with its runs, flat: a row for each quantity and invariant."""
+    found = list(runs)
+    return {
+        **told,
+        "records": [asdict(record) for run in found for record in run.records],
+        "invariants": [asdict(record) for run in found for record in run.checks],
+        "details": {"/".join(run.run): dict(run.details) for run in found},
     }
-    if not curves:
-        return xarray.Dataset(attrs=attributes)
-    units = {record.quantity: record.unit for result, _, _ in curves for record in result.records}
-    runs = [result.records[0].run for result, _, _ in curves]
-    return xarray.Dataset(
-        {
-            **{
-                array: ("sample", np.concatenate([getattr(found, array) for _, _, found in curves])) for array in ARRAYS
-            },
-            "row_size": ("curve", [len(found.time) for _, _, found in curves], {"sample_dimension": "sample"}),
-        },
-        coords={
-            "run": ("curve", ["/".join(run) for run in runs]),
-            "quantity": ("curve", [name for _, name, _ in curves]),
-            "unit": ("curve", [units[name] for _, name, _ in curves]),
-            **{label: ("curve", [run[i] for run in runs]) for i, label in enumerate(LABELS)},
-        },
-        attrs=attributes,
-    )
 
 
-def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any], sheets: Sequence[Sheet] = ()) -> Results:
-    """Write ``curves.nc``, ``records.json`` and ``mechanisms.json`` into a folder, each in one step.
-
-    What a kill has left of earlier attempts at them is removed.
-    """
-    for name in (DATASET, RECORDS, SHEETS):
-        for half in folder.glob(f".{name}.*"):
-            half.unlink(missing_ok=True)
-    curves = dataset(results, told)
-    write_file(folder / DATASET, lambda path: curves.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT"))
-    write_file(folder / RECORDS, lambda path: path.write_text(to_json(told), encoding="utf-8"))
+def save(folder: Path, told: Mapping[str, Any], runs: Iterable[RunRecord], sheets: Sequence[Sheet] = ()) -> None:
+    """Write a campaign, or a judgement, and its data sheets into a folder, in the place of another there."""
+    kind = kind_of(told)
+    save_study(folder, kind, told, (("/".join(run.run), run.row, run.curves) for run in runs))
     save_sheets(folder, sheets)
-    return Results(told, curves, tuple(sheets))
+    (other,) = {*KINDS} - {kind}
+    shutil.rmtree(folder / other, ignore_errors=True)
+
+
+def kind_of(told: Mapping[str, Any]) -> str:
+    """The study that a document is of."""
+    return JUDGE if "judgement" in told else COMPARE
+
+
+def is_saved(folder: Path) -> bool:
+    """Whether a folder has a campaign or a judgement."""
+    return any(has_study(folder, kind) for kind in KINDS)
 
 
 def load(folder: Path, *, with_sheets: bool = True) -> Results:
-    """Read a saved campaign back, from its folder or from the dataset itself; no engine is imported.
+    """Read a saved campaign or judgement back; no engine is imported.
 
-    Without sheets where none is needed: the first campaigns of version 0.1.0 wrote none.
+    Raises LinkproofError where there is none, or it is damaged.
     """
-    import xarray  # noqa: PLC0415
-
-    path = folder / DATASET if folder.is_dir() else folder
-    if not path.is_file():
-        raise LinkproofError(f"no saved curves at '{path}': expected the folder given to --out, or its {DATASET}")
-    try:
-        with xarray.open_dataset(path, engine="scipy", mmap=False) as opened:
-            curves = opened.load()
-        told = checked(curves.attrs["document"], curves)
-    except Exception as error:  # a damaged file raises anything at all, in any number of lines
-        why = next(iter(str(error).splitlines()), type(error).__name__)
-        raise LinkproofError(f"'{path}' is no dataset of a campaign ({why}); run compare with --out again") from error
-    if not with_sheets:
-        return Results(told, curves)
-    found = Results(told, curves, load_sheets(path.parent))
-    _check_sheets(found, path.parent)
+    kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
+    saved = load_study(folder, kind, FORM)
+    with usable(folder, kind):
+        runs = tuple(from_row(*saved.records.read(key)) for key in saved.records.keys)
+    found = Results(saved.document, runs, load_sheets(folder) if with_sheets else ())
+    if with_sheets:
+        _check_sheets(found, folder)
     return found
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,7 @@ from comparisons.campaign.project import Project
 from comparisons.judging.baseline import Baseline, Coverage, Place, read_baseline
 from comparisons.judging.departures import departures
 from comparisons.judging.limits import read_limits, shipped_limits
-from comparisons.judging.records import Record
-from comparisons.judging.run_result import RunResult
+from comparisons.judging.records import Record, RunRecord
 from comparisons.judging.verdicts import Standard
 
 
@@ -83,15 +82,15 @@ class JudgedCampaign:
     """
 
     standard: Standard
-    results: Sequence[RunResult]
+    runs: Iterable[RunRecord]
     figures: Sequence[KeyFigure]
     notes: Sequence[str]
     departures: Sequence[str] = ()
 
     @property
-    def records(self) -> list[Record]:
-        """Every record and invariant."""
-        return [record for result in self.results for record in (*result.records, *result.invariants)]
+    def records(self) -> Iterator[Record]:
+        """Every record and invariant, run by run."""
+        return (record for run in self.runs for record in run.every)
 
     @property
     def told(self) -> dict[str, Any]:
@@ -104,34 +103,38 @@ class JudgedCampaign:
         }
 
 
+@dataclass(frozen=True)
+class JudgedRuns(Iterable[RunRecord]):
+    """Runs under a standard, judged whenever they are gone through: where they come from a file, none is in memory."""
+
+    runs: Iterable[RunRecord]
+    standard: Standard
+
+    def __iter__(self) -> Iterator[RunRecord]:
+        return (run.judged(self.standard.judge) for run in self.runs)
+
+
 def judged_campaign(
-    request: CampaignRequest, results: Iterable[RunResult], standard: Standard, record_into: Path | None = None
+    request: CampaignRequest, runs: Iterable[RunRecord], standard: Standard, record_into: Path | None = None
 ) -> JudgedCampaign:
-    """Results under a standard; with ``record_into`` by its limits alone, and written there as its baseline."""
+    """Runs, which can be gone through again, under a standard.
+
+    With ``record_into`` they are judged by its limits alone, and written there as its baseline.
+    """
     made, baseline = cases(request), standard.baseline
     departed = departures(request.linkages, made, baseline)
     if record_into is not None:
-        limits_alone = replace(standard, baseline=Baseline())
-        found = [rejudged(result, limits_alone) for result in results]
-        records = [record for result in found for record in (*result.records, *result.invariants)]
+        found = JudgedRuns(runs, replace(standard, baseline=Baseline()))
+        records = (record for run in found for record in run.every)
         baseline = baseline.recorded(records, figures(made), [one.place for one in departed if one.is_recorded])
         baseline.write(record_into)
         departed = ()
     else:
-        found = [rejudged(result, standard) for result in results]
+        found = JudgedRuns(runs, standard)
     return JudgedCampaign(
         replace(standard, baseline=baseline),
         found,
         compared(made, baseline),
         (*notes(baseline), *(one.sentence for one in departed if one.is_allowed)),
         tuple(one.sentence for one in departed if not one.is_allowed),
-    )
-
-
-def rejudged(result: RunResult, standard: Standard) -> RunResult:
-    """A result under another standard; what was measured stays."""
-    return replace(
-        result,
-        records=tuple(map(standard.judge, result.records)),
-        invariants=tuple(map(standard.judge, result.invariants)),
     )

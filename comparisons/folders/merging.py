@@ -13,16 +13,18 @@ from pathlib import Path
 from typing import Final
 
 from analytic.errors import LinkproofError
-from comparisons.campaign.results import DATASET, RECORDS, Results, load
+from comparisons.campaign import results as campaign
+from comparisons.campaign.results import Results
 from comparisons.datasheet.saved import FILE as SHEETS
-from comparisons.runs.files import claim, write_file, write_text
+from comparisons.runs.files import claim, write_file, write_text, writing
+from comparisons.runs.study_folder import has_study
 from comparisons.stress import saved as stress_test
 from comparisons.stress.saved import Stress
 from comparisons.work_precision import records as work_precision
 from comparisons.work_precision.records import Bench, PointRecord
 
 LIST: Final = "merged.json"
-FILES: Final = (DATASET, RECORDS, SHEETS, work_precision.FILE, stress_test.FILE)
+STUDIES: Final = (*campaign.KINDS, work_precision.KIND, stress_test.KIND)
 
 
 @dataclass(frozen=True)
@@ -35,17 +37,17 @@ class MergedFolder:
     @cached_property
     def campaign(self) -> Results | None:
         """The campaign in it, if there is one."""
-        return load(self.path) if (self.path / DATASET).is_file() else None
+        return campaign.load(self.path) if campaign.is_saved(self.path) else None
 
     @cached_property
     def bench(self) -> Bench | None:
         """The benchmark in it, if there is one."""
-        return work_precision.load(self.path) if (self.path / work_precision.FILE).is_file() else None
+        return work_precision.load(self.path) if has_study(self.path, work_precision.KIND) else None
 
     @cached_property
     def stress(self) -> Stress | None:
         """The stability maps in it, if there are any."""
-        return stress_test.load(self.path) if (self.path / stress_test.FILE).is_file() else None
+        return stress_test.load(self.path) if has_study(self.path, stress_test.KIND) else None
 
     @cached_property
     def environment(self) -> Mapping[str, str]:
@@ -139,9 +141,12 @@ def merge(folders: Sequence[MergedFolder], out: Path) -> tuple[MergedFolder, ...
         raise LinkproofError(f"expected a new or an empty folder to merge into, got '{out}': give another")
     held = claim(out)
     for folder in folders:
-        for name in FILES:
-            if (folder.path / name).is_file():
-                write_file(out / folder.name / name, partial(shutil.copyfile, folder.path / name))
+        for kind in STUDIES:
+            if has_study(folder.path, kind):
+                with writing(out / folder.name / kind):
+                    shutil.copytree(folder.path / kind, out / folder.name / kind)
+        if (folder.path / SHEETS).is_file():
+            write_file(out / folder.name / SHEETS, partial(shutil.copyfile, folder.path / SHEETS))
     names = [folder.name for folder in folders]
     write_text(out / LIST, json.dumps({"format": 1, "folders": names}, indent=1, ensure_ascii=False) + "\n")
     del held

@@ -12,10 +12,10 @@ from typing import Final
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import Results
-from comparisons.judging.run_result import ARRAYS
+from comparisons.judging.records import CURVE
 from comparisons.runs.files import check_writable, write_text
 
-HEAD: Final = ("quantity", "unit", *ARRAYS)
+HEAD: Final = ("quantity", "unit", *CURVE)
 
 
 def write_tables(results: Results, folder: Path) -> tuple[Path, ...]:

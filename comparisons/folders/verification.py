@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,10 +12,9 @@ from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.key_figures import changes
-from comparisons.campaign.results import RECORDS, Results, load
+from comparisons.campaign.results import Results, load
 from comparisons.campaign.standards import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
-from comparisons.datasheet.saved import load_sheets
 from comparisons.folders.saved_cases import Place, as_baseline, saved_cases, saved_figures
 from comparisons.judging.baseline import Baseline
 from comparisons.judging.deviations import Deviation, signal_deviation
@@ -90,7 +88,6 @@ def verify(folder: Path, limits: Path | None = None) -> Verification:
         sum("checksum" in row for row in results.document["descriptions"]),
         (told, *_notes(results, folder)),
         (
-            *_files(results, folder),
             *_texts(results),
             *(VerificationFinding(_name(record), words) for record, found in (*judged, *invariants) for words in found),
             *_figures(results, cases),
@@ -134,21 +131,6 @@ def _notes(results: Results, folder: Path) -> Iterator[str]:
 
 def _beside(folder: Path, name: str) -> Path:
     return (folder if folder.is_dir() else folder.parent) / name
-
-
-def _files(results: Results, folder: Path) -> Iterator[VerificationFinding]:
-    """Files beside the curves that are damaged, or tell something else."""
-    path = _beside(folder, RECORDS)
-    try:
-        if json.loads(path.read_text(encoding="utf-8")) != json.loads(results.curves.attrs["document"]):
-            yield VerificationFinding(RECORDS, "it differs from the document in curves.nc")
-    except (OSError, ValueError) as error:
-        yield VerificationFinding(RECORDS, f"it cannot be read: {error}")
-    if _beside(folder, SHEETS).is_file():
-        try:
-            load_sheets(_beside(folder, SHEETS).parent)
-        except LinkproofError as error:
-            yield VerificationFinding(SHEETS, str(error))
 
 
 def _texts(results: Results) -> Iterator[VerificationFinding]:

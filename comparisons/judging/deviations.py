@@ -48,6 +48,11 @@ class Deviation:
     left_out: int
     error_at_jumps: float = 0.0
 
+    @property
+    def curve(self) -> Array:
+        """The samples as a run's record has them (``comparisons.judging.records.CURVE``), (4, samples)."""
+        return np.array([self.time, self.angle, self.observed, self.reference])
+
 
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:
     """Compare one quantity over every sample the engine returned.

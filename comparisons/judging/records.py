@@ -1,15 +1,25 @@
-"""The record: one deviation of one run, flat and ready for JSON."""
+"""The record of a run: what was run, what it cost, how far it is from the truth; and the same flat, by quantity."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
 
 if TYPE_CHECKING:
     from comparisons.reference.case import Case
+
+
+Array = NDArray[np.float64]
+
+CURVE: Final = ("time", "angle", "observed", "reference")  # s, rad (m of a linear drive), and twice the unit
 
 
 class Verdict(StrEnum):
@@ -45,16 +55,11 @@ FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Ver
 
 
 @dataclass(frozen=True)
-class Record:
-    """A deviation beside its limit. Errors are relative to ``peak``, the reference's largest magnitude in ``unit``.
+class RunFacts:
+    """What was run, where, and what it cost.
 
-    Of the run the record belongs to, ``setup_seconds`` is the building of the model, ``seconds`` the stepping alone,
-    ``steps`` all its time steps; ``left_out``
-    counts the samples not compared (acceleration jumps, standstill); ``error_at_jumps`` is the error at acceleration
-    jumps, beyond the jumps themselves. ``detail`` says why, wherever it did not pass.
-    ``origin`` says where the engine's figure comes from (``engines.contract.Origin``, the weakest of all that it is
-    made of, or ``CONTROL``), ``runs`` of how many runs of the engine it is made, ``shared`` what of it the reference
-    and the engine have in common. ``host`` names the machine of a cluster that it was made on.
+    ``setup_seconds`` is the building of the model, ``seconds`` the stepping alone, ``steps`` all its time steps;
+    ``runs`` of the engine make its figures. ``host`` names the machine of a cluster that it was made on.
     """
 
     mechanism: str
@@ -64,6 +69,33 @@ class Record:
     engine: str
     engine_version: str
     setting: str
+    seconds: float = 0.0
+    setup_seconds: float = 0.0
+    steps: int = 0
+    runs: int = 0
+    host: str = ""
+
+    @property
+    def total_seconds(self) -> float:
+        """Set-up and stepping, s."""
+        return self.setup_seconds + self.seconds
+
+    @property
+    def run(self) -> tuple[str, str, str, str, str]:
+        """What identifies the run within its study."""
+        return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
+
+
+@dataclass(frozen=True)
+class QuantityRecord:
+    """A quantity's error beside its limit, relative to ``peak``, the reference's largest magnitude in ``unit``.
+
+    ``left_out`` counts the samples not compared (acceleration jumps, standstill); ``error_at_jumps`` is the error at
+    acceleration jumps, beyond the jumps themselves. ``detail`` says why, wherever it did not pass.
+    ``origin`` says where the engine's figure comes from (``engines.contract.Origin``, the weakest of all that it is
+    made of, or ``CONTROL``), ``shared`` what of it the reference and the engine have in common.
+    """
+
     quantity: str = ""
     unit: str = ""
     error_max: float | None = None
@@ -77,23 +109,87 @@ class Record:
     worst_time: float | None = None
     samples: int = 0
     left_out: int = 0
-    seconds: float = 0.0
-    setup_seconds: float = 0.0
-    steps: int = 0
     origin: str = ""
-    runs: int = 0
     shared: str = ""
-    host: str = ""
+
+
+@dataclass(frozen=True)
+class Record(QuantityRecord, RunFacts):
+    """A run seen in one of its quantities: flat, for tables."""
+
+
+FACTS: Final = tuple(field.name for field in fields(RunFacts))
+ERRORS: Final = tuple(field.name for field in fields(QuantityRecord))
+_FACTS: Final = TypeAdapter(RunFacts)
+_ERRORS: Final = TypeAdapter(tuple[QuantityRecord, ...])
+
+
+@dataclass(frozen=True)
+class RunRecord(RunFacts):
+    """One run: its errors by quantity, its invariants, what its adapter says of it, and the curves behind the errors.
+
+    A curve, by its quantity, has ``CURVE`` in its rows, (4, samples).
+    """
+
+    errors: tuple[QuantityRecord, ...] = ()
+    invariants: tuple[QuantityRecord, ...] = ()
+    details: Mapping[str, str | int | float] = field(default_factory=dict)
+    curves: Mapping[str, Array] = field(default_factory=dict, compare=False, repr=False)
 
     @property
-    def total_seconds(self) -> float:
-        """Set-up and stepping, s."""
-        return self.setup_seconds + self.seconds
+    def records(self) -> tuple[Record, ...]:
+        """The run in each of its quantities."""
+        return self._flat(self.errors)
 
     @property
-    def run(self) -> tuple[str, str, str, str, str]:
-        """What identifies the run behind the record."""
-        return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
+    def checks(self) -> tuple[Record, ...]:
+        """The run in each of its invariants."""
+        return self._flat(self.invariants)
+
+    @property
+    def every(self) -> tuple[Record, ...]:
+        """Both: quantities, then invariants."""
+        return (*self.records, *self.checks)
+
+    def _flat(self, errors: Iterable[QuantityRecord]) -> tuple[Record, ...]:
+        facts = {name: getattr(self, name) for name in FACTS}
+        return tuple(Record(**facts, **vars(error)) for error in errors)
+
+    def judged(self, judge: Callable[[Record], Record]) -> RunRecord:
+        """The same with every error and invariant judged by what turns a record into a judged one."""
+        errors, checks = (tuple(_error(judge(one)) for one in part) for part in (self.records, self.checks))
+        return replace(self, errors=errors, invariants=checks)
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """All but the curves, JSON-ready."""
+        own = {name: getattr(self, name) for name in FACTS}
+        errors, invariants = ([vars(one) for one in part] for part in (self.errors, self.invariants))
+        return {**own, "errors": errors, "invariants": invariants, "details": dict(self.details)}
+
+
+def run_record(
+    facts: RunFacts,
+    records: Iterable[Record],
+    checks: Iterable[Record] = (),
+    curves: Mapping[str, Array] = MappingProxyType({}),
+    details: Mapping[str, str | int | float] = MappingProxyType({}),
+) -> RunRecord:
+    """A run of its facts and of flat records."""
+    own = {name: getattr(facts, name) for name in FACTS}
+    errors, invariants = (tuple(map(_error, part)) for part in (records, checks))
+    return RunRecord(**own, errors=errors, invariants=invariants, details=dict(details), curves=curves)
+
+
+def _error(record: Record) -> QuantityRecord:
+    return QuantityRecord(**{name: getattr(record, name) for name in ERRORS})
+
+
+def from_row(row: Mapping[str, Any], curves: Mapping[str, Array]) -> RunRecord:
+    """A run back from its ``row``; raises KeyError, or ValueError where it is none."""
+    errors, invariants = (_ERRORS.validate_python(row[name]) for name in ("errors", "invariants"))
+    facts = vars(_FACTS.validate_python(row))
+    return RunRecord(**facts, errors=errors, invariants=invariants, details=dict(row["details"]), curves=curves)
 
 
 def blank_record(case: Case, setting: str, engine: str = "", version: str = "", host: str = "") -> Record:
@@ -112,9 +208,3 @@ def _plain(value: object) -> object:
     if isinstance(value, Record):
         return asdict(value)
     raise TypeError(f"cannot write {type(value).__name__} as JSON")
-
-
-def from_rows(rows: Iterable[Mapping[str, Any]]) -> tuple[Record, ...]:
-    """Records back from their JSON rows; raises KeyError where one lacks a field."""
-    names = [field.name for field in fields(Record)]
-    return tuple(Record(**{name: row[name] for name in names}) for row in rows)

@@ -11,8 +11,8 @@ import shutil
 import stat
 import tempfile
 import weakref
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from analytic.errors import LinkproofError
@@ -79,27 +79,32 @@ def write_file(path: Path, write: Callable[[Path], object]) -> None:
     Raises LinkproofError if it cannot.
     """
     is_stream, place = _is_stream(path), Path(os.path.realpath(path))
-    try:
+    with writing(path):
         if not is_stream:
             place.parent.mkdir(parents=True, exist_ok=True)
         beside = None if is_stream else place.parent
         handle, name = tempfile.mkstemp(dir=beside, prefix=f".{path.name}.", suffix=path.suffix)
         os.close(handle)
-    except OSError as error:
-        raise _cannot_write(path, error) from error
-    temporary = Path(name)
+        temporary = Path(name)
+        try:
+            write(temporary)
+            if is_stream:
+                with temporary.open("rb") as source, os.fdopen(_opened(path), "wb") as target:
+                    shutil.copyfileobj(source, target)
+            else:
+                temporary.chmod(0o644)
+                os.replace(temporary, place)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Raise LinkproofError where what is done inside cannot write at a path."""
     try:
-        write(temporary)
-        if is_stream:
-            with temporary.open("rb") as source, os.fdopen(_opened(path), "wb") as target:
-                shutil.copyfileobj(source, target)
-        else:
-            temporary.chmod(0o644)
-            os.replace(temporary, place)
+        yield
     except OSError as error:
         raise _cannot_write(path, error) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _is_stream(path: Path) -> bool:

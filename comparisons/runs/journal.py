@@ -1,27 +1,27 @@
-"""The journal of a request in hand: every finished piece of work in a file of its own, so that a kill costs none."""
+"""The journal of a request in hand: its finished records, appended as they come, so that a kill costs none."""
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
-import re
 import shutil
+import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import zip_longest
 from pathlib import Path
+from typing import Any, Final
 
 from analytic.errors import LinkproofError
-from comparisons.runs.files import Claim, claim, write_file
+from comparisons.runs.files import Claim, claim, write_text, writing
+from comparisons.runs.record_file import Array, RecordFile
 
-FOLDER = "unfinished"
-HEADER = "request.txt"
-_NAME_LENGTH = 100
+FOLDER: Final = "unfinished"
+HEADER: Final = "request.txt"
 
 
 @dataclass(frozen=True)
 class Journal:
-    """What is kept of a request in ``folder/unfinished`` until it is finished.
+    """The finished records of a request, in ``folder/unfinished`` until all are there.
 
     ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all
     else that decides its results, such as versions. From its first use on no other process may use the folder.
@@ -29,43 +29,43 @@ class Journal:
 
     folder: Path
     request: str
+    survives_power_failure: bool = True
     _claims: list[Claim] = field(default_factory=list, compare=False, repr=False)
 
     @property
     def place(self) -> Path:
-        """The folder of the pieces."""
+        """The folder of the records."""
         return self.folder / FOLDER
 
-    def kept(self) -> dict[str, bytes]:
-        """Payloads kept so far, by key. What is torn or left over from another request is removed.
-
-        Raises LinkproofError if the work begun there is another request's.
-        """
+    @cached_property
+    def records(self) -> RecordFile:
+        """What is finished so far. Raises LinkproofError if the work begun there is another request's."""
         self._claim()
-        self._check_header()
-        found = {}
-        for path in sorted(self.place.iterdir()) if self.place.is_dir() else ():
-            if path.name == HEADER or not path.is_file():
-                continue
-            piece = self._piece(path.read_bytes())
-            if piece is None or path != self._path(piece[0]):
-                path.unlink()
-            else:
-                found[piece[0]] = piece[1]
-        return found
+        header = self.place / HEADER
+        if header.is_file():
+            self._check_header(header)
+        else:
+            self._remove()  # whatever it is, it is of no known request
+        return RecordFile(self.place, survives_power_failure=self.survives_power_failure)
 
-    def keep(self, key: str, payload: bytes) -> None:
-        """Keep one finished piece of work under its key, in one step; a piece already kept there is replaced."""
-        self._claim()
+    def keep(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Array] | None = None) -> None:
+        """Write one finished record under its key; a record already there is replaced."""
+        records = self.records
         if not (self.place / HEADER).is_file():
-            _write(self.place / HEADER, self.request.encode())
-        title = {"key": key, "request": _digest(self.request.encode()), "digest": _digest(payload)}
-        _write(self._path(key), json.dumps(title).encode() + b"\n" + payload)
+            write_text(self.place / HEADER, self.request)
+        with writing(self.place):
+            records.append(key, row, curves)
 
     def clear(self) -> None:
-        """Forget everything that is kept, of whatever request; a kill leaves all of it or nothing."""
+        """Remove everything there, of whatever request; a kill leaves all of it or nothing."""
         if self.folder.is_dir():
             self._claim()
+        self._remove()
+
+    def _remove(self) -> None:
+        if "records" in vars(self):
+            self.records.close()
+            del vars(self)["records"]
         leaving = self.place.with_name(f".{FOLDER}")
         if leaving.is_dir():
             shutil.rmtree(leaving)
@@ -77,26 +77,8 @@ class Journal:
         if not self._claims:
             self._claims.append(claim(self.folder))
 
-    def _path(self, key: str) -> Path:
-        """A file name that can be read, is allowed everywhere and differs for every key."""
-        readable = re.sub(r"[^A-Za-z0-9._-]+", "-", key).strip("-.")[:_NAME_LENGTH]
-        return self.place / f"{readable}.{_digest(key.encode())[:16]}"
-
-    def _piece(self, content: bytes) -> tuple[str, bytes] | None:
-        """Key and payload of a file's content; None if it is torn or not of this request."""
-        line, _, payload = content.partition(b"\n")
-        try:
-            title = json.loads(line)
-            key, request, digest = title["key"], title["request"], title["digest"]
-        except (ValueError, KeyError, TypeError):
-            return None
-        if not isinstance(key, str) or request != _digest(self.request.encode()) or digest != _digest(payload):
-            return None
-        return key, payload
-
-    def _check_header(self) -> None:
-        header = self.place / HEADER
-        begun = header.read_text(encoding="utf-8", errors="replace") if header.is_file() else self.request
+    def _check_header(self, header: Path) -> None:
+        begun = header.read_text(encoding="utf-8", errors="replace")
         lines = zip_longest(begun.splitlines(), self.request.splitlines(), fillvalue="nothing")
         different = [(then, now) for then, now in lines if then != now]
         if not different:
@@ -108,17 +90,10 @@ class Journal:
         )
 
 
-def _digest(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
+class PassingJournal(Journal):
+    """A journal in a temporary folder, which goes with it: for work that is not to be resumed."""
 
-
-def _write(path: Path, content: bytes) -> None:
-    """Write a file in one step that a power failure does not undo by halves."""
-
-    def fill(temporary: Path) -> None:
-        with temporary.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-
-    write_file(path, fill)
+    def __init__(self) -> None:
+        folder = tempfile.TemporaryDirectory(prefix="linkproof-")
+        vars(self)["_folder"] = folder
+        super().__init__(Path(folder.name), "", survives_power_failure=False)

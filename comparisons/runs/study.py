@@ -1,20 +1,22 @@
-"""The spine of every study: keyed tasks in worker processes, each result kept in a journal, in order or as they end."""
+"""What every study does: keyed tasks in worker processes, each result written down, read back in order or as needed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from comparisons.runs.failures import Lost
-from comparisons.runs.journal import Journal
+from comparisons.runs.journal import Journal, PassingJournal
+from comparisons.runs.record_file import Array
 from comparisons.runs.workers import DEFAULT_BOUNDS, EVERY_CORE, Bounds, LocalPool, Pool
 
 R = TypeVar("R")
 
 # Hears the label of a task, how many tasks are finished and how many are known of.
 Announce = Callable[[str, int, int], object]
+Written = tuple[Mapping[str, Any], Mapping[str, Array]]  # a result as a row of JSON data, and its arrays
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Task:
 
 @dataclass
 class Study(Generic[R]):
-    """Tasks of one kind and the ``results`` so far, by key; what the ``journal`` holds is not made again.
+    """Tasks of one kind; what the ``journal`` holds is not made again, and no result stays in memory.
 
     ``function``, a module's own, makes a result of a task's job; ``lost`` does so from what went wrong and the same
     job, or None where the task counts as never begun. ``encode`` and ``decode`` are for the journal. The ``pool`` says
@@ -41,23 +43,24 @@ class Study(Generic[R]):
 
     function: Callable[..., R]
     lost: Callable[..., R | None]
-    encode: Callable[[R], bytes]
-    decode: Callable[[bytes], R]
+    encode: Callable[[R], Written]
+    decode: Callable[[Mapping[str, Any], Mapping[str, Array]], R]
     journal: Journal | None = None
     announce: Announce = lambda *_: None
     pool: Pool = EVERY_CORE
-    results: dict[str, R] = field(default_factory=dict)
+    _known: set[str] = field(default_factory=set, init=False)
+    _finished: int = field(default=0, init=False)  # of those known
 
     def __post_init__(self) -> None:
-        self._kept = self.journal.kept() if self.journal else {}
-        self._known: set[str] = set()
+        self._journal = self.journal or PassingJournal()
+        self._records = self._journal.records
 
     def expect(self, tasks: Iterable[Task]) -> list[Task]:
         """Count these tasks among those known of; returns those still to be made, each once."""
         by_key = {task.key: task for task in tasks}
+        self._finished += sum(key in self._records for key in by_key.keys() - self._known)
         self._known |= by_key.keys()
-        self.results |= {key: self.decode(self._kept.pop(key)) for key in by_key if key in self._kept}
-        return [task for key, task in by_key.items() if key not in self.results]
+        return [task for key, task in by_key.items() if key not in self._records]
 
     def make(self, tasks: Iterable[Task], bounds: Bounds = DEFAULT_BOUNDS) -> Generator[Task, None, None]:
         """Make the tasks that have no result yet, begun in their order, and yield each as it ends."""
@@ -72,27 +75,42 @@ class Study(Generic[R]):
                 task = todo[number]
                 result = self.lost(outcome, *task.job) if isinstance(outcome, Lost) else outcome
                 if result is not None:
-                    self._keep(task, result)
+                    self._journal.keep(task.key, *self.encode(result))
+                    self._finished += 1
+                    self._announce(task)
                     yield task
 
-    def in_order(self, tasks: Sequence[Task], bounds: Bounds = DEFAULT_BOUNDS) -> Generator[R, None, None]:
-        """Results in the order of the tasks, each as soon as all before it are there.
+    def complete(self, tasks: Sequence[Task], bounds: Bounds = DEFAULT_BOUNDS) -> None:
+        """Make those tasks that have no result yet.
 
         Several processes begin with the heaviest, so that none is left alone with it at the end.
         """
-        self.expect(tasks)
-        first = tasks if self.pool == LocalPool(0) else sorted(tasks, key=lambda task: -task.weight)
-        with closing(self.make(first, bounds)) as ended:
-            for task in tasks:
-                while task.key not in self.results:
-                    next(ended)
-                yield self.results[task.key]
+        for _ in self._heaviest_first(tasks, bounds):
+            pass
 
-    def _keep(self, task: Task, result: R) -> None:
-        self.results[task.key] = result
-        if self.journal is not None:
-            self.journal.keep(task.key, self.encode(result))
-        self._announce(task)
+    def in_order(self, tasks: Sequence[Task], bounds: Bounds = DEFAULT_BOUNDS) -> Generator[R, None, None]:
+        """Results in the order of the tasks, each as soon as all before it are there."""
+        self.expect(tasks)
+        with closing(self._heaviest_first(tasks, bounds)) as ended:
+            for task in tasks:
+                while task.key not in self._records:
+                    next(ended)
+                yield self.result(task.key)
+
+    def _heaviest_first(self, tasks: Sequence[Task], bounds: Bounds) -> Generator[Task, None, None]:
+        return self.make(tasks if self.pool == LocalPool(0) else sorted(tasks, key=lambda task: -task.weight), bounds)
+
+    def result(self, key: str) -> R:
+        """The result of a task that is finished, read from the journal; raises KeyError for any other."""
+        return self.decode(*self._records.read(key))
+
+    def results(self) -> Iterator[R]:
+        """Every result that the tasks known of have by now, in the order in which they were finished."""
+        return (self.result(key) for key in self._records.keys if key in self._known)
+
+    def has(self, key: str) -> bool:
+        """Whether a task is finished."""
+        return key in self._records
 
     def _announce(self, task: Task) -> None:
-        self.announce(task.label, len(self.results), len(self._known))
+        self.announce(task.label, self._finished, len(self._known))

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
@@ -12,7 +11,7 @@ from analytic.errors import LinkproofError
 from comparisons.runs.environment import environment
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
-from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.study import Announce, Study, Task, Written
 from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.border import COARSE, PRECISE, Border, bisected, borders
@@ -55,7 +54,6 @@ class Stressed:
     def document(self, command: str, *, quick: bool) -> dict[str, Any]:
         """Everything as JSON-ready data."""
         return {
-            "format": 1,
             "command": command,
             "environment": environment(list(summary(self.cells))),
             "quick": quick,
@@ -93,7 +91,7 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     if request.quick:
         rough = [border for border in rough if border.usage == QUICK_BORDERS]
     narrow = bisected(rough, make, COARSE if request.quick else PRECISE)
-    return Stressed(tuple(study.results.values()), tuple(narrow))
+    return Stressed(tuple(study.results()), tuple(narrow))
 
 
 def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Pool = EVERY_CORE) -> list[CellResult]:
@@ -102,15 +100,15 @@ def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Po
 
 
 def _study(announce: Announce, journal: Journal | None, pool: Pool) -> Study[CellResult]:
-    return Study(made, lost, _to_bytes, _from_bytes, journal, announce, pool)
+    return Study(made, lost, _written, _read, journal, announce, pool)
 
 
-def _to_bytes(result: CellResult) -> bytes:
-    return json.dumps(result.document, default=float).encode()
+def _written(result: CellResult) -> Written:
+    return result.document, {}
 
 
-def _from_bytes(content: bytes) -> CellResult:
-    return from_document(json.loads(content))
+def _read(row: Mapping[str, Any], _: object) -> CellResult:
+    return from_document(row)
 
 
 def _made(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cell]) -> list[CellResult]:
@@ -121,8 +119,8 @@ def _made(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cel
     study.expect(task for tasks in by_seconds.values() for task in tasks)
     for seconds in sorted(by_seconds):
         for _ in study.make(by_seconds[seconds], Bounds(seconds, MEMORY)):
-            pass  # the study holds the result
-    return [study.results[cell.key] for cell in chosen]
+            pass  # the study has the result
+    return [study.result(cell.key) for cell in chosen]
 
 
 def _seconds(request: StressRequest, cell: Cell) -> float:

@@ -1,8 +1,7 @@
-"""A stress test as a file: ``stress.json``, read back with its cells in the order of the table of axes."""
+"""A stress test saved and read back, with its cells in the order of the table of axes."""
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,30 +10,30 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from pydantic import TypeAdapter
+from typing_extensions import TypedDict
 
-from analytic.errors import LinkproofError
-from comparisons.runs.damage import fault_words
+from comparisons.runs.study_folder import load_study, save_study, usable
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cells import Cell, CellResult, from_document
 from comparisons.stress.verdict import StressVerdict
 
-FILE: Final = "stress.json"
+KIND: Final = "stress"
 Item = TypeVar("Item")
 Line = tuple[str, str, str, str]  # axis, row, engine, usage
 
 
-@dataclass(frozen=True)
-class StressHead:
-    """What a file says of its cells as a whole."""
+class SavedStress(TypedDict):
+    """The document of a stress test, all but its cells."""
 
     command: str
     quick: bool
-    environment: dict[str, str]
+    environment: Mapping[str, str]
+    borders: list[Border]
 
 
-HEAD: Final = TypeAdapter(StressHead)
-BORDER: Final = TypeAdapter(Border)
+FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedStress)
+_BORDERS: Final = TypeAdapter(tuple[Border, ...])
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ class Stress:
     @cached_property
     def borders(self) -> tuple[Border, ...]:
         """Every border found."""
-        return tuple(map(BORDER.validate_python, self.document["borders"]))
+        return _BORDERS.validate_python(self.document["borders"])
 
     @cached_property
     def lines(self) -> Mapping[Line, Sequence[CellResult]]:
@@ -116,20 +115,18 @@ def _rank(names: Sequence[str], name: str) -> int:
     return names.index(name) if name in names else len(names)
 
 
-def load(saved: Path) -> Stress:
-    """Read a stress test back, from its folder or from the file itself; no engine is imported."""
-    path = saved / FILE if saved.is_dir() else saved
-    if not path.is_file():
-        raise LinkproofError(f"no stress test at '{path}': expected the folder given to stress --out, or its {FILE}")
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=int)  # an infinity is no int
-        HEAD.validate_python(document)
-        stress = Stress(document)
-        _ = stress.columns, stress.borders
+def save(folder: Path, document: Mapping[str, Any]) -> None:
+    """Write a stress test into a folder."""
+    head = {name: value for name, value in document.items() if name != "cells"}
+    save_study(folder, KIND, head, ((f"{number}", row, {}) for number, row in enumerate(document["cells"])))
+
+
+def load(folder: Path) -> Stress:
+    """Read a stress test back; no engine is imported. Raises LinkproofError where there is none, or it is damaged."""
+    saved = load_study(folder, KIND, FORM)
+    stress = Stress({**saved.document, "cells": list(saved.rows())})
+    with usable(folder, KIND):
+        _ = stress.columns
         if not stress.results:
             raise ValueError("it has no cell")
-    except (OSError, ValueError, KeyError, TypeError) as fault:
-        raise LinkproofError(
-            f"'{path}' is no stress test ({fault_words(fault)}); run stress with --out again"
-        ) from fault
     return stress

@@ -1,29 +1,24 @@
-"""The records of a benchmark, one to a point, and the file that holds them all."""
+"""The records of a benchmark, one to a point, saved and read back."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Final
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat
+from pydantic import Field, NonNegativeFloat, TypeAdapter
+from typing_extensions import TypedDict
 
-from analytic.errors import LinkproofError
 from comparisons.judging.records import Verdict
-from comparisons.runs.damage import fault_words
-from comparisons.runs.files import write_text
+from comparisons.runs.study_folder import load_study, save_study, usable
 from comparisons.runs.timing import Noise
 from comparisons.work_precision.step_sweep import StepSweep
 from engines.contract import Outcome
 
-FILE = "bench.json"
-FORMAT = 3  # 1 had a record for each quantity of a point, 2 did not tell the runs behind it
+KIND: Final = "bench"
 SETTING, METHOD = "setting", "method"
-
-Row = TypeVar("Row", "PointRecord", "MeasuredCost")
 
 
 @dataclass(frozen=True)
@@ -205,34 +200,38 @@ class MeasuredCost:
     is_control: bool = False
 
 
-class _Part(BaseModel):
-    """A part of a saved benchmark, for its check: types are as JSON has them, and what is not named is let be."""
+class SavedExtent(TypedDict):
+    """How much was measured."""
 
-    model_config = ConfigDict(strict=True, extra="ignore")
-
-
-class _Extent(_Part):
     budget: float
     repeats: int
     patience: float
 
 
-class _Noise(_Part):
+class SavedNoise(TypedDict):
+    """How long the same work took each time, s."""
+
     work: str
     samples: list[NonNegativeFloat]
 
 
-class _FirstUse(_Part):
+class SavedFirstUse(TypedDict):
+    """What an engine's first scene costs beyond its second, s."""
+
     engine: str
     seconds: list[float]
 
 
-class _Mechanism(_Part):
+class SavedMechanism(TypedDict):
+    """A linkage that was measured."""
+
     name: str
     title: str
 
 
-class _Method(_Part):
+class SavedMethod(TypedDict):
+    """What an engine says of a method."""
+
     engine: str
     name: str
     about: str
@@ -241,18 +240,24 @@ class _Method(_Part):
     effort_unit: str
 
 
-class _Document(_Part):
+class SavedBench(TypedDict):
+    """The document of a benchmark, all but its records."""
+
     command: str
     conditions: str
-    environment: dict[str, str]
-    extent: _Extent
-    noise: _Noise
-    first_use: list[_FirstUse]
-    mechanisms: list[_Mechanism]
-    methods: list[_Method]
+    environment: Mapping[str, str]
+    extent: SavedExtent
+    noise: SavedNoise
+    first_use: list[SavedFirstUse]
+    mechanisms: list[SavedMechanism]
+    methods: list[SavedMethod]
     costs: list[MeasuredCost]
     quantities: list[str]
-    records: list[PointRecord]
+
+
+FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedBench)
+_POINTS: Final = TypeAdapter(tuple[PointRecord, ...])
+_COSTS: Final = TypeAdapter(tuple[MeasuredCost, ...])
 
 
 @dataclass(frozen=True)
@@ -264,11 +269,7 @@ class Bench:
     @cached_property
     def points(self) -> tuple[PointRecord, ...]:
         """One record per point."""
-        points = [_from_row(PointRecord, row) for row in self.document["records"]]
-        return tuple(
-            replace(point, errors={name: PointError(**error) for name, error in point.errors.items()})  # type: ignore[arg-type]
-            for point in points
-        )
+        return _POINTS.validate_python(self.document["records"])
 
     @cached_property
     def records(self) -> tuple[BenchRecord, ...]:
@@ -278,7 +279,7 @@ class Bench:
     @cached_property
     def costs(self) -> tuple[MeasuredCost, ...]:
         """What each output and load costs; empty if not requested."""
-        return tuple(_from_row(MeasuredCost, row) for row in self.document["costs"])
+        return _COSTS.validate_python(self.document["costs"])
 
     @cached_property
     def noise(self) -> Noise:
@@ -291,44 +292,16 @@ def rows(records: Iterable[PointRecord | MeasuredCost]) -> list[dict[str, Any]]:
     return [asdict(record) for record in records]
 
 
-def _from_row(kind: type[Row], row: Mapping[str, Any]) -> Row:
-    """A record back from JSON, which knows lists alone; raises KeyError where a field but the newest is missing."""
-    names = [entry.name for entry in fields(kind) if entry.name in row or entry.name != "host"]
-    values: dict[str, Any] = {name: row[name] for name in names}
-    values = {name: tuple(value) if isinstance(value, list) else value for name, value in values.items()}
-    return kind(**values)
+def save(folder: Path, document: Mapping[str, Any]) -> None:
+    """Write a benchmark into a folder."""
+    head = {name: value for name, value in document.items() if name != "records"}
+    save_study(folder, KIND, head, ((f"{number}", row, {}) for number, row in enumerate(document["records"])))
 
 
-def save(path: Path, document: Mapping[str, Any]) -> None:
-    """Write a benchmark in one step."""
-    write_text(path, text(document))
-
-
-def text(document: Mapping[str, Any]) -> str:
-    """A benchmark as JSON, one record to a line; NaN never appears."""
-    parts = []
-    for name, value in document.items():
-        if isinstance(value, list) and value and isinstance(value[0], dict):
-            lines = ",\n".join(json.dumps(row, ensure_ascii=False, allow_nan=False) for row in value)
-            parts.append(f"{json.dumps(name)}: [\n{lines}\n]")
-        else:
-            parts.append(f"{json.dumps(name)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}")
-    return "{\n" + ",\n".join(parts) + "\n}\n"
-
-
-def load(saved: Path) -> Bench:
-    """Read a benchmark back, from its folder or from the file itself; no engine is imported."""
-    path = saved / FILE if saved.is_dir() else saved
-    if not path.is_file():
-        raise LinkproofError(f"no benchmark at '{path}': expected the folder given to bench --out, or its {FILE}")
-    try:
-        written = path.read_text(encoding="utf-8")
-        document = json.loads(written)
-        if document["format"] != FORMAT:
-            raise LinkproofError(f"expected '{path}' in format {FORMAT}, got {document['format']}: run bench again")
-        _Document.model_validate_json(written)
-        bench = Bench(document)
+def load(folder: Path) -> Bench:
+    """Read a benchmark back; no engine is imported. Raises LinkproofError where there is none, or it is damaged."""
+    saved = load_study(folder, KIND, FORM)
+    bench = Bench({**saved.document, "records": list(saved.rows())})
+    with usable(folder, KIND):
         _ = bench.records, bench.costs
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise LinkproofError(f"'{path}' is no benchmark ({fault_words(error)}); run bench with --out again") from error
     return bench

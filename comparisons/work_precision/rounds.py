@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-import json
 import pickle
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
-from typing import Any
+from typing import Any, Final
+
+from pydantic import TypeAdapter
 
 from comparisons.reference.case import Case
 from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
-from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.study import Announce, Study, Task, Written
 from comparisons.runs.timing import smallest_and_median
 from comparisons.runs.workers import Bounds, Pool
 from comparisons.work_precision.measure import Taken, longest_step, measure
 from comparisons.work_precision.points import Extent, Point, Track
-from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
+from comparisons.work_precision.records import METHOD, SETTING, PointRecord
 from engines.contract import Outcome, StudiedEngine
 from engines.registry import why_unavailable
 
@@ -47,7 +48,7 @@ class Rounds:
         self.cases, self.quantities, self.extent = cases, quantities, extent
         self.pickled = [pickle.dumps(case) for case in cases]
         self.ends = time.monotonic() + extent.deadline
-        self.study: Study[Taken] = Study(measure, self._lost, _to_json, _from_json, journal, announce, pool)
+        self.study: Study[Taken] = Study(measure, self._lost, _written, _read, journal, announce, pool)
 
     def run(self, number: int, points: Sequence[Point]) -> None:
         """Measure points in a round, as long as there is time."""
@@ -62,7 +63,8 @@ class Rounds:
         """What a point took in a round; None where it was not measured."""
         if not point.is_run:
             return Taken(Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
-        return self.study.results.get(_key(number, point))
+        key = _key(number, point)
+        return self.study.result(key) if self.study.has(key) else None
 
     def repeats(self, point: Point, rounds: int) -> list[Taken]:
         """What a point took, round by round, where it finished, on the machine that made the first."""
@@ -77,7 +79,7 @@ class Rounds:
     @property
     def calibrations(self) -> tuple[float, ...]:
         """How long the fixed work took beside every run, s."""
-        return tuple(taken.calibration for taken in self.study.results.values() if taken.calibration > 0.0)
+        return tuple(taken.calibration for taken in self.study.results() if taken.calibration > 0.0)
 
     def _task(self, number: int, point: Point) -> Task:
         case = self.cases[point.case]
@@ -96,17 +98,19 @@ class Rounds:
         return self.ends - time.monotonic()
 
 
+_TAKEN: Final = TypeAdapter(Taken)
+
+
 def _key(number: int, point: Point) -> str:
     return f"{number} {point.key}"
 
 
-def _to_json(taken: Taken) -> bytes:
-    return json.dumps(asdict(taken)).encode()
+def _written(taken: Taken) -> Written:
+    return asdict(taken), {}
 
 
-def _from_json(payload: bytes) -> Taken:
-    row: dict[str, Any] = json.loads(payload)
-    return Taken(**{**row, "errors": {name: PointError(**error) for name, error in row["errors"].items()}})
+def _read(row: Mapping[str, Any], _: object) -> Taken:
+    return _TAKEN.validate_python(row)
 
 
 def records(case: Case, track: Track, rounds: Rounds) -> Iterator[PointRecord]:

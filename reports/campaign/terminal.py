@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
-from comparisons.campaign.campaign import RunResult
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.judging.records import CONTROL, Record, Verdict
+from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
@@ -24,25 +24,40 @@ DETAILS = (
 )
 
 
-def printout(results: Sequence[RunResult], figures: Sequence[KeyFigure] = (), notes: Sequence[str] = ()) -> Printout:
+def printout(runs: Iterable[RunRecord], figures: Sequence[KeyFigure] = (), notes: Sequence[str] = ()) -> Printout:
     """One table per mechanism and regime, quantities down, engines and settings across; then key figures that changed.
 
-    ``notes`` are sentences that always stand before the closing line.
+    ``runs`` are gone through again for each part of it. ``notes`` are sentences that always stand before the closing
+    line.
     """
-    tables: list[Printed] = []
-    details: list[Printed] = []
-    kept = [result for result in results if result.records]
-    for _, part in groupby(kept, key=lambda result: result.records[0].run[:3]):
-        together = sorted(part, key=lambda result: result.records[0].origin == CONTROL)
-        heading = _heading(together[0].records[0])
-        tables.append(heading)
+    closing = [*notes, *_reasons(runs), *_changes(figures), _closing_line(runs)]
+    return Printout(_tables(runs, figures), closing, _details(runs))
+
+
+def _tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure]) -> Iterator[Printed]:
+    for together in _by_motion(runs):
+        yield _heading(together[0])
         for start in range(0, len(together), ACROSS):
             beside = together[start : start + ACROSS]
-            tables += [_mechanism_table(beside), *_exceptions(beside), ""]
-        rows = [_detail(record) for result in together for record in _all(result)]
-        details += [heading, Table("", DETAILS, rows, "l"), ""]
-    tables += [part for table in changed_figures(figures) for part in (table, "")]
-    return Printout(tables, [*notes, *_reasons(results), *_changes(figures), _closing_line(results)], details)
+            yield _mechanism_table(beside)
+            yield from _exceptions(beside)
+            yield ""
+    for table in changed_figures(figures):
+        yield table
+        yield ""
+
+
+def _details(runs: Iterable[RunRecord]) -> Iterator[Printed]:
+    for together in _by_motion(runs):
+        yield _heading(together[0])
+        yield Table("", DETAILS, [_detail(record) for run in together for record in run.every], "l")
+        yield ""
+
+
+def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
+    """The runs of each mechanism and regime, those of the reference's control last."""
+    for _, part in groupby((run for run in runs if run.errors), key=lambda run: run.run[:3]):
+        yield sorted(part, key=lambda run: run.errors[0].origin == CONTROL)
 
 
 def _changes(figures: Sequence[KeyFigure]) -> list[str]:
@@ -52,38 +67,33 @@ def _changes(figures: Sequence[KeyFigure]) -> list[str]:
     return [f"{changed} of {len(known)} key figures are not as recorded"] if changed else []
 
 
-def _all(result: RunResult) -> tuple[Record, ...]:
-    return (*result.records, *result.invariants)
+def _heading(run: RunRecord) -> Paragraph:
+    return Paragraph(f"{run.mechanism} ({run.variant}), {run.regime}: {run.conditions}", colour="bold")
 
 
-def _heading(record: Record) -> Paragraph:
-    words = f"{record.mechanism} ({record.variant}), {record.regime}: {record.conditions}"
-    return Paragraph(words, colour="bold")
-
-
-def _mechanism_table(results: Sequence[RunResult]) -> Table:
-    first = [result.records[0] for result in results]
+def _mechanism_table(runs: Sequence[RunRecord]) -> Table:
+    every = [run.every for run in runs]
     rows: list[Sequence[TableCell | Words]] = []
-    for quantity in dict.fromkeys(family(record.quantity) for result in results for record in _all(result)):
-        worst = [_worst(result, quantity) for result in results]
-        rows.append((quantity, _limits(worst), *map(_cell, worst)))
-    rows.append(("figures of", "", *(origin_words(_all(result)) for result in results)))
-    rows.append(("seconds, set-up", "", *(f"{record.setup_seconds:.3f}" for record in first)))
-    rows.append(("seconds, stepping", "", *(f"{record.seconds:.3f}" for record in first)))
-    rows.append(("steps", "", *(f"{record.steps}" for record in first)))
-    head = ("error over peak", "limit", *(f"{record.engine}\n{record.setting}" for record in first))
+    for name in dict.fromkeys(family(record.quantity) for records in every for record in records):
+        worst = [_worst(records, name) for records in every]
+        rows.append((name, _limits(worst), *map(_cell, worst)))
+    rows.append(("figures of", "", *map(origin_words, every)))
+    rows.append(("seconds, set-up", "", *(f"{run.setup_seconds:.3f}" for run in runs)))
+    rows.append(("seconds, stepping", "", *(f"{run.seconds:.3f}" for run in runs)))
+    rows.append(("steps", "", *(f"{run.steps}" for run in runs)))
+    head = ("error over peak", "limit", *(f"{run.engine}\n{run.setting}" for run in runs))
     return Table("", head, rows)
 
 
-def _exceptions(results: Sequence[RunResult]) -> list[str]:
+def _exceptions(runs: Sequence[RunRecord]) -> list[str]:
     """What is not the engines' own, a line for each run that has any."""
-    told = {f"{r.records[0].engine} {r.records[0].setting}": exceptions(_all(r)) for r in results}
-    return [f"{name}: {words}" for name, words in told.items() if words]
+    found = {f"{run.engine} {run.setting}": exceptions(run.every) for run in runs}
+    return [f"{name}: {words}" for name, words in found.items() if words]
 
 
-def _worst(result: RunResult, row: str) -> Record | None:
+def _worst(records: Iterable[Record], row: str) -> Record | None:
     """The record of a run that stands in a row; of several the one with the largest error."""
-    candidates = [record for record in _all(result) if family(record.quantity) == row]
+    candidates = [record for record in records if family(record.quantity) == row]
     return max(candidates, key=lambda record: record.error_max or 0.0, default=None)
 
 
@@ -110,24 +120,26 @@ def _detail(record: Record) -> tuple[TableCell | str, ...]:
     )  # fmt: skip
 
 
-def _reasons(results: Sequence[RunResult]) -> list[str]:
+def _reasons(runs: Iterable[RunRecord]) -> list[str]:
     """Why runs gave nothing, and which records the baseline rather than the limit caught; each once, with where."""
     reasons: dict[tuple[str, str], dict[str, None]] = {}
-    for record in (record for result in results for record in _all(result)):
+    for record in (record for run in runs for record in run.every):
         within = record.error_max is not None and record.limit is not None and record.error_max <= record.limit
         if record.detail and (record.error_max is None or within):
             reasons.setdefault((f"{record.engine} {record.setting}", record.detail), {})[record.mechanism] = None
     return [f"{run}, {', '.join(where)}: {detail}" for (run, detail), where in reasons.items()]
 
 
-def _closing_line(results: Sequence[RunResult]) -> str:
-    records = [record for result in results for record in _all(result)]
-    counts = {verdict: sum(r.outcome == verdict.value for r in records) for verdict in Verdict}
-    left_out = sum(record.left_out for record in records)
-    words = [f"{count} {verdict.value}" for verdict, count in counts.items() if count and verdict.judged]
-    unjudged = [f"{count} {verdict.value}" for verdict, count in counts.items() if count and not verdict.judged]
-    judged = sum(count for verdict, count in counts.items() if verdict.judged)
-    words += [f"{len(records) - judged} not judged ({', '.join(unjudged)})"] if unjudged else []
+def _closing_line(runs: Iterable[RunRecord]) -> str:
+    counts, left_out = Counter[str](), 0
+    for one in (one for run in runs for one in (*run.errors, *run.invariants)):
+        counts[one.outcome] += 1
+        left_out += one.left_out
+    words = [f"{counts[verdict]} {verdict.value}" for verdict in Verdict if counts[verdict] and verdict.judged]
+    judged = sum(count for outcome, count in counts.items() if Verdict(outcome).judged)
+    unjudged = {verdict: counts[verdict] for verdict in Verdict if counts[verdict] and not verdict.judged}
+    reasons = ", ".join(f"{count} {verdict.value}" for verdict, count in unjudged.items())
+    words += [f"{sum(unjudged.values())} not judged ({reasons})"] if unjudged else []
     note = f"; {left_out} samples at acceleration jumps or near standstill left out" if left_out else ""
     deviations = "deviation" if judged == 1 else "deviations"
     return f"{judged} {deviations}: {', '.join(words)}{note}"

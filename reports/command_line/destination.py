@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -59,8 +60,9 @@ class Destination(OutputOptions):
 
     def print_out(self, printout: Printout) -> None:
         """Print as much as requested."""
-        tables = [] if self.quiet else printout.tables
-        self.print(*tables, *(printout.details if self.verbose else ()), *printout.closing)
+        for part in chain(() if self.quiet else printout.tables, printout.details if self.verbose else ()):
+            self.print(part)  # each as it comes: there may be many
+        self.print(*printout.closing)
 
     def write_pages(self, processes: int | None = None) -> None:
         """Renew the pages of the folder from what it holds by now, and say where they are; nothing without a folder.
@@ -83,12 +85,12 @@ class Destination(OutputOptions):
         elif self.json is not None:
             write_text(Path(self.json), to_json(document))
 
-    def write_junit(self, records: Sequence[Record], figures: Sequence[KeyFigure], departures: Sequence[str]) -> None:
+    def write_junit(self, records: Iterable[Record], figures: Sequence[KeyFigure], departures: Sequence[str]) -> None:
         """Write records, key figures and departures from a baseline as test cases, if requested."""
         if self.junit is not None:
             from reports.campaign.junit import junit  # noqa: PLC0415
 
-            write_text(self.junit, junit(records, figures, departures))
+            write_text(self.junit, junit(list(records), figures, departures))
 
     def say(self, text: str) -> None:
         """A remark on stderr, unless quiet."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, TextIO
 
 from rich.console import Console
@@ -25,9 +25,9 @@ UNBOUNDED = 1_000_000  # columns where nobody's terminal sets a width
 class Printout(NamedTuple):
     """What a command prints: ``tables`` unless it is quiet, ``closing`` always, ``details`` where it is verbose."""
 
-    tables: Sequence[Printed]
+    tables: Iterable[Printed]
     closing: Sequence[Printed]
-    details: Sequence[Printed] = ()
+    details: Iterable[Printed] = ()
 
 
 def show(*parts: Printed, stderr: bool = False) -> None:

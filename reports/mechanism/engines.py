@@ -170,7 +170,7 @@ def runs_fold(view: View) -> Fold:
 
 
 def _runs(view: View, regime: Regime) -> Table:
-    details = view.results.document["details"]
+    details = {run.run: run.details for run in view.results.runs}
     rows = tuple(
         (
             f"{run[0].engine} {run[0].setting}",
@@ -178,7 +178,7 @@ def _runs(view: View, regime: Regime) -> Table:
             numbers.seconds(run[0].seconds),
             numbers.seconds(run[0].setup_seconds),
             "; ".join(filter(None, (origin_words(run), exceptions(run)))),
-            settings_words(details.get("/".join(run[0].run), {})),
+            settings_words(details.get(run[0].run, {})),
         )
         for run in view.runs(regime)
         if run[0].steps
@@ -187,7 +187,7 @@ def _runs(view: View, regime: Regime) -> Table:
     return Table(f"{regime.name}: stepping alone, measured once, and set-up beside it.", head, rows, align="lrrrl")
 
 
-def settings_words(details: dict[str, Any]) -> str:
+def settings_words(details: Mapping[str, Any]) -> str:
     """Settings as an engine's adapter states them: "step 1e-4, scheme …"."""
     said = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
     return ", ".join(f"{plain(name)} {value}" for name, value in said.items())

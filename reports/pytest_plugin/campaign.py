@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from comparisons.campaign.campaign import CampaignRequest, cases, judged, lost, tasks
+from comparisons.campaign.campaign import CampaignRequest, cases, judged, lost, tasks, written
 from comparisons.campaign.key_figures import KeyFigure, compared
 from comparisons.campaign.project import Project
-from comparisons.campaign.standards import notes, rejudged, standard
+from comparisons.campaign.standards import notes, standard
 from comparisons.invariants.checks import NEEDS as INVARIANTS
 from comparisons.judging.departures import Departure, file_departures, motion_departures
-from comparisons.judging.records import Record
-from comparisons.judging.run_result import from_bytes, to_bytes
+from comparisons.judging.records import Record, from_row
 from comparisons.judging.verdicts import Standard
 from comparisons.reference.case import Case, unpickled
 from comparisons.runs.plugins import engine
@@ -100,10 +99,9 @@ class CampaignRun:
 
     def records(self) -> tuple[Record, ...]:
         """Make the run in a worker process, within its bounds, and judge it; no invariants where it failed."""
-        study = Study(judged, lost, to_bytes, from_bytes, pool=LocalPool(1))
-        (result,) = study.in_order([self.task], self.campaign.bounds)
-        result = rejudged(result, self.campaign.standard)
-        return (*result.records, *result.invariants)
+        study = Study(judged, lost, written, from_row, pool=LocalPool(1))
+        (run,) = study.in_order([self.task], self.campaign.bounds)
+        return run.judged(self.campaign.standard.judge).every
 
 
 def set_of_files(project: Project) -> tuple[Departure, ...] | None:

@@ -70,20 +70,17 @@ class Comparison(PrintedResult):
 
         Raises UnknownNameError for one that was not compared.
         """
-        import xarray  # noqa: PLC0415  seconds that records alone do not pay
-
         from reports.charts.draw import figure  # noqa: PLC0415
         from reports.charts.errors import errors_chart  # noqa: PLC0415
         from reports.records.views import views  # noqa: PLC0415
 
-        seen = {
-            view.linkage.name: view for view in views(Results(self.campaign.document(self.judged), xarray.Dataset()))
-        }
+        results = Results(self.campaign.document(self.judged), tuple(self.judged.runs))
+        seen = {view.linkage.name: view for view in views(results)}
         view = _named("mechanism", mechanism, seen)
         return figure(errors_chart(view, _named("regime", regime, {one.name: one for one in view.regimes})))
 
     def _printout(self) -> Printout:
-        return printout(self.judged.results, self.figures, (*self.notes, *self.departures))
+        return printout(self.judged.runs, self.figures, (*self.notes, *self.departures))
 
     def _rows(self) -> Sequence[Record]:
         return self.records

@@ -42,16 +42,17 @@ class Campaign:
 
     def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign
         """Make the runs in a pool and judge them; the errors are recorded as the baseline if they are to be."""
-        results = list(run_campaign(self.request, bounds=self.running.bounds, pool=pool, **how))
-        return judged_campaign(self.request, results, self.standard, self.recorded)
+        runs = run_campaign(self.request, bounds=self.running.bounds, pool=pool, **how)
+        runs.make()
+        return judged_campaign(self.request, runs, self.standard, self.recorded)
 
     def document(
         self, judged: JudgedCampaign, errata: Sequence[ErratumRecord] = (), *, is_saved: bool = False
     ) -> dict[str, Any]:
-        """Everything of the judged campaign but its curves, JSON-ready."""
+        """Everything of the judged campaign but its runs, JSON-ready."""
         readouts = {one.name: one.abilities.told() for one in engines(self.request.engines)}
         command = self.saved_command + (" --out DIR" if is_saved else "")
-        return {**document(self.request, judged.results, command, errata, readouts), **judged.told}
+        return {**document(self.request, command, errata, readouts), **judged.told}
 
 
 def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limits: RunLimits = UNBOUND) -> Campaign:

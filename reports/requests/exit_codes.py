@@ -9,18 +9,17 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Record, Verdict
-from comparisons.judging.verdicts import deciding
 from comparisons.runs.failures import Failure
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
 from comparisons.work_precision.points import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord
-from engines.contract import Outcome
+from engines.contract import Outcome, Setting
 from reports.requests import FAILED, PASSED, SUITE_ERROR
 
 
 def campaign_exit_code(
-    records: Sequence[Record],
+    records: Iterable[Record],
     errata: Iterable[ErratumRecord] = (),
     figures: Iterable[KeyFigure] = (),
     departures: Sequence[str] = (),
@@ -30,14 +29,20 @@ def campaign_exit_code(
     A key figure that is not as recorded fails, and so do ``departures`` from a baseline. Raises LinkproofError where no
     record says anything of an engine.
     """
-    verdicts = {Verdict(record.outcome) for record in deciding(records)}
-    outcomes = {record.outcome for record in records} | {record.outcome for record in errata}
-    if Verdict.SUITE_ERROR in outcomes:
+    naive, others = set[Verdict](), set[Verdict]()
+    reasons: Counter[tuple[str, str]] = Counter()
+    for record in records:
+        verdict = Verdict(record.outcome)
+        (naive if record.setting == Setting.NAIVE else others).add(verdict)
+        if not verdict.judged:
+            reasons[record.outcome, record.detail] += 1
+    decisive = others or naive
+    if Verdict.SUITE_ERROR in naive | others or any(one.outcome == Failure.SUITE_ERROR for one in errata):
         return SUITE_ERROR
-    if any(verdict.failed for verdict in verdicts) or any(figure.changed for figure in figures) or departures:
+    if any(verdict.failed for verdict in decisive) or any(figure.changed for figure in figures) or departures:
         return FAILED
-    if not any(verdict.judged for verdict in verdicts):
-        raise _nothing_judged((record.outcome, record.detail) for record in records)
+    if not any(verdict.judged for verdict in decisive):
+        raise _nothing_judged(reasons)
     return PASSED
 
 
@@ -53,7 +58,7 @@ def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> i
     if not useful.issuperset(engines):
         return FAILED
     if not any(record.finished for record in records):
-        raise _nothing_judged((record.outcome, record.detail) for record in records)
+        raise _nothing_judged(Counter((record.outcome, record.detail) for record in records))
     return PASSED
 
 
@@ -66,13 +71,12 @@ def stress_exit_code(cells: Iterable[CellResult]) -> int:
     if StressVerdict.SUITE_ERROR in reasons:
         return SUITE_ERROR
     if reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}:
-        raise _nothing_judged((verdict.value, reason) for verdict, reason in reasons.items())
+        raise _nothing_judged(Counter((verdict.value, reason) for verdict, reason in reasons.items()))
     return FAILED if StressVerdict.MISSED in reasons else PASSED
 
 
-def _nothing_judged(outcomes: Iterable[tuple[str, str]]) -> LinkproofError:
-    """What to raise where no run can be judged; ``outcomes`` are those of all runs, each with its reason."""
-    counts = Counter(outcomes)
+def _nothing_judged(counts: Counter[tuple[str, str]]) -> LinkproofError:
+    """What to raise where no run can be judged; ``counts`` are of their outcomes, each with its reason."""
     if not counts:
         return LinkproofError("expected something to judge, got no run at all: ask for other regimes, axes or settings")
     (outcome, reason), _ = counts.most_common(1)[0]

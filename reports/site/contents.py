@@ -12,6 +12,7 @@ from comparisons.campaign import results as campaign
 from comparisons.campaign.results import Results
 from comparisons.datasheet import saved as datasheet
 from comparisons.datasheet.sheet import Sheet
+from comparisons.runs.study_folder import has_study
 from comparisons.stress import saved as stress_test
 from comparisons.stress.saved import Stress
 from comparisons.work_precision import records as work_precision
@@ -30,36 +31,35 @@ BENCH, STRESS = PageLink("Work-precision", "bench.html"), PageLink("Stability", 
 
 @dataclass(frozen=True)
 class Contents:
-    """The contents of ``folder``, read when needed; ``dataset`` is the file of a campaign's curves."""
+    """The contents of ``folder``, read when needed."""
 
     folder: Path
-    dataset: Path
 
-    def __reduce__(self) -> tuple[type[Contents], tuple[Path, Path]]:
+    def __reduce__(self) -> tuple[type[Contents], tuple[Path]]:
         """Another process reads for itself."""
-        return Contents, (self.folder, self.dataset)
+        return Contents, (self.folder,)
 
     @cached_property
     def results(self) -> Results | None:
         """The campaign, if there is one."""
-        return campaign.load(self.dataset) if self.dataset.is_file() else None
+        return campaign.load(self.folder) if campaign.is_saved(self.folder) else None
 
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:
         """The data sheets of its mechanisms."""
-        if self.dataset.is_file() or (self.folder / datasheet.FILE).is_file():
-            return datasheet.load_sheets(self.folder)
-        return ()
+        if self.results is not None:
+            return self.results.sheets
+        return datasheet.load_sheets(self.folder) if (self.folder / datasheet.FILE).is_file() else ()
 
     @cached_property
     def bench(self) -> Bench | None:
         """The benchmark, if there is one."""
-        return work_precision.load(self.folder) if (self.folder / work_precision.FILE).is_file() else None
+        return work_precision.load(self.folder) if has_study(self.folder, work_precision.KIND) else None
 
     @cached_property
     def stress(self) -> Stress | None:
         """The stability maps, if there are any."""
-        return stress_test.load(self.folder) if (self.folder / stress_test.FILE).is_file() else None
+        return stress_test.load(self.folder) if has_study(self.folder, stress_test.KIND) else None
 
     @property
     def is_of_one(self) -> bool:
@@ -107,8 +107,3 @@ class Contents:
             yield BENCH, ": ", sentence("index_bench", points=[one for one in self.bench.points if one.errors])
         if self.stress is not None:
             yield STRESS, ": ", sentence("index_stress", cells=len(self.stress.results), count=self.stress.count())
-
-
-def contents(saved: Path) -> Contents:
-    """What a folder holds, or the folder of the curves that are given."""
-    return Contents(saved, saved / campaign.DATASET) if saved.is_dir() else Contents(saved.parent, saved)

@@ -15,7 +15,7 @@ from engines.contract import Setting
 from reports.document import html
 from reports.document.parts import Drawn, Page, PageFigure, PageLink, Paragraph, Section, Widget
 from reports.document.templates import sentence
-from reports.site.contents import contents
+from reports.site.contents import Contents
 
 PICTURE: Final = re.compile(r'<a class="picture"([^>]*?) href="[^"]*"><img src="([^"]*)"([^>]*)></a>')
 SCRIPT: Final = re.compile(r'<script src="([^"]*)" defer></script>\n?')
@@ -28,7 +28,7 @@ FEW: Final = frozenset({Setting.TUNED.value, Setting.BEST.value})  # whose curve
 
 def write_single_file(saved: Path, file: Path) -> Path:
     """Write a page of all that ``saved`` holds; returns its path."""
-    found = contents(saved)
+    found = Contents(saved)
     links = found.links()
     page = one_page([found.page(link.href) for link in links])
     places = [PageLink(link.text, f"#{_stem(link.href) if number else MAIN}") for number, link in enumerate(links)]

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from analytic.errors import LinkproofError
+from comparisons.campaign import results as campaign
 from comparisons.runs.failures import Lost
 from comparisons.runs.files import write_text
 from comparisons.runs.workers import run_jobs, usual_processes
@@ -17,7 +18,7 @@ from reports.campaign.index import FILE as INDEX
 from reports.campaign.summary import markdown
 from reports.document import html
 from reports.document.parts import PageLink
-from reports.site.contents import BENCH, STRESS, Contents, contents
+from reports.site.contents import BENCH, STRESS, Contents
 
 SUMMARY: Final = "RESULTS.md"
 WRITTEN: Final = "assets/written.txt"  # the files of the report, so that the next one can remove those it lacks
@@ -29,11 +30,11 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     ``processes`` worker processes write, one per core by default; with 0, or where none can be started, this one does.
     ``png`` writes every figure as PNG as well.
     """
-    found = contents(saved)
+    found = Contents(saved)
     folder, links = out or found.folder, found.links()
     html.write_assets(folder)
     files = sorted((link.href for link in links), key=_turn)
-    jobs = [(file,) for file in (*files, *([SUMMARY] if found.dataset.is_file() else []))]
+    jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(saved) else []))]
     write = partial(_write, found, folder, links, png)
     written: dict[int, tuple[str, ...]] = {}
     with suppress(LinkproofError):

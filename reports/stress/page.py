@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from comparisons.stress.saved import FILE, Stress
+from comparisons.runs.record_file import RECORDS
+from comparisons.stress.saved import KIND, Stress
 from comparisons.stress.verdict import StressVerdict
 from reports.document import parts
 from reports.document.parts import FigureGroup, Fold, Page, PageFigure, Paragraph, Section, Widget
@@ -85,7 +86,7 @@ def _incidents(stress: Stress) -> Iterator[parts.Part]:
 
 def _run(stress: Stress) -> Section:
     spent = sum(one.spent for one in stress.results)
-    cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each in {FILE}")
+    cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each a line of {KIND}/{RECORDS}")
     facts = parts.Facts((*environment_facts(stress.document["environment"]), cells))
     where = Fold("Where and with what", (facts,))
     return Section("run", "What was run", (parts.Command(stress.document["command"]), where))

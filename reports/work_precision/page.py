@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from comparisons.runs.record_file import RECORDS
 from comparisons.work_precision.places import PlaceFacts, by_regime, places
-from comparisons.work_precision.records import FILE, Bench
+from comparisons.work_precision.records import KIND, Bench
 from reports.document.numbers import seconds
 from reports.document.parts import Bullets, Command, Facts, FigureGroup, Fold, Mono, Page, Paragraph, Part, Section
 from reports.document.templates import lines, sentence
@@ -63,7 +64,7 @@ def _measured(bench: Bench) -> Section:
         *environment_facts(document["environment"]),
         ("Points", f"{len(bench.points)}, timed {repeats} times in all"),
         ("First use", f"{first}: the first run of a process beyond the second, import included"),
-        ("Records", Mono(FILE)),
+        ("Records", Mono(f"{KIND}/{RECORDS}")),
     ))  # fmt: skip
     rounds = Fold("Rounds, times, errors and orders", (Bullets(tuple(told)),))
     return Section("measured", "How it was measured", (rounds, facts, Command(document["command"])))

@@ -19,10 +19,11 @@ from collections import Counter
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from comparisons.judging.run_result import RunResult
+
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.judging.run_result import RunResult
 from comparisons.runs.cluster.connecting import opened
 from comparisons.runs.journal import Journal
 from comparisons.runs.workers import EVERY_CORE, PoolLostError

@@ -21,6 +21,8 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from comparisons.judging.run_result import ARRAYS
+
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
@@ -28,7 +30,6 @@ from comparisons.campaign.results import DATASET, RECORDS, Results, document, sa
 from comparisons.campaign.results import load as load_results
 from comparisons.campaign.sheets import sheets
 from comparisons.datasheet.saved import FILE as SHEETS
-from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.journal import HEADER, Journal
 from comparisons.runs.worker_process import START
 from comparisons.runs.workers import LocalPool

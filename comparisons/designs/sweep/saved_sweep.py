@@ -104,7 +104,7 @@ class SavedSweep:
     def begin(self, journal: Journal) -> set[int]:
         """The numbers of the blocks that are written already."""
         self._journal = journal
-        done = {int(key) for key in journal.kept()}
+        done = {int(key) for key in journal.records.keys}
         if not self._path.is_file():
             journal.clear()
             done = set()
@@ -121,7 +121,7 @@ class SavedSweep:
                 file.truncate(8 * self._shape[0] * self._shape[1])  # its size from the first block on
                 file.flush()
                 os.fsync(file.fileno())
-        self._journal.keep(str(number), b"")
+        self._journal.keep(str(number), {})
 
     def read(self, number: int) -> Array:
         """The figures of a block that is written, (figures, designs)."""

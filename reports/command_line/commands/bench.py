@@ -20,7 +20,7 @@ from comparisons.runs.workers import ONE_BY_ONE, LocalPool
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK
-from comparisons.work_precision.records import FILE, FORMAT, Bench, rows, save
+from comparisons.work_precision.records import KIND, Bench, rows, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, methods_told
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
@@ -42,7 +42,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
     where there is one, one run at a time on a machine.
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
     """
-    destination.check(FILE)
+    destination.check(KIND)
     options = of_project(options)
     out, command = destination.out, command_line("bench", options)
     check_scheduler(scheduler)
@@ -58,7 +58,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
         found = Bench(_document(options, command, wanted, measured))
         destination.write_json(found.document)
         if out:
-            save(out / FILE, found.document)
+            save(out, found.document)
             destination.write_pages()
         if kept:
             kept.clear()
@@ -99,7 +99,6 @@ def _document(options: BenchOptions, command: str, wanted: BenchRequest, measure
     linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in wanted.cases}
     extent = {name: value for name, value in asdict(wanted.extent).items() if value != float("inf")}
     return {
-        "format": FORMAT,
         "command": command,
         "conditions": "; ".join(dict.fromkeys(case.conditions for case in wanted.cases)),
         "environment": {**environment(wanted.engines), **wanted.pool.place},

@@ -13,7 +13,7 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import tasks
 from comparisons.campaign.errata import judge_errata
 from comparisons.campaign.printed_answers import engine_answers
-from comparisons.campaign.results import save
+from comparisons.campaign.results import save, with_runs
 from comparisons.campaign.sheets import sheets
 from comparisons.campaign.standards import JudgedCampaign
 from comparisons.reference.published import PublishedRecord, all_variants, compare_published
@@ -39,7 +39,7 @@ def compare(
     limits: RunLimits = UNBOUND,
     standard: StandardOptions = AS_USUAL,
     words: Callable[[JudgedCampaign], Printout] = lambda judged: printout(
-        judged.results, judged.figures, (*judged.notes, *judged.departures)
+        judged.runs, judged.figures, (*judged.notes, *judged.departures)
     ),
 ) -> int:
     """Run a campaign, write the requested files, print its tables or other ``words``; returns the exit code."""
@@ -60,18 +60,20 @@ def compare(
         if destination.json or out:
             saved = wanted.document(judged, errata, is_saved=out is not None)
             saved["environment"] |= pool.place
-            destination.write_json(saved)
+            if destination.json:
+                destination.write_json(with_runs(saved, judged.runs))
         if out:
             running = wanted.running
-            save(out, judged.results, saved, sheets(request, bounds=running.bounds, processes=running.processes))
+            save(out, saved, judged.runs, sheets(request, bounds=running.bounds, processes=running.processes))
             destination.write_pages(running.processes)
-        if kept:
-            kept.clear()
     if wanted.recorded:
         destination.say(f"baseline: {wanted.recorded}")
     destination.write_junit(judged.records, judged.figures, judged.departures)
     destination.print_out(words(judged))
-    return campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
+    code = campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
+    if kept:
+        kept.clear()  # last, since the runs are read from it
+    return code
 
 
 def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = False, png: bool = False) -> None:

@@ -15,8 +15,7 @@ from comparisons.datasheet.building import usual_sheet
 from comparisons.imported.columns import MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.mapping.writing import with_proposals
-from comparisons.judging.records import Verdict
-from comparisons.judging.run_result import RunResult
+from comparisons.judging.records import Verdict, run_record
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
 from reports.imported.document import blank_of, document, with_cause
@@ -74,13 +73,14 @@ def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: st
     linkage, motion = judgement.model.linkage, judgement.model.motion
     blank = blank_of(judgement, ", ".join(path.name for path in options.results))
     blank = replace(blank, steps=max(len(verdict.truth) for verdict in judgement.verdicts))
-    result = RunResult(
-        tuple(with_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
-        tuple(check.record(blank) for check in judgement.checks),
-        {verdict.name: verdict.deviation(motion) for verdict in judgement.verdicts},
+    run = run_record(
+        blank,
+        (with_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
+        (check.record(blank) for check in judgement.checks),
+        {verdict.name: verdict.deviation(motion).curve for verdict in judgement.verdicts},
         {f"cause {n}": finding.likeliest.words for n, finding in enumerate(judgement.explanation.findings, start=1)},
     )
     motions = (motion,) if isinstance(motion, CrankMotion) else ()
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
-    told = {**saved_document(request, [result], command), "judgement": sentences(judgement)}
-    save(folder, [result], told, [usual_sheet(linkage, motions, options.regime)])
+    told = {**saved_document(request, command), "judgement": sentences(judgement)}
+    save(folder, told, [run], [usual_sheet(linkage, motions, options.regime)])

@@ -67,14 +67,14 @@ def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:
 
 def _write_page(out: Path, own: Sheet, *, opens: bool, quiet: bool) -> None:
     """Save a data sheet among those of a report's folder, and write the report's pages."""
-    from reports.site.contents import contents  # noqa: PLC0415 - seconds that nothing else pays for
+    from reports.site.contents import Contents  # noqa: PLC0415 - seconds that nothing else pays for
     from reports.site.site import write_site  # noqa: PLC0415
 
     sheets = load_sheets(out) if (out / FILE).is_file() else ()
     others = [one for one in sheets if (one.name, one.variant) != (own.name, own.variant)]
     save_sheets(out, [*others, own])
     write_site(out, processes=0)
-    page = out / contents(out).file_of(own)
+    page = out / Contents(out).file_of(own)
     if not quiet:
         show(f"page: {page}", stderr=True)
     if opens:

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from analytic.errors import LinkproofError
-from comparisons.judging.records import to_json
-from comparisons.runs.files import write_text
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
-from comparisons.stress.saved import FILE, Stress
+from comparisons.stress.saved import KIND, Stress, save
 from engines.registry import engine_names
 from reports.command_line.destination import Destination
 from reports.command_line.interruption import interruptible, journal
@@ -31,7 +29,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     Where no engine is named, those of the project are taken. Raises LinkproofError for anything that does not exist,
     before any cell is made.
     """
-    destination.check(FILE)
+    destination.check(KIND)
     options = of_project(options)
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
@@ -50,7 +48,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
         maps = Stress({**told, "environment": {**told["environment"], **pool.place}})
         destination.write_json(maps.document)
         if out:
-            write_text(out / FILE, to_json(maps.document))
+            save(out, maps.document)
             destination.write_pages()
         if kept:
             kept.clear()

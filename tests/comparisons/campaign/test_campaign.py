@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from comparisons.judging.run_result import ARRAYS
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import ReleasedRegime
@@ -18,7 +19,6 @@ from comparisons.judging import deviations
 from comparisons.judging.baseline import Baseline, Place
 from comparisons.judging.limits import shipped_limits
 from comparisons.judging.records import Verdict
-from comparisons.judging.run_result import ARRAYS
 from comparisons.judging.verdicts import Standard, shipped_standard
 from comparisons.runs import crew
 from comparisons.runs.failures import GIB

@@ -3,12 +3,12 @@
 import dataclasses
 
 import numpy as np
+from comparisons.judging.run_result import ARRAYS, RunResult, from_bytes, to_bytes
 from hypothesis import given
 from hypothesis import strategies as st
 
 from comparisons.judging.deviations import Deviation
 from comparisons.judging.records import Record
-from comparisons.judging.run_result import ARRAYS, RunResult, from_bytes, to_bytes
 
 floats = st.floats(allow_nan=False)
 perhaps = st.none() | floats

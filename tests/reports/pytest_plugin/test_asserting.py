@@ -3,10 +3,10 @@
 from types import SimpleNamespace
 
 import pytest
+from comparisons.judging.run_result import RunResult
 
 from comparisons.campaign.standards import JudgedCampaign
 from comparisons.judging.records import Record
-from comparisons.judging.run_result import RunResult
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.pytest_plugin import asserting
 from reports.python.campaign import Comparison

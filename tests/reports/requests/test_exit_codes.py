@@ -5,12 +5,12 @@ import subprocess
 import sys
 
 import pytest
+from comparisons.judging.run_result import RunResult
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Record
-from comparisons.judging.run_result import RunResult
 from comparisons.stress.cells import CellResult, find_cell
 from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.campaign.terminal import printout

@@ -1,0 +1,192 @@
+"""Records with their arrays in two files that only grow: ``records.jsonl``, one a line, and ``curves.npy``.
+
+What is written is never moved, so that a kill costs no more than the record being written; nothing but where each
+record stands is held in memory.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RECORDS: Final = "records.jsonl"
+CURVES: Final = "curves.npy"  # doubles; a record's "curves" has the place of the first and the shape, by name
+HEADER_SIZE: Final = 128  # bytes of NumPy's header, padded by it so that the number of doubles may grow
+_SHOWN: Final = 40  # bytes of a line in a message
+_CHECKSUM: Final = ', "checksum": "'  # ends a line: of all before it and of the record's arrays
+
+
+@dataclass
+class RecordFile:
+    """The records in a folder, by key.
+
+    Where it ``may_be_torn``, a record that is not whole, or whose checksum does not match, counts as none.
+    ``survives_power_failure`` costs some milliseconds a record.
+    """
+
+    folder: Path
+    may_be_torn: bool = True
+    survives_power_failure: bool = False
+    _places: dict[str, tuple[int, int]] = field(default_factory=dict, init=False, repr=False)  # first byte and length
+    _writing: list[IO[bytes]] = field(default_factory=list, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if (self.folder / RECORDS).is_file():
+            self._places = dict(self._scanned())
+
+    @property
+    def keys(self) -> Sequence[str]:
+        """Of all records, in the order in which they were first written."""
+        return list(self._places)
+
+    def __contains__(self, key: object) -> bool:
+        """Whether there is a record of this key."""
+        return key in self._places
+
+    def __len__(self) -> int:
+        """Number of records."""
+        return len(self._places)
+
+    def append(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Array] | None = None) -> None:
+        """Write a record and its arrays, which come back bit for bit; it replaces another of the same key.
+
+        Raises ValueError for a number that is not finite in the ``row``.
+        """
+        records, arrays = self.begin()
+        start, places, blocks = (arrays.tell() - HEADER_SIZE) // 8, {}, []
+        for name, values in (curves or {}).items():
+            places[name] = [start, list(values.shape)]
+            start += values.size
+            blocks.append(np.ascontiguousarray(values, dtype=float).tobytes())
+        text = json.dumps({"key": key, **row, "curves": places}, ensure_ascii=False, allow_nan=False)[:-1]
+        line = f'{text}{_CHECKSUM}{_checksum(text, blocks)}"}}\n'.encode()
+        for block in blocks:
+            arrays.write(block)
+        self._flush(arrays)
+        self._places[key] = (records.tell(), len(line))
+        records.write(line)
+        self._flush(records)
+
+    def row(self, key: str) -> dict[str, Any]:
+        """What was written under a key, with ``key`` and the places of its arrays."""
+        first, length = self._places[key]
+        with (self.folder / RECORDS).open("rb") as file:
+            file.seek(first)
+            found: dict[str, Any] = json.loads(file.read(length))
+        return found
+
+    def read(self, key: str) -> tuple[dict[str, Any], Mapping[str, Array]]:
+        """A record as it was written, its arrays read when they are needed; raises KeyError."""
+        row = self.row(key)
+        return row, _Curves(self, row)
+
+    def curve(self, row: Mapping[str, Any], name: str) -> Array:
+        """An array of a record by its name; raises KeyError, or ValueError where the file has no such place."""
+        start, shape = row["curves"][name]
+        path, count = self.folder / CURVES, math.prod(shape)
+        if not 0 <= start <= start + count <= (path.stat().st_size - HEADER_SIZE) // 8:
+            raise ValueError(f"{name}: expected {count} numbers in {CURVES}, got fewer")
+        return np.fromfile(path, np.float64, count, offset=HEADER_SIZE + 8 * start).reshape(shape)
+
+    def close(self) -> None:
+        """Finish the files; arrays can then be read as one by NumPy."""
+        for file in self._writing:
+            file.close()
+        self._writing.clear()
+        path = self.folder / CURVES
+        if path.is_file():
+            _write_header(path)
+
+    def begin(self) -> list[IO[bytes]]:
+        """Records and arrays, open at their ends; what a kill has left there by halves is cut off."""
+        if not self._writing:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            records, curves = self.folder / RECORDS, self.folder / CURVES
+            if not curves.is_file():
+                _write_header(curves)
+            for path, end in ((records, _last_line_end(records)), (curves, curves.stat().st_size // 8 * 8)):
+                file = path.open("ab")
+                file.truncate(end)
+                file.seek(0, os.SEEK_END)
+                self._writing.append(file)
+        return self._writing
+
+    def _flush(self, file: IO[bytes]) -> None:
+        file.flush()
+        if self.survives_power_failure:
+            os.fsync(file.fileno())
+
+    def _scanned(self) -> Iterator[tuple[str, tuple[int, int]]]:
+        """Keys and places of the records."""
+        first = 0
+        with (self.folder / RECORDS).open("rb") as file:
+            for line in file:
+                try:
+                    yield self._key(line), (first, len(line))
+                except (ValueError, TypeError, KeyError, OSError, OverflowError):
+                    if not self.may_be_torn:
+                        raise
+                first += len(line)
+
+    def _key(self, line: bytes) -> str:
+        """The key of a record; raises ValueError, or what reading raises, for one that is not as it was written."""
+        row = json.loads(line)
+        if not isinstance(row, dict) or not isinstance(row["key"], str):
+            raise ValueError(f"{RECORDS}: expected records with a key, got {line[:_SHOWN]!r}")
+        if self.may_be_torn:
+            text, _, ending = line.decode().rpartition(_CHECKSUM)
+            blocks = [self.curve(row, name).tobytes() for name in row["curves"]]
+            if ending != f'{_checksum(text, blocks)}"}}\n':
+                raise ValueError("the checksum does not match")
+        return row["key"]
+
+
+@dataclass(frozen=True)
+class _Curves(Mapping[str, Array]):
+    """The arrays of a record, left in their file."""
+
+    file: RecordFile
+    row: Mapping[str, Any]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.file.curve(self.row, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.row["curves"])
+
+    def __len__(self) -> int:
+        return len(self.row["curves"])
+
+
+def _checksum(text: str, blocks: Sequence[bytes]) -> str:
+    digest = hashlib.sha256(text.encode())
+    for block in blocks:
+        digest.update(block)
+    return digest.hexdigest()[:16]
+
+
+def _write_header(path: Path) -> None:
+    """NumPy's header for as many doubles as the file has."""
+    with path.open("r+b" if path.is_file() else "w+b") as file:
+        size = max(0, file.seek(0, os.SEEK_END) - HEADER_SIZE)
+        file.seek(0)
+        np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": (size // 8,)})
+
+
+def _last_line_end(path: Path) -> int:
+    """Where the last whole line of a file ends; 0 of one that is not there."""
+    if not path.is_file():
+        return 0
+    with path.open("rb") as file:
+        return sum(len(line) for line in file if line.endswith(b"\n"))
