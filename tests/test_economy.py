@@ -86,6 +86,6 @@ def test_a_report_from_saved_records_imports_no_engine(imported, tmp_path):
     choice = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",), quantity=("Jeq",))
     wanted: CampaignRequest = request(choice)
     results = list(compare(wanted))
-    save(tmp_path / "saved", results, document(wanted, results, "as tested"), sheets(wanted, processes=0))
+    save(tmp_path / "saved", document(wanted, "as tested"), results, sheets(wanted, processes=0))
     assert imported(ENGINES, "report", str(tmp_path / "saved")) == set()
     assert (tmp_path / "saved" / "index.html").is_file()

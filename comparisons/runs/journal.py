@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,7 +12,7 @@ from typing import Any, Final
 
 from analytic.errors import LinkproofError
 from comparisons.runs.files import Claim, claim, write_text, writing
-from comparisons.runs.record_file import Array, RecordFile
+from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile
 
 FOLDER: Final = "unfinished"
 HEADER: Final = "request.txt"
@@ -29,7 +28,6 @@ class Journal:
 
     folder: Path
     request: str
-    survives_power_failure: bool = True
     _claims: list[Claim] = field(default_factory=list, compare=False, repr=False)
 
     @property
@@ -45,8 +43,9 @@ class Journal:
         if header.is_file():
             self._check_header(header)
         else:
-            self._remove()  # whatever it is, it is of no known request
-        return RecordFile(self.place, survives_power_failure=self.survives_power_failure)
+            for name in (RECORDS, CURVES):  # of an unknown request
+                (self.place / name).unlink(missing_ok=True)
+        return RecordFile(self.place, survives_power_failure=True)
 
     def keep(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Array] | None = None) -> None:
         """Write one finished record under its key; a record already there is replaced."""
@@ -63,9 +62,7 @@ class Journal:
         self._remove()
 
     def _remove(self) -> None:
-        if "records" in vars(self):
-            self.records.close()
-            del vars(self)["records"]
+        vars(self).pop("records", None)
         leaving = self.place.with_name(f".{FOLDER}")
         if leaving.is_dir():
             shutil.rmtree(leaving)
@@ -88,12 +85,3 @@ class Journal:
             f"expected the request that was begun in '{self.folder}': `{expected}`, got `{got}`; repeat it, or leave "
             "out --resume to start anew"
         )
-
-
-class PassingJournal(Journal):
-    """A journal in a temporary folder, which goes with it: for work that is not to be resumed."""
-
-    def __init__(self) -> None:
-        folder = tempfile.TemporaryDirectory(prefix="linkproof-")
-        vars(self)["_folder"] = folder
-        super().__init__(Path(folder.name), "", survives_power_failure=False)

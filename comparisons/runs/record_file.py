@@ -10,7 +10,10 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+import shutil
+import tempfile
+import weakref
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any, Final
@@ -27,7 +30,7 @@ _SHOWN: Final = 40  # bytes of a line in a message
 _CHECKSUM: Final = ', "checksum": "'  # ends a line: of all before it and of the record's arrays
 
 
-@dataclass
+@dataclass(eq=False)
 class RecordFile:
     """The records in a folder, by key.
 
@@ -39,7 +42,7 @@ class RecordFile:
     may_be_torn: bool = True
     survives_power_failure: bool = False
     _places: dict[str, tuple[int, int]] = field(default_factory=dict, init=False, repr=False)  # first byte and length
-    _writing: list[IO[bytes]] = field(default_factory=list, init=False, repr=False)
+    _has_begun: bool = field(default=False, init=False, repr=False)
 
     def __post_init__(self) -> None:
         if (self.folder / RECORDS).is_file():
@@ -63,20 +66,21 @@ class RecordFile:
 
         Raises ValueError for a number that is not finite in the ``row``.
         """
-        records, arrays = self.begin()
-        start, places, blocks = (arrays.tell() - HEADER_SIZE) // 8, {}, []
-        for name, values in (curves or {}).items():
-            places[name] = [start, list(values.shape)]
-            start += values.size
-            blocks.append(np.ascontiguousarray(values, dtype=float).tobytes())
+        self.begin()
+        blocks = {name: np.ascontiguousarray(values, dtype=float) for name, values in (curves or {}).items()}
+        with (self.folder / CURVES).open("ab") as file:
+            first, places = (file.tell() - HEADER_SIZE) // 8, {}
+            for name, values in blocks.items():
+                places[name] = [first, list(values.shape)]
+                first += values.size
+                file.write(values.data)
+            self._flush(file)
         text = json.dumps({"key": key, **row, "curves": places}, ensure_ascii=False, allow_nan=False)[:-1]
-        line = f'{text}{_CHECKSUM}{_checksum(text, blocks)}"}}\n'.encode()
-        for block in blocks:
-            arrays.write(block)
-        self._flush(arrays)
-        self._places[key] = (records.tell(), len(line))
-        records.write(line)
-        self._flush(records)
+        line = f'{text}{_CHECKSUM}{_checksum(text, blocks.values())}"}}\n'.encode()
+        with (self.folder / RECORDS).open("ab") as file:
+            self._places[key] = (file.tell(), len(line))
+            file.write(line)
+            self._flush(file)
 
     def row(self, key: str) -> dict[str, Any]:
         """What was written under a key, with ``key`` and the places of its arrays."""
@@ -99,28 +103,21 @@ class RecordFile:
             raise ValueError(f"{name}: expected {count} numbers in {CURVES}, got fewer")
         return np.fromfile(path, np.float64, count, offset=HEADER_SIZE + 8 * start).reshape(shape)
 
-    def close(self) -> None:
-        """Finish the files; arrays can then be read as one by NumPy."""
-        for file in self._writing:
-            file.close()
-        self._writing.clear()
-        path = self.folder / CURVES
-        if path.is_file():
-            _write_header(path)
-
-    def begin(self) -> list[IO[bytes]]:
-        """Records and arrays, open at their ends; what a kill has left there by halves is cut off."""
-        if not self._writing:
+    def begin(self) -> None:
+        """Make the files; what a kill has left by halves at their ends is cut off."""
+        if not self._has_begun:
+            self._has_begun = True
             self.folder.mkdir(parents=True, exist_ok=True)
             records, curves = self.folder / RECORDS, self.folder / CURVES
             if not curves.is_file():
                 _write_header(curves)
-            for path, end in ((records, _last_line_end(records)), (curves, curves.stat().st_size // 8 * 8)):
-                file = path.open("ab")
-                file.truncate(end)
-                file.seek(0, os.SEEK_END)
-                self._writing.append(file)
-        return self._writing
+            os.truncate(curves, curves.stat().st_size // 8 * 8)
+            records.touch()
+            os.truncate(records, _last_line_end(records))
+
+    def finish(self) -> None:
+        """Note in the file of arrays how many numbers it has, so that NumPy reads it."""
+        _write_header(self.folder / CURVES)
 
     def _flush(self, file: IO[bytes]) -> None:
         file.flush()
@@ -146,10 +143,18 @@ class RecordFile:
             raise ValueError(f"{RECORDS}: expected records with a key, got {line[:_SHOWN]!r}")
         if self.may_be_torn:
             text, _, ending = line.decode().rpartition(_CHECKSUM)
-            blocks = [self.curve(row, name).tobytes() for name in row["curves"]]
+            blocks = [self.curve(row, name) for name in row["curves"]]
             if ending != f'{_checksum(text, blocks)}"}}\n':
                 raise ValueError("the checksum does not match")
         return row["key"]
+
+
+def passing_records() -> RecordFile:
+    """Records in a temporary folder, which goes with them."""
+    folder = Path(tempfile.mkdtemp(prefix="linkproof-"))
+    found = RecordFile(folder)
+    weakref.finalize(found, shutil.rmtree, folder, ignore_errors=True)
+    return found
 
 
 @dataclass(frozen=True)
@@ -169,10 +174,10 @@ class _Curves(Mapping[str, Array]):
         return len(self.row["curves"])
 
 
-def _checksum(text: str, blocks: Sequence[bytes]) -> str:
+def _checksum(text: str, blocks: Iterable[Array]) -> str:
     digest = hashlib.sha256(text.encode())
     for block in blocks:
-        digest.update(block)
+        digest.update(block.data)
     return digest.hexdigest()[:16]
 
 
@@ -185,8 +190,6 @@ def _write_header(path: Path) -> None:
 
 
 def _last_line_end(path: Path) -> int:
-    """Where the last whole line of a file ends; 0 of one that is not there."""
-    if not path.is_file():
-        return 0
+    """Where the last whole line of a file ends."""
     with path.open("rb") as file:
         return sum(len(line) for line in file if line.endswith(b"\n"))

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from comparisons.runs.failures import Lost
-from comparisons.runs.journal import Journal, PassingJournal
-from comparisons.runs.record_file import Array
+from comparisons.runs.journal import Journal
+from comparisons.runs.record_file import Array, passing_records
 from comparisons.runs.workers import DEFAULT_BOUNDS, EVERY_CORE, Bounds, LocalPool, Pool
 
 R = TypeVar("R")
@@ -52,8 +52,8 @@ class Study(Generic[R]):
     _finished: int = field(default=0, init=False)  # of those known
 
     def __post_init__(self) -> None:
-        self._journal = self.journal or PassingJournal()
-        self._records = self._journal.records
+        self._records = self.journal.records if self.journal else passing_records()
+        self._keep = self.journal.keep if self.journal else self._records.append
 
     def expect(self, tasks: Iterable[Task]) -> list[Task]:
         """Count these tasks among those known of; returns those still to be made, each once."""
@@ -75,7 +75,7 @@ class Study(Generic[R]):
                 task = todo[number]
                 result = self.lost(outcome, *task.job) if isinstance(outcome, Lost) else outcome
                 if result is not None:
-                    self._journal.keep(task.key, *self.encode(result))
+                    self._keep(task.key, *self.encode(result))
                     self._finished += 1
                     self._announce(task)
                     yield task

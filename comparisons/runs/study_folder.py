@@ -56,7 +56,7 @@ def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: It
         file.begin()
         for record in records:
             file.append(*record)
-        file.close()
+        file.finish()
         told = {"kind": kind, "format": FORMAT, **document}
         (new / DOCUMENT).write_text(json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
         sums = "".join(f"{_sum(new / name)}\n" for name in (DOCUMENT, RECORDS, CURVES))

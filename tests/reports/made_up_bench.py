@@ -1,7 +1,7 @@
 """A finished benchmark of engines that do not exist, for tests of its page and tables."""
 
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.records import FORMAT, Bench, rows
+from comparisons.work_precision.records import Bench, rows
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
 
@@ -42,7 +42,6 @@ def document(records, mechanisms, engines, **changes):
     """All a saved benchmark holds."""
     methods = [("plain", 100.0, "iterations", 1), ("higher", None, "", 2), ("torn", None, "", 1)]
     return {
-        "format": FORMAT,
         "command": "linkproof bench --quick",
         "conditions": "as tested",
         "environment": {"date": "today", "machine": "this one", "commit": "none", "python": "3"},

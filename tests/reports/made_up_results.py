@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -11,13 +11,13 @@ from analytic.description.crank_motion import CrankMotion, crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import CampaignRequest, RunResult
-from comparisons.campaign.results import Results, dataset, document
+from comparisons.campaign.campaign import CampaignRequest
+from comparisons.campaign.results import Results, document
 from comparisons.datasheet.building import usual_sheet
 from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.deviations import Deviation, near_jumps
 from comparisons.judging.quantities import QUANTITIES
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Record, RunRecord, Verdict, run_record
 from comparisons.judging.verdicts import judge
 from comparisons.reference.case import Case
 from comparisons.stress.verdict import SAID as INVARIANTS
@@ -52,8 +52,19 @@ def made_up_results(
         for setting in settings
     ]
     readouts = {name: {"torque": asdict(ReadOut("motor torque", drive="it is the drive's"))} for name in engines}
-    told = document(request, runs, "linkproof compare juki-mf7923d --setting all", readouts=readouts)
-    return Results(told, dataset(runs, told), tuple(_sheet(linkage, motions) for linkage in linkages))
+    told = document(request, "linkproof compare juki-mf7923d --setting all", readouts=readouts)
+    return Results(told, tuple(runs), tuple(_sheet(linkage, motions) for linkage in linkages))
+
+
+def changed_results(results: Results, change: Callable[[Record], Record | None]) -> Results:
+    """The same results, each record as ``change`` makes it, those without that it makes None of."""
+    runs = []
+    for run in results.runs:
+        records, checks = (
+            [new for record in part if (new := change(record)) is not None] for part in (run.records, run.checks)
+        )
+        runs += [run_record([*records, *checks][0], records, checks, run.curves, run.details)] if records else []
+    return Results(results.document, tuple(runs))
 
 
 def _sheet(linkage: Linkage, motions: tuple[CrankMotion, ...]) -> Sheet:
@@ -72,15 +83,16 @@ class Maker:
     samples: int
 
 
-def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, Verdict]) -> RunResult:
+def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, Verdict]) -> RunRecord:
     engine, setting, samples = maker.engine, maker.setting, maker.samples
     blank = _blank(case, engine, setting, request.conditions)
     if engine in broken:
         told = {"origin": "", "outcome": broken[engine].value, "detail": f"{engine} <cannot> hold this scene"}
-        return RunResult(tuple(_named(blank, name, **told) for name in request.quantities), ())
+        records = [_named(blank, name, **told) for name in request.quantities]
+        return run_record(records[0], records)
     size = SIZES[setting] * (1.0 + 0.7 * request.engines.index(engine))
     deviations = {name: _deviation(case, name, size, samples) for name in request.quantities}
-    records = tuple(
+    records = [
         judge(
             _named(
                 blank,
@@ -94,12 +106,13 @@ def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, V
             )
         )
         for name, found in deviations.items()
-    )
-    invariants = tuple(
+    ]
+    invariants = [
         judge(_named(blank, name, error_max=0.3 * size, error_rms=0.1 * size, peak=1.0, samples=samples))
         for name in INVARIANTS
-    )
-    return RunResult(records, invariants, deviations, {"step": 1e-4, "scheme": "made up", "passes": 2})
+    ]
+    curves = {name: found.curve for name, found in deviations.items()}
+    return run_record(records[0], records, invariants, curves, {"step": 1e-4, "scheme": "made up", "passes": 2})
 
 
 def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:

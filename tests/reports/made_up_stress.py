@@ -31,7 +31,6 @@ def made_up_stress(names=("mass", "change-point", "speed"), engines=("alpha", "b
                     results += line
                     borders += _borders(line)
     document = {
-        "format": 1,
         "command": "linkproof stress --out 'a <folder>'",
         "environment": {"date": "today", "machine": "this one", "commit": "none", "python": "3"},
         "quick": quick,

@@ -16,16 +16,18 @@ import tempfile
 import threading
 import time
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-
-from comparisons.judging.run_result import RunResult
+from typing import Any
 
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
+from comparisons.judging.records import RunRecord
 from comparisons.runs.cluster.connecting import opened
 from comparisons.runs.journal import Journal
+from comparisons.runs.record_file import Array
 from comparisons.runs.workers import EVERY_CORE, PoolLostError
 from engines.contract import Setting
 
@@ -56,9 +58,9 @@ class _CountingJournal(Journal):
 
     counts: Counter[str] = field(default_factory=Counter)
 
-    def keep(self, key: str, payload: bytes) -> None:
+    def keep(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Array] | None = None) -> None:
         self.counts[key] += 1
-        super().keep(key, payload)
+        super().keep(key, row, curves)
 
 
 @dataclass
@@ -120,7 +122,7 @@ def request(regimes: int) -> CampaignRequest:
                            with_invariants=False)  # fmt: skip
 
 
-def _records(results: list[RunResult]) -> dict[str, list[str]]:
+def _records(results: list[RunRecord]) -> dict[str, list[str]]:
     """Every record but what is not steady, by its name."""
     held: dict[str, list[str]] = {}
     for record in (record for result in results for record in result.records):
@@ -150,7 +152,7 @@ def measure(workers: int, schedulers: int, seed: int = 0, regimes: int = len(REG
     return ClusterEndurance(killer.killed["workers"], killer.killed["schedulers"], campaigns, runs, lost, doubled)
 
 
-def _attempt(asked: CampaignRequest, journal: Journal, killer: _Killer) -> list[RunResult] | None:
+def _attempt(asked: CampaignRequest, journal: Journal, killer: _Killer) -> list[RunRecord] | None:
     """What a campaign comes to, taken up where it was left; None where its scheduler is killed."""
     try:
         with opened(f"local:{WORKERS}", EVERY_CORE) as pool:

@@ -21,16 +21,15 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from comparisons.judging.run_result import ARRAYS
-
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.campaign.results import DATASET, RECORDS, Results, document, save
+from comparisons.campaign.results import COMPARE, Results, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.campaign.sheets import sheets
 from comparisons.datasheet.saved import FILE as SHEETS
-from comparisons.runs.journal import HEADER, Journal
+from comparisons.runs.journal import Journal
+from comparisons.runs.record_file import RECORDS
 from comparisons.runs.worker_process import START
 from comparisons.runs.workers import LocalPool
 from engines.contract import Setting
@@ -100,7 +99,7 @@ def run_campaign(folder: Path, processes: int) -> None:
     """The campaign as the command runs it: taking up what is kept, keeping what is finished, then written at once."""
     asked, journal = request(), Journal(folder, COMMAND)
     results = list(compare(asked, pool=LocalPool(processes), journal=journal))
-    save(folder, results, document(asked, results, COMMAND), sheets(asked, processes=processes))
+    save(folder, document(asked, COMMAND), results, sheets(asked, processes=processes))
     journal.clear()
 
 
@@ -129,7 +128,7 @@ class _Trial:
 
     def _pieces(self, folder: Path) -> int:
         """How many runs are to be kept when the next kill comes."""
-        return max(len(Journal(folder, COMMAND).kept()), self.chance.randint(-BEYOND, RUNS + BEYOND))
+        return max(len(Journal(folder, COMMAND).records), self.chance.randint(-BEYOND, RUNS + BEYOND))
 
     def _attempt(self, folder: Path, pieces: int) -> bool:
         """Whether an attempt finished, rather than being killed when so many runs were kept."""
@@ -163,9 +162,9 @@ def _killed(child: int, folder: Path, pieces: int, pause: float) -> int:
 
 
 def _kept(place: Path) -> int:
-    """How many runs a journal's folder holds; what is being written has a name that begins with a dot."""
+    """How many runs a journal's folder holds."""
     with contextlib.suppress(FileNotFoundError):
-        return sum(not name.startswith(".") and name != HEADER for name in os.listdir(place))
+        return (place / RECORDS).read_bytes().count(b"\n")
     return 0
 
 
@@ -184,7 +183,7 @@ def _be_the_campaign(folder: Path, served: bool) -> None:
 
 
 def _stage(folder: Path) -> str:
-    pieces = Journal(folder, COMMAND).kept()
+    pieces = Journal(folder, COMMAND).records.keys
     if len(pieces) == RUNS:
         return "all kept"
     return "some kept" if pieces else "none kept"
@@ -227,13 +226,9 @@ def _contents(results: Results) -> dict[str, list[bytes]]:
     for record in (*results.records, *results.invariants):
         told = {name: value for name, value in asdict(record).items() if name not in TIMINGS}
         held.setdefault("/".join(("record", *record.run, record.quantity)), []).append(json.dumps(told).encode())
-    curves = results.curves
-    names = zip(curves["run"].values, curves["quantity"].values, strict=True)
-    start = 0
-    for (run, quantity), size in zip(names, curves["row_size"].values, strict=True):
-        place = slice(start, start := start + int(size))
-        arrays = [curves[name].values[place].tobytes() for name in ARRAYS]
-        held.setdefault(f"curve/{run}/{quantity}", []).append(b"".join(arrays))
+    for run in results.runs:
+        for quantity, curve in run.curves.items():
+            held.setdefault("/".join(("curve", *run.run, quantity)), []).append(curve.tobytes())
     return held
 
 
@@ -250,7 +245,7 @@ def main(times: int, seed: int) -> Endurance:
             missing, surplus = compared(expected, trial.campaign(place, times))
             campaigns += 1
             lost, doubled = lost + missing, doubled + surplus
-            litter += len({path.name for path in place.iterdir()} - {DATASET, RECORDS, SHEETS})
+            litter += len({path.name for path in place.iterdir()} - {COMPARE, SHEETS})
         return Endurance(trial.kills, campaigns, lost, doubled, trial.survivors, litter, dict(trial.stages))
 
 

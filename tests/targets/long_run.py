@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
-from typing import Final
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Final
 
 import numpy as np
 
@@ -61,19 +60,15 @@ def long_runs(
         for mechanism in mechanisms
         for name in installed
     ]
-    return Study(long_run, _lost, _to_bytes, _from_bytes).in_order(tasks, BOUNDS)
+    return Study(long_run, _lost, lambda run: (asdict(run), {}), _read).in_order(tasks, BOUNDS)
 
 
 def _lost(lost: Lost, name: str, engine_name: str, setting: Setting, turns: int) -> LongRun:
     return LongRun(load(name).name, engine_name, setting.value, turns, lost.outcome.value, lost.reason)
 
 
-def _to_bytes(run: LongRun) -> bytes:
-    return json.dumps(asdict(run)).encode()
-
-
-def _from_bytes(content: bytes) -> LongRun:
-    return LongRun(**json.loads(content))
+def _read(row: Mapping[str, Any], _: object) -> LongRun:
+    return LongRun(**{field.name: row[field.name] for field in fields(LongRun)})
 
 
 def long_run(name: str, engine_name: str, setting: Setting, turns: int) -> LongRun:

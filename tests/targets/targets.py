@@ -26,8 +26,8 @@ from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
 from analytic.motion.steady_rotation import steady_state
-from comparisons.campaign.campaign import CampaignRequest, RunResult, compare
-from comparisons.judging.records import Record
+from comparisons.campaign.campaign import CampaignRequest, compare
+from comparisons.judging.records import Record, RunRecord
 from comparisons.reference.case import own_motion
 from comparisons.reference.start_state import scene
 from engines.contract import Setting
@@ -112,13 +112,13 @@ def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Fig
         yield from kinds[target.kind](target)
 
 
-def _campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunResult]:
+def _campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunRecord]:
     motions = (crank_motion("run-up"), crank_motion("run-up-quintic"))
     settings = (Setting.TUNED, Setting.BEST)
     return compare(CampaignRequest(tuple(linkages), motions, "as promised", tuple(engines), settings))
 
 
-def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunResult]:
+def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunRecord]:
     """The linkages' own regimes, in the settings that targets speak of, for the crank's motion alone."""
     for target in targets():
         if target.kind == "own_errors":
@@ -138,7 +138,7 @@ def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterat
             yield from compare(request)
 
 
-def _errors(target: Target, results: Sequence[RunResult], engines: Sequence[str]) -> Iterator[Figure]:
+def _errors(target: Target, results: Sequence[RunRecord], engines: Sequence[str]) -> Iterator[Figure]:
     """The worst error of each engine among the records the target speaks of; in the quantity's unit if it says so."""
     asked = dict(target.arguments)
     only, absolute = asked.pop("engine", None), asked.pop("absolute", False)
@@ -146,7 +146,7 @@ def _errors(target: Target, results: Sequence[RunResult], engines: Sequence[str]
         found = [
             _error(record, absolute=absolute)
             for result in results
-            for record in (*result.records, *result.invariants)
+            for record in result.every
             if record.engine == name and all(_speaks_of(record, key, value) for key, value in asked.items())
         ]
         if found:

@@ -1,6 +1,7 @@
 """A campaign killed and resumed is the campaign that nobody killed, and whoever counts the losses can count."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,8 +18,8 @@ def results(tmp_path_factory):
     return load(folder)
 
 
-def changed(results, name, rows):
-    return Results({**results.document, name: rows}, results.curves)
+def changed(results, *runs):
+    return Results(results.document, runs)
 
 
 @pytest.mark.slow
@@ -38,14 +39,18 @@ def test_two_campaigns_differ_in_their_timings_alone(results, tmp_path):
 
 
 def test_a_lost_a_doubled_and_a_changed_record_are_counted(results):
-    rows = results.document["records"]
-    assert compared(results, changed(results, "records", rows[3:])) == (3, 0)
-    assert compared(results, changed(results, "records", rows + rows[:2])) == (0, 2)
-    assert compared(results, changed(results, "records", [{**rows[0], "samples": -1}, *rows[1:]])) == (1, 0)
-    assert compared(results, changed(results, "records", [{**rows[0], "engine": "nobody"}, *rows[1:]])) == (1, 1)
+    first, *others = results.runs
+    every = len(first.every) + len(first.curves)
+    assert compared(results, changed(results, *others)) == (every, 0)
+    assert compared(results, changed(results, first, first, *others)) == (0, every)
+    assert compared(results, changed(results, replace(first, engine="nobody"), *others)) == (every, every)
+    other = replace(first.errors[0], samples=-1)
+    assert compared(results, changed(results, replace(first, errors=(other, *first.errors[1:])), *others)) == (1, 0)
 
 
 def test_a_curve_off_by_its_last_bit_is_counted(results):
-    curves = results.curves.copy(deep=True)
-    curves["observed"].values[0] = np.nextafter(curves["observed"].values[0], np.inf)
-    assert compared(results, Results(results.document, curves)) == (1, 0)
+    first, *others = results.runs
+    curves = {name: np.array(curve) for name, curve in first.curves.items()}
+    curve = next(iter(curves.values()))
+    curve[2, 0] = np.nextafter(curve[2, 0], np.inf)
+    assert compared(results, changed(results, replace(first, curves=curves), *others)) == (1, 0)

@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from analytic.description.loading import load
-from comparisons.campaign.campaign import RunResult
+from comparisons.judging.records import run_record
 from tests.comparisons.judging.test_baseline import RECORD
 from tests.targets import speed, targets
 
@@ -40,14 +40,14 @@ def test_the_worst_matching_error_of_each_engine_counts():
         dataclasses.replace(RECORD, error_max=error, setting=setting)
         for error, setting in ((1e-3, "tuned"), (2e-3, "tuned"), (0.5, "best"))
     ]
-    (figure,) = targets._errors(target, [RunResult(tuple(records), ())], ["e", "absent"])
+    (figure,) = targets._errors(target, [run_record(one, [one]) for one in records], ["e", "absent"])
     assert (figure.subject, figure.reached, figure.verdict) == ("e", 2e-3, "goal")
 
 
 def test_a_failed_run_misses_its_target():
     target = targets.Target("t", "of peak", 1.0, 0.1, "errors", {"quantity": "Mkr"})
     failed = dataclasses.replace(RECORD, error_max=None, outcome="diverged")
-    (figure,) = targets._errors(target, [RunResult((failed,), ())], ["e"])
+    (figure,) = targets._errors(target, [run_record(failed, [failed])], ["e"])
     assert figure.verdict == "missed"
 
 

@@ -5,7 +5,6 @@ import sys
 
 import numpy as np
 import pytest
-from comparisons.judging.run_result import ARRAYS
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import ReleasedRegime
@@ -14,7 +13,6 @@ from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest, compare, tasks
-from comparisons.campaign.standards import rejudged
 from comparisons.judging import deviations
 from comparisons.judging.baseline import Baseline, Place
 from comparisons.judging.limits import shipped_limits
@@ -236,7 +234,7 @@ def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
     (result,) = compare(_request(quantities=("Mkr", "S"), with_invariants=False))
     assert {r.quantity: r.outcome for r in result.records} == {"Mkr": "undefined", "S": "passed"}
     assert "every sample of Mkr" in result.records[0].detail
-    assert list(result.deviations) == ["S"]
+    assert list(result.curves) == ["S"]
 
 
 @pytest.mark.parametrize(
@@ -273,11 +271,11 @@ def test_deviations_three_times_their_record_fail_within_the_limit(with_engine):
     assert free.records[0].outcome == "passed"
     places = {free.records[0].mechanism: Place("press.toml", "0")}
     before = Baseline({}, places).recorded([dataclasses.replace(free.records[0], error_max=1e-5)], {})
-    held = rejudged(free, Standard(shipped_limits(), before))
+    held = free.judged(Standard(shipped_limits(), before).judge)
     assert held.records[0].outcome == "over-limit"
     assert held.records[0].baseline == pytest.approx(3e-5)
     assert "three times its recorded value" in held.records[0].detail
-    assert rejudged(held, shipped_standard()) == free
+    assert held.judged(shipped_standard().judge) == free
 
 
 def test_unknown_engines_are_refused_before_any_run(with_engine):
@@ -352,15 +350,8 @@ def _parallel(**changes):
 
 def _untimed(result):
     """All of a result but its timings; arrays as bytes, so that == means every bit."""
-    records = [
-        dataclasses.replace(record, seconds=0.0, setup_seconds=0.0) for record in (*result.records, *result.invariants)
-    ]
-    curves = [
-        (name, one.name, getattr(found, one.name).tobytes() if one.name in ARRAYS else getattr(found, one.name))
-        for name, found in result.deviations.items()
-        for one in dataclasses.fields(found)
-    ]
-    return records, curves, result.details
+    curves = {name: curve.tobytes() for name, curve in result.curves.items()}
+    return dataclasses.replace(result, seconds=0.0, setup_seconds=0.0), curves
 
 
 def test_runs_in_workers_give_the_same_in_the_same_order():
@@ -390,15 +381,16 @@ def test_a_journal_keeps_what_is_finished_and_spares_it(tmp_path, processes):
     expected = [_untimed(result) for result in compare(_parallel(), pool=LocalPool(0))]
     journal = Journal(tmp_path, "as tested")
     begun = compare(_parallel(), pool=LocalPool(processes), journal=journal)
-    next(begun)
-    begun.close()
-    kept = journal.kept()
+    some = iter(begun)
+    next(some)
+    some.close()
+    kept = journal.records.keys
     assert 1 <= len(kept) < 8
     heard = []
     results = compare(_parallel(), lambda *words: heard.append(words), pool=LocalPool(processes), journal=journal)
     assert [_untimed(result) for result in results] == expected
     assert min(finished for _, finished, _ in heard) == len(kept)
-    assert set(journal.kept()) == {task.key for task in tasks(_parallel())}
+    assert set(journal.records.keys) == {task.key for task in tasks(_parallel())}
     # no run left: nothing is begun, and what was kept is what comes, timings and all
     heard.clear()
     again = list(compare(_parallel(), lambda *words: heard.append(words), pool=LocalPool(processes), journal=journal))
@@ -408,7 +400,7 @@ def test_a_journal_keeps_what_is_finished_and_spares_it(tmp_path, processes):
 
 def test_a_journal_of_another_request_is_refused_before_any_run(tmp_path, with_engine):
     engine = with_engine(Scripted(_finished))
-    Journal(tmp_path, "one").keep("key", b"")
+    Journal(tmp_path, "one").keep("key", {})
     with pytest.raises(LinkproofError, match="leave out --resume"):
         compare(_request(), journal=Journal(tmp_path, "another"))
     assert engine.scenes == []

@@ -1,8 +1,9 @@
 """A saved campaign comes back whole, with no engine in sight."""
 
-import json
+import shutil
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,8 @@ from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import described, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.datasheet.building import bare_sheet
-from comparisons.judging.records import from_rows, to_json
+from comparisons.datasheet.saved import save_sheets
+from comparisons.judging.records import to_json
 from engines.contract import Outcome, Run, Setting
 from tests.comparisons.perfect_engine import perfect_motion
 
@@ -37,47 +39,67 @@ def saved(tmp_path_factory):
     run = Run(Outcome.FINISHED, history=motion.history, details={"step": 1e-3})
     (result,) = _compared(request, run)
     folder = tmp_path_factory.mktemp("saved")
-    told = document(request, [result], "linkproof compare juki-mf7923d")
-    save(folder, [result], told, [bare_sheet(JUKI, "")])
+    save(folder, document(request, "linkproof compare juki-mf7923d"), [result], [bare_sheet(JUKI, "")])
     return folder, result
 
 
 def test_curves_come_back_to_the_last_bit(saved):
     folder, result = saved
     results = load_results(folder)
-    for name, found in result.deviations.items():
-        time, angle, observed, reference = results.curve(result.records[0].run, name)
-        np.testing.assert_array_equal(time, found.time)
-        np.testing.assert_array_equal(angle, found.angle)
-        np.testing.assert_array_equal(observed, found.observed)
-        np.testing.assert_array_equal(reference, found.reference)
+    assert len(result.curves) > 8
+    for name, curve in result.curves.items():
+        np.testing.assert_array_equal(results.curve(result.run, name), curve)
 
 
 def test_records_linkages_and_motions_come_back(saved):
     folder, result = saved
-    results = load_results(folder / "curves.nc")
-    assert results.records == result.records
-    assert results.invariants == result.invariants
+    results = load_results(folder)
+    assert results.runs == (result,)
+    assert (results.records, results.invariants) == (result.records, result.checks)
     assert results.linkages == (JUKI,)
     assert results.motions == (MOTION,)
     assert results.document["environment"]["numpy"] == np.__version__
+    assert sorted(path.name for path in folder.iterdir()) == ["compare", "mechanisms.json"]
 
 
-def test_the_dataset_is_labelled(saved):
+def test_a_judgement_takes_the_place_of_a_campaign(saved, tmp_path):
     folder, result = saved
-    curves = load_results(folder).curves
-    assert [str(q) for q in curves.quantity.values] == list(result.deviations)
-    assert {str(e) for e in curves.engine.values} == {"direct"}
-    torque = curves.isel(curve=list(curves.quantity.values).index("Mkr"))
-    assert str(torque.unit.values) == "N m"
-    assert int(torque.row_size) == len(result.deviations["Mkr"].time)
-    assert int(curves.row_size.sum()) == curves.sizes["sample"]
+    shutil.copytree(folder, tmp_path / "copy")
+    save(tmp_path / "copy", {**load_results(folder).document, "judgement": ["right"]}, [result])
+    assert sorted(path.name for path in (tmp_path / "copy").iterdir()) == ["judge", "mechanisms.json"]
+    assert load_results(tmp_path / "copy", with_sheets=False).document["judgement"] == ["right"]
 
 
-def test_the_json_beside_it_holds_the_same_records(saved):
+def test_sheets_of_another_campaign_are_refused(saved, tmp_path):
+    folder, _ = saved
+    shutil.copytree(folder, tmp_path / "copy")
+    save_sheets(tmp_path / "copy", [bare_sheet(load("fork-takeup"), "")])
+    with pytest.raises(LinkproofError, match=r"mechanisms\.json.*no juki-mf7923d"):
+        load_results(tmp_path / "copy")
+
+
+@pytest.mark.parametrize(
+    ("damage", "match"),
+    [
+        ({"limits": [{"value": 1.0}]}, r"limits\.0"),
+        ({"figures": [{}]}, r"figures\.0"),
+        ({"motions": [{"regime": "r", "segments": []}]}, r"motions\.0\.segments"),
+        ({"descriptions": "x"}, "descriptions"),
+    ],
+)
+def test_a_document_of_another_form_is_refused_by_its_key(saved, tmp_path, damage, match):
     folder, result = saved
-    assert from_rows(json.loads((folder / "records.json").read_text())["records"]) == result.records
-    assert sorted(path.name for path in folder.iterdir()) == ["curves.nc", "mechanisms.json", "records.json"]
+    save(tmp_path, {**load_results(folder).document, **damage}, [result])
+    with pytest.raises(LinkproofError, match=rf"{match}.*run compare with --out again"):
+        load_results(tmp_path)
+
+
+def test_a_record_of_another_form_is_refused_by_its_key(saved, tmp_path):
+    folder, result = saved
+    wrong = replace(result, errors=(replace(result.errors[0], error_max="small"), *result.errors[1:]))
+    save(tmp_path, load_results(folder).document, [wrong])
+    with pytest.raises(LinkproofError, match=r"0\.error_max: Input should be a valid number"):
+        load_results(tmp_path)
 
 
 def test_loading_imports_no_engine(saved):
@@ -89,22 +111,6 @@ def test_loading_imports_no_engine(saved):
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("content", [None, b"", b"not a dataset", b"CDF\x02garbage"])
-def test_what_is_no_dataset_is_refused_in_one_sentence(tmp_path, content):
-    if content is not None:
-        (tmp_path / "curves.nc").write_bytes(content)
-    with pytest.raises(LinkproofError, match=r"curves\.nc") as refused:
-        load_results(tmp_path)
-    assert "\n" not in str(refused.value)
-
-
-def test_curves_without_the_crank_angle_are_refused(saved, tmp_path):
-    curves = load_results(saved[0]).curves.drop_vars("angle")
-    curves.to_netcdf(tmp_path / "curves.nc", engine="scipy", format="NETCDF3_64BIT")
-    with pytest.raises(LinkproofError, match="run compare with --out again"):
-        load_results(tmp_path)
-
-
 def test_json_never_holds_nan():
     with pytest.raises(ValueError, match="Out of range float"):
         to_json({"records": [float("nan")]})
@@ -113,8 +119,7 @@ def test_json_never_holds_nan():
 def test_a_campaign_of_failures_can_be_saved(tmp_path):
     request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("direct",), (Setting.NAIVE,))
     (failed,) = _compared(request, Run(Outcome.DIVERGED, "ran away"))
-    told = document(request, [failed], "linkproof compare")
-    save(tmp_path, [failed], told, [bare_sheet(JUKI, "")])
+    save(tmp_path, document(request, "linkproof compare"), [failed], [bare_sheet(JUKI, "")])
     assert load_results(tmp_path).records == failed.records
 
 

@@ -8,13 +8,13 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import read
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import CampaignRequest, RunResult, cases
+from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.campaign.project import read_project
 from comparisons.campaign.standards import checksum, judged_campaign, places, standard
 from comparisons.judging.baseline import read_baseline
 from comparisons.judging.departures import departures
 from comparisons.judging.limits import shipped_limits
-from comparisons.judging.records import blank_record
+from comparisons.judging.records import blank_record, run_record
 
 MOTION = crank_motion("run-up")
 ROW = '[[limit]]\nquantities = ["Mkr"]\nvalue = {}\n'
@@ -63,13 +63,17 @@ def test_a_baseline_that_is_named_and_not_there_is_a_mistake(folder):
         standard([], baseline=folder / "nix.json")
 
 
+def _run(record):
+    return run_record(record, [record])
+
+
 def _campaign(folder, record_into=None):
     """Both linkages by an engine whose torque is off by a millionth."""
     files = _files(folder)
     linkages = tuple(file.linkage() for file in files)
     request = CampaignRequest(linkages, (MOTION,), "c", ())
     record = {"engine": "e", "quantity": "Mkr", "error_max": 1e-6, "outcome": "passed"}
-    results = [RunResult((replace(blank_record(case, "tuned"), **record),), ()) for case in cases(request)]
+    results = [_run(replace(blank_record(case, "tuned"), **record)) for case in cases(request)]
     project = read_project(folder / "linkproof.toml")
     return judged_campaign(request, results, standard(files, project), record_into)
 

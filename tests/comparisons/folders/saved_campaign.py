@@ -1,20 +1,18 @@
 """A folder as compare writes it, of an engine that makes no error, and the same with something in it changed."""
 
 import json
-import shutil
 
 import pytest
-import xarray
 
 from analytic.description.crank_motion import crank_motion
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.results import document, save
+from comparisons.campaign.results import document, load, save
 from comparisons.campaign.standards import judged_campaign
 from comparisons.datasheet.building import bare_sheet
 from comparisons.judging.limits import shipped_limits
-from comparisons.judging.records import to_json
+from comparisons.judging.records import from_row
 from comparisons.judging.verdicts import Standard
 from engines.contract import Outcome, Run
 from tests.comparisons.perfect_engine import perfect_motion
@@ -29,26 +27,31 @@ def save_campaign(folder, linkage, motion=MOTION, limits=None):
     run = Run(Outcome.FINISHED, history=perfect_motion(Mechanism(linkage), motion, 701).history)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(campaign, "run_engine", lambda *_: run)
-        results = list(campaign.compare(request))
-    judged = judged_campaign(request, results, Standard(limits or shipped_limits()))
-    told = {**document(request, judged.results, "linkproof compare"), **judged.told}
-    save(folder, judged.results, told, [bare_sheet(linkage, "")])
+        runs = list(campaign.compare(request))
+    judged = judged_campaign(request, runs, Standard(limits or shipped_limits()))
+    save(folder, {**document(request, "linkproof compare"), **judged.told}, judged.runs, [bare_sheet(linkage, "")])
     return folder
 
 
 def changed(folder, into, edit):
-    """A copy of a folder whose document and curves ``edit`` has changed, in both of its files."""
-    shutil.copytree(folder, into)
-    with xarray.open_dataset(folder / "curves.nc", engine="scipy", mmap=False) as opened:
-        curves = opened.load()
-    told = json.loads(curves.attrs["document"])
-    edit(told, curves)
-    curves.attrs["document"] = to_json(told)
-    curves.to_netcdf(into / "curves.nc", engine="scipy", format="NETCDF3_64BIT")
-    (into / "records.json").write_text(to_json(told), encoding="utf-8")
+    """A copy of a folder, as if it had been written so, whose document and run ``edit`` has changed.
+
+    The run has its errors by quantity in ``errors`` and its curves in ``curves``.
+    """
+    results = load(folder)
+    (run,) = results.runs
+    told = json.loads(json.dumps(results.document))
+    made = {
+        **run.row,
+        "errors": [dict(one) for one in run.row["errors"]],
+        "curves": {n: c.copy() for n, c in run.curves.items()},
+    }
+    edit(told, made)
+    into.mkdir()
+    save(into, told, [from_row(made, made["curves"])], results.sheets)
     return into
 
 
-def row(told, quantity):
-    """The record of a quantity, as its row."""
-    return next(row for row in told["records"] if row["quantity"] == quantity)
+def row(run, quantity):
+    """The error of a quantity in a run, as its row."""
+    return next(row for row in run["errors"] if row["quantity"] == quantity)

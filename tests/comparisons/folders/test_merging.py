@@ -4,7 +4,9 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.folders.merging import FILES, folders_of, merge
+from comparisons.folders.merging import folders_of, merge
+from comparisons.runs.record_file import CURVES, RECORDS
+from comparisons.runs.study_folder import DOCUMENT, SUMS
 from tests.comparisons.folders.saved_campaign import changed, save_campaign
 
 
@@ -26,7 +28,7 @@ def test_folders_of_one_name_are_kept_apart_and_whole(folder, elsewhere, tmp_pat
     assert [one.path for one in merged] == [tmp_path / "both" / "results", tmp_path / "both" / "results~2"]
     assert merged[1].machine == "another"
     for source, one in zip((folder, elsewhere), merged, strict=True):
-        for name in FILES[:3]:
+        for name in ("mechanisms.json", *(f"compare/{part}" for part in (DOCUMENT, SUMS, RECORDS, CURVES))):
             assert (one.path / name).read_bytes() == (source / name).read_bytes()
 
 

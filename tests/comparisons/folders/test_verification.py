@@ -1,13 +1,15 @@
 """A folder that someone sent is judged anew, and whatever was changed in it is told."""
 
-import numpy as np
 import pytest
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.folders.verification import verify
 from comparisons.judging.limits import with_rows
+from comparisons.judging.records import CURVE
 from tests.comparisons.folders.saved_campaign import changed, row, save_campaign
+
+OBSERVED = CURVE.index("observed")
 
 
 @pytest.fixture(scope="module")
@@ -29,16 +31,14 @@ def test_nothing_differs_in_a_folder_as_it_was_written(folder):
 
 
 def test_an_error_that_its_curve_does_not_show_is_told(folder, tmp_path):
-    found = _found(folder, tmp_path / "b", lambda told, _: row(told, "Mkr").update(error_max=1e-5))
+    found = _found(folder, tmp_path / "b", lambda _, run: row(run, "Mkr").update(error_max=1e-5))
     assert {place for place, _ in found} == {"Mkr"}
     assert any(words.startswith("its error_max is 1e-05, its curve's is ") for _, words in found)
 
 
 def test_a_curve_that_was_smoothed_is_judged_by_what_it_shows(folder, tmp_path):
-    def bend(told, curves):
-        place = list(curves["quantity"].values).index("Mkr")
-        end = int(np.sum(curves["row_size"].values[: place + 1]))
-        curves["observed"].values[end - 5] += 0.5 * row(told, "Mkr")["peak"]
+    def bend(_, run):
+        run["curves"]["Mkr"][OBSERVED, -5] += 0.5 * row(run, "Mkr")["peak"]
 
     found = _found(folder, tmp_path / "b", bend)
     assert {place for place, _ in found} == {"Mkr"}
@@ -46,8 +46,10 @@ def test_a_curve_that_was_smoothed_is_judged_by_what_it_shows(folder, tmp_path):
 
 
 def test_a_vector_is_judged_by_its_magnitudes_where_they_are_further_off(folder, tmp_path):
-    def bend(told, curves):
-        curves["observed"].values[-5] += row(told, curves["quantity"].values[-1])["peak"]
+    def bend(_, run):
+        name = [*run["curves"]][-1]
+        assert name.startswith("joint_force:")
+        run["curves"][name][OBSERVED, -5] += row(run, name)["peak"]
 
     assert any("judged over-limit" in words for _, words in _found(folder, tmp_path / "b", bend))
 
@@ -65,15 +67,8 @@ def test_a_text_that_is_not_what_ran_is_told_by_checksum_truth_and_key_figures(f
 
 
 def test_a_verdict_that_the_limits_do_not_give_is_told(folder, tmp_path):
-    found = _found(folder, tmp_path / "b", lambda told, _: row(told, "S").update(outcome="over-limit"))
+    found = _found(folder, tmp_path / "b", lambda _, run: row(run, "S").update(outcome="over-limit"))
     assert ("S", "saved as over-limit, judged passed") in found
-
-
-def test_a_list_of_records_that_is_another_is_told(folder, tmp_path):
-    copy = changed(folder, tmp_path / "b", lambda *_: None)
-    (copy / "records.json").write_text("{}", encoding="utf-8")
-    (found,) = verify(copy).findings
-    assert found.place == "records.json"
 
 
 def test_limits_of_the_senders_own_are_told_and_those_of_the_receiver_judge(tmp_path):
@@ -85,23 +80,6 @@ def test_limits_of_the_senders_own_are_told_and_those_of_the_receiver_judge(tmp_
     (tmp_path / "mine.toml").write_text('[[limit]]\nquantities = ["Mkr"]\nvalue = 1e-9\n', encoding="utf-8")
     by_ours = {one.place.rpartition(": ")[2]: one.sentence for one in verify(folder, tmp_path / "mine.toml").findings}
     assert by_ours == {"Mkr": "its limit is 1e-30, judged by 1e-09; passed by both"}
-
-
-def test_a_folder_of_version_010_is_read_and_judged_by_todays_limits(folder, tmp_path):
-    def older(told, _):
-        for key in ("limits", "figures", "notes", "readouts"):
-            del told[key]
-        del told["descriptions"][0]["checksum"]
-        for one in (*told["records"], *told["invariants"]):
-            for name in ("error_at_jumps", "origin", "runs", "shared"):
-                del one[name]
-
-    copy = changed(folder, tmp_path / "b", older)
-    (copy / "mechanisms.json").unlink()
-    found = verify(copy)
-    assert found.findings == ()
-    assert found.notes[0] == "the folder has no limits: judged by those of this version"
-    assert found.notes[-1].startswith("the folder has no mechanisms.json")
 
 
 def test_a_folder_of_judge_is_refused(folder, tmp_path):

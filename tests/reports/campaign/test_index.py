@@ -13,7 +13,7 @@ from reports.campaign.index import index
 from reports.document.markdown import written
 from reports.document.parts import Cards, Fold, PageLink, Paragraph, Table
 from reports.document.terminal import rendered
-from tests.reports.made_up_results import made_up_results
+from tests.reports.made_up_results import changed_results, made_up_results
 
 NAMES = ("juki-mf7923d", "two-crank-takeup")
 STUDY = (PageLink("Stability", "stress.html"), ": 480 runs")
@@ -93,16 +93,14 @@ def test_everything_else_is_a_link_or_behind_a_line(page):
 
 
 def test_an_error_that_only_the_baseline_caught_is_told(results, sheets):
-    first = replace(
-        results.records[0], outcome=Verdict.OVER_LIMIT.value, error_max=1e-3, limit=1e-2, baseline=1e-9, detail="grown"
-    )
-    rows = [asdict(first), *results.document["records"][1:]]
-    page = index(Results({**results.document, "records": rows}, results.curves), sheets)
+    first, grown = results.records[0], {"error_max": 1e-3, "limit": 1e-2, "baseline": 1e-9, "detail": "grown"}
+    over = replace(first, outcome=Verdict.OVER_LIMIT.value, **grown)
+    page = index(changed_results(results, lambda record: over if record == first else record), sheets)
     assert "grown" in written(section(page, "engines").parts)
 
 
 def test_a_judgement_says_its_own_verdict(results, sheets):
-    told = Results({**results.document, "judgement": ["No: S is off by 3 %.", "A sign."]}, results.curves)
+    told = Results({**results.document, "judgement": ["No: S is off by 3 %.", "A sign."]}, results.runs)
     page = index(told, sheets)
     assert page.parts == (Paragraph("No: S is off by 3 %.", "verdict"), Paragraph("A sign.", "lead"))
     assert page.heading == "Is this simulation right?"
@@ -125,7 +123,7 @@ def test_a_campaign_that_gave_nothing_has_its_page(sheets):
 def test_key_figures_that_changed_stand_below_the_engines(results, sheets, page):
     figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True)
     told = {"figures": [asdict(figure)], "notes": ["juki.toml has changed"]}
-    found = Results({**results.document, **told}, results.curves)
+    found = Results({**results.document, **told}, results.runs)
     parts = section(index(found, sheets, ()), "engines").parts
     assert [part.words for part in parts if isinstance(part, Paragraph)] == ["juki.toml has changed"]
     assert [row[2] for row in parts[-1].rows] == ["Mkr.peak"]

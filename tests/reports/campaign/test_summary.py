@@ -11,7 +11,7 @@ from comparisons.campaign.results import Results
 from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict
 from reports.campaign.summary import markdown
-from tests.reports.made_up_results import made_up_results
+from tests.reports.made_up_results import changed_results, made_up_results
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +50,9 @@ def test_errors_are_signed_where_they_are_over_and_failures_are_words(text):
 
 
 def test_another_machine_on_another_day_writes_the_same(results, text):
-    rows = [asdict(replace(record, seconds=9.9, setup_seconds=9.9)) for record in results.records]
+    slow = changed_results(results, lambda record: replace(record, seconds=9.9, setup_seconds=9.9))
     environment = {**results.document["environment"], "date": "another day", "machine": "another"}
-    later = Results({**results.document, "records": rows, "environment": environment}, results.curves)
+    later = Results({**results.document, "environment": environment}, slow.runs)
     assert markdown(later, [usual_sheet(load("juki-mf7923d"))]) == text
 
 
@@ -63,18 +63,17 @@ def test_the_verdict_is_that_of_the_first_page_without_a_time(text):
 
 
 def test_the_order_of_the_records_changes_nothing(results, text):
-    rows = list(reversed(results.document["records"]))
-    later = Results({**results.document, "records": rows}, results.curves)
+    later = Results(results.document, results.runs[::-1])
     assert markdown(later, [usual_sheet(load("juki-mf7923d"))]) == text
 
 
 def test_round_off_has_no_digits(results):
-    rows = [asdict(replace(record, error_max=4.4e-16)) for record in results.records if record.error_max is not None]
-    assert "| < 1e-13 |" in markdown(Results({**results.document, "records": rows}, results.curves))
+    tiny = changed_results(results, lambda one: one and replace(one, error_max=one.error_max and 4.4e-16))
+    assert "| < 1e-13 |" in markdown(tiny)
 
 
 def test_key_figures_that_changed_have_a_table(results):
     figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True, unit="N m")
     told = {"figures": [asdict(figure)], "notes": ["juki.toml has changed"]}
-    found = Results({**results.document, **told}, results.curves)
+    found = Results({**results.document, **told}, results.runs)
     assert "| juki-mf7923d (as-built) | run-up | Mkr.peak | 1 | 1.01 | N m | +1 % |" in markdown(found).splitlines()

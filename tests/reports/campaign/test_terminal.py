@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from comparisons.campaign.campaign import RunResult
+from comparisons.judging.records import run_record
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
 from tests.comparisons.judging.test_baseline import RECORD
@@ -16,7 +16,7 @@ def _text(printout):
 
 def _result(**changes):
     records = [dataclasses.replace(RECORD, quantity=q, **changes) for q in ("Jeq", "joint_force:A", "joint_force:B")]
-    return RunResult(tuple(records), ())
+    return run_record(records[0], records)
 
 
 def test_deviations_stand_beside_their_limits():

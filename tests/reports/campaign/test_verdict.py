@@ -1,6 +1,6 @@
 """The verdict names whom to trust in what, and nothing that an engine does untuned turns it."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import pytest
 
@@ -9,20 +9,13 @@ from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Verdict
 from engines.contract import Setting
 from reports.campaign.verdict import CHECKS, OTHER, RELEASED, Trust, listed, verdict
-from tests.reports.made_up_results import made_up_results
+from tests.reports.made_up_results import changed_results, made_up_results
 
 QUANTITIES = ("Jeq", "Mkr", "S")
 
 
 def made_up(**changes):
     return made_up_results(samples=51, quantities=QUANTITIES, **changes)
-
-
-def changed(results, change):
-    """The same results, each record as ``change`` makes it."""
-    kinds = {"records": results.records, "invariants": results.invariants}
-    rows = {kind: [asdict(change(record)) for record in records] for kind, records in kinds.items()}
-    return Results({**results.document, **rows}, results.curves)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +34,9 @@ def test_who_is_within_every_limit_is_trusted_in_everything(results):
 
 
 def test_what_the_defaults_do_never_decides(results):
-    better = changed(results, lambda r: replace(r, outcome="passed", error_max=1e-9) if r.setting == "naive" else r)
+    better = changed_results(
+        results, lambda r: replace(r, outcome="passed", error_max=1e-9) if r.setting == "naive" else r
+    )
     assert verdict(Trust(better))[:2] == verdict(Trust(results))[:2]
     assert verdict(Trust(better))[2] == "At default settings (naive) within the limits of that setting: alpha and beta."
 
@@ -51,7 +46,7 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
         is_it = (record.engine, record.setting, record.quantity) == ("beta", "tuned", "Mkr")
         return replace(record, outcome=Verdict.OVER_LIMIT.value) if is_it else record
 
-    trust = Trust(changed(results, worse))
+    trust = Trust(changed_results(results, worse))
     first = verdict(trust)[0]
     assert first.startswith("Within their limits: alpha, once tuned, for every quantity compared. ")
     assert "Do not trust beta for Mkr/Peq: an error is over its limit" in first
@@ -60,7 +55,7 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
 
 def test_a_family_without_a_result_and_an_engine_without_any_are_named():
     results = made_up(broken={"beta": Verdict.UNAVAILABLE})
-    half = changed(
+    half = changed_results(
         results,
         lambda r: (
             replace(r, error_max=None, outcome="not-provided") if r.quantity == "Mkr" and r.setting == "tuned" else r
@@ -82,15 +77,15 @@ def test_where_only_naive_ran_it_decides():
 
 
 def test_a_released_crank_checks_and_foreign_signals_are_families_of_their_own(results):
-    named = changed(results, lambda r: replace(r, quantity="length of the belt") if r.quantity == "S" else r)
+    named = changed_results(results, lambda r: replace(r, quantity="length of the belt") if r.quantity == "S" else r)
     assert Trust(named).families == ("Jeq/Teq", "Mkr/Peq", OTHER, CHECKS)
     free = made_up_results([load("two-crank-takeup")], samples=21, quantities=("Jeq",))
-    released = changed(free, lambda r: replace(r, regime="driven"))
+    released = changed_results(free, lambda r: replace(r, regime="driven"))
     assert Trust(released).families == (RELEASED, CHECKS)
 
 
 def test_the_control_is_shown_last_and_never_named(results):
-    trust = Trust(changed(results, lambda r: replace(r, origin=CONTROL) if r.engine == "alpha" else r))
+    trust = Trust(changed_results(results, lambda r: replace(r, origin=CONTROL) if r.engine == "alpha" else r))
     assert trust.engines == ("beta", "alpha")
     assert "alpha" not in " ".join(verdict(trust))
 
@@ -117,7 +112,7 @@ FIGURE = {
     ],
 )
 def test_nobody_is_trusted_where_anything_is_red(results, told, words):
-    first, second, *rest = verdict(Trust(Results({**results.document, **told}, results.curves)))
+    first, second, *rest = verdict(Trust(Results({**results.document, **told}, results.runs)))
     assert first.startswith(words)
     assert second == "Within their limits: alpha and beta, once tuned, for every quantity compared."
     assert not any("Trust" in line for line in rest)
@@ -130,4 +125,4 @@ def test_nobody_is_trusted_where_another_setting_failed(results, outcome):
     def worse(record):
         return replace(record, setting="best", outcome=outcome) if record.setting == "naive" else record
 
-    assert not any("Trust" in line for line in verdict(Trust(changed(results, worse))))
+    assert not any("Trust" in line for line in verdict(Trust(changed_results(results, worse))))

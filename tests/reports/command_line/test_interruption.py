@@ -50,19 +50,19 @@ def test_other_faults_pass():
 
 
 def test_the_same_request_is_resumed_and_begun_anew(tmp_path):
-    begun(tmp_path, resume=False).keep("run", b"result")
-    assert begun(tmp_path, resume=True).kept() == {"run": b"result"}
-    assert begun(tmp_path, resume=False).kept() == {}
+    begun(tmp_path, resume=False).keep("run", {})
+    assert begun(tmp_path, resume=True).records.keys == ["run"]
+    assert begun(tmp_path, resume=False).records.keys == []
 
 
 def test_a_changed_linkage_file_is_another_request(tmp_path):
-    begun(tmp_path, resume=False).keep("run", b"result")
+    begun(tmp_path, resume=False).keep("run", {})
     with pytest.raises(LinkproofError, match="file of juki-mf7923d"):
-        begun(tmp_path, text="the file, changed", resume=True).kept()
+        _ = begun(tmp_path, text="the file, changed", resume=True).records
 
 
 def test_another_command_is_another_request(tmp_path):
-    begun(tmp_path, resume=False).keep("run", b"result")
+    begun(tmp_path, resume=False).keep("run", {})
     faster = dataclasses.replace(CHOICE, speed=2000.0)
     with pytest.raises(LinkproofError, match="got `linkproof compare juki-mf7923d --speed 2000 --engine direct`"):
-        begun(tmp_path, faster, resume=True).kept()
+        _ = begun(tmp_path, faster, resume=True).records

@@ -6,12 +6,15 @@ import re
 import signal
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 
 from analytic.description.loading import catalogue, literature
+from comparisons.campaign.results import load
 from comparisons.runs.journal import FOLDER
+from comparisons.runs.record_file import RECORDS
 from tests.commands import COMMAND, ROOT, linkproof, refused
 from tests.comparisons.faults import announce, children, wait_for
 
@@ -20,13 +23,12 @@ JUKI = ROOT / "analytic" / "catalogue" / "juki-mf7923d.toml"
 REPORT = {
     "RESULTS.md",
     "assets",
-    "curves.nc",
+    "compare",
     "data",
     "figures",
     "index.html",
     "mechanisms",
     "mechanisms.json",
-    "records.json",
 }
 
 
@@ -300,17 +302,24 @@ def interrupted(*words, when):
     return subprocess.CompletedProcess(command, running.returncode, out, err)
 
 
+def lines(path):
+    return path.read_bytes().count(b"\n") if path.is_file() else 0
+
+
 def untimed(path):
     told = json.loads(path.read_text())
-    rows = told["records"] + told["invariants"]
-    return [{k: v for k, v in row.items() if k not in ("seconds", "setup_seconds")} for row in rows]
+    return [untimed_row(row) for row in (*told["records"], *told["invariants"])]
+
+
+def untimed_row(row):
+    return {name: value for name, value in row.items() if name not in {"seconds", "setup_seconds"}}
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
 def test_a_campaign_interrupted_is_finished_by_resume(tmp_path, gate):
     words = ("compare", "juki-mf7923d", "--engine", "gated", "--setting", "all", "--regime", "all")
     place = tmp_path / "out" / FOLDER
-    done = interrupted(*words, "--out", tmp_path / "out", when=lambda _: len(list(place.glob("*"))) > 2)
+    done = interrupted(*words, "--out", tmp_path / "out", when=lambda _: lines(place / RECORDS) > 1)
     assert done.returncode == 130
     assert done.stdout == ""
     kept = re.fullmatch(
@@ -327,7 +336,9 @@ def test_a_campaign_interrupted_is_finished_by_resume(tmp_path, gate):
     assert linkproof(*words, "--out", tmp_path / "out", "--resume").returncode == 0
     assert {path.name for path in (tmp_path / "out").iterdir()} == REPORT
     assert linkproof(*words, "--json", tmp_path / "here.json", "--jobs", "0").returncode == 0
-    assert untimed(tmp_path / "out" / "records.json") == untimed(tmp_path / "here.json")
+    saved = load(tmp_path / "out")
+    rows = [untimed_row(asdict(record)) for record in (*saved.records, *saved.invariants)]
+    assert rows == untimed(tmp_path / "here.json")
 
 
 def test_a_campaign_begun_anew_discards_what_was_unfinished(tmp_path):

@@ -87,6 +87,8 @@ def test_commands_run_and_a_text_with_other_line_ends_is_the_same_linkage(tmp_pa
     assert done.returncode == 0, done.stderr
     assert _of_ours(done.stderr) == []
     assert "passed" in done.stdout
-    documents = [json.loads((tmp_path / at / "records.json").read_text(encoding="utf-8")) for at in ("made", "other")]
+    documents = [
+        json.loads((tmp_path / at / "compare" / "study.json").read_text(encoding="utf-8")) for at in ("made", "other")
+    ]
     first, second = ([row["checksum"] for row in document["descriptions"]] for document in documents)
     assert first == second

@@ -1,6 +1,6 @@
 """The half of a mechanism's page that shows how the engines did."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from reports.charts import draw
 from reports.document.parts import Bullets, Fold, Table, TableCell, Widget
 from reports.mechanism.engines import engines_section, errors_fold, runs_fold
 from reports.records.views import views
-from tests.reports.made_up_results import made_up_results
+from tests.reports.made_up_results import changed_results, made_up_results
 
 
 @pytest.fixture(scope="module")
@@ -28,11 +28,6 @@ def results():
 
 def words(cell):
     return cell.words if isinstance(cell, TableCell) else cell
-
-
-def with_records(results, change):
-    records = [asdict(change(record)) for record in results.records]
-    return Results({**results.document, "records": records}, results.curves)
 
 
 def test_one_chart_holds_every_regime_and_loads_what_it_does_not_show(results):
@@ -65,7 +60,7 @@ def test_a_quantity_that_an_engine_lacks_is_told_beside_its_other_errors(results
             return record
         return replace(record, error_max=None, outcome=Verdict.NOT_PROVIDED.value, detail="no torque")
 
-    (view,) = views(with_records(results, lack))
+    (view,) = views(changed_results(results, lack))
     _, reasons = errors_fold(view, view.regimes[0]).parts
     assert reasons.items[0] == "beta best, Mkr – not provided: no torque."
 
@@ -76,8 +71,7 @@ def test_the_setting_that_stands_for_an_engine_is_one_that_gave_a_curve_in_the_r
             return record
         return replace(record, error_max=None, outcome=Verdict.UNSUPPORTED.value)
 
-    changed = with_records(results, stop)
-    (view,) = views(Results({**changed.document, "invariants": []}, changed.curves))
+    (view,) = views(changed_results(results, stop))
     assert [view.standing(regime) for regime in view.regimes] == ["best", "tuned"]
 
 
@@ -100,7 +94,7 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
         "deviation_corrected": None,
         "reason": "takes no such drive",
     }
-    (view,) = views(Results({**results.document, "errata": [row, none]}, results.curves))
+    (view,) = views(Results({**results.document, "errata": [row, none]}, results.runs))
     motion = {"time": np.array([0.0, 1.0]), "corrected": np.array([9.0, 9.0]), "printed": np.array([9.0, 4.0])}
     (fold,) = (
         p
@@ -125,7 +119,7 @@ def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
 
 
 def test_a_judged_file_has_its_errors_but_no_cost(results):
-    judged = Results({**results.document, "judgement": ["Wrong."]}, results.curves)
+    judged = Results({**results.document, "judgement": ["Wrong."]}, results.runs)
     section = engines_section(views(judged)[0])
     assert section.heading == "Every error"
     assert not any(isinstance(part, Fold) and "cost" in part.summary for part in section.parts)

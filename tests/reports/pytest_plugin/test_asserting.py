@@ -3,10 +3,9 @@
 from types import SimpleNamespace
 
 import pytest
-from comparisons.judging.run_result import RunResult
 
 from comparisons.campaign.standards import JudgedCampaign
-from comparisons.judging.records import Record
+from comparisons.judging.records import Record, run_record
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.pytest_plugin import asserting
 from reports.python.campaign import Comparison
@@ -61,7 +60,7 @@ def test_where_nothing_is_judged_the_test_is_skipped(pytester, monkeypatch):
     told = Record(
         "bar", "base", "run-up", "", "direct", "0", "tuned", outcome="unsupported", detail="it has no springs"
     )
-    judged = JudgedCampaign(None, [RunResult((told,), ())], (), ())
+    judged = JudgedCampaign(None, [run_record(told, [told])], (), ())
     campaign = SimpleNamespace(options=CompareOptions())
     monkeypatch.setattr(asserting, "compare", lambda *_, **__: Comparison(judged, campaign))
     done = in_test(pytester, CALL)

@@ -9,7 +9,18 @@ RUN = ("press", "base", "run-up", "pymunk", "tuned")
 
 
 def _record(error, outcome="passed", peak=2.0):
-    return Record(*RUN[:3], "1000 rpm", RUN[3], "7", RUN[4], "Mkr", "N m", error, outcome=outcome, peak=peak)
+    return Record(
+        *RUN[:3],
+        "1000 rpm",
+        RUN[3],
+        "7",
+        RUN[4],
+        quantity="Mkr",
+        unit="N m",
+        error_max=error,
+        outcome=outcome,
+        peak=peak,
+    )
 
 
 def _difference(same_machine, seconds=(0.5, 0.25)):

@@ -1,13 +1,12 @@
 """The limits of a campaign with their reasons, and what its baseline caught."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import pytest
 
-from comparisons.campaign.results import Results
 from comparisons.judging.records import Verdict
 from reports.records import matrix
-from tests.reports.made_up_results import made_up_results
+from tests.reports.made_up_results import changed_results, made_up_results
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +24,6 @@ def test_limits_carry_their_reasons(results):
 def test_what_only_the_baseline_caught_is_told(results):
     grown = {"outcome": Verdict.OVER_LIMIT.value, "detail": "three times its recorded value", "baseline": 2.16e-6}
     tuned = next(record for record in results.records if record.outcome == Verdict.PASSED.value)
-    rows = [asdict(r if r != tuned else replace(r, **grown)) for r in results.records]
-    found = Results({**results.document, "records": rows}, results.curves)
+    found = changed_results(results, lambda record: record if record != tuned else replace(record, **grown))
     (sentence,) = matrix.past_baseline(found)
     assert sentence.endswith("three times its recorded value")

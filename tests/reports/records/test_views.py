@@ -28,7 +28,7 @@ def test_traces_leave_out_what_the_comparison_left_out(results):
 
 
 def test_a_regime_may_leave_the_crank_free(results):
-    free = Results({**results.document, "motions": []}, results.curves)
+    free = Results({**results.document, "motions": []}, results.runs)
     (view,) = views(free)
     (regime,) = view.regimes
     assert regime.jumps == ()

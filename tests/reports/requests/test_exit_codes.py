@@ -5,12 +5,11 @@ import subprocess
 import sys
 
 import pytest
-from comparisons.judging.run_result import RunResult
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.judging.records import Record
+from comparisons.judging.records import Record, run_record
 from comparisons.stress.cells import CellResult, find_cell
 from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.campaign.terminal import printout
@@ -85,7 +84,8 @@ def test_a_benchmark_fails_where_an_engine_gave_nothing():
 
 
 def test_what_is_not_judged_is_counted_apart():
-    result = RunResult(tuple(map(_record, ["passed", "passed", "unavailable"])), ())
+    records = [*map(_record, ["passed", "passed", "unavailable"])]
+    result = run_record(records[0], records)
     *_, text = rendered(*printout([result]).closing).splitlines()
     assert text.startswith("2 deviations: 2 passed, 1 not judged")
     assert "1 unavailable" in text
@@ -127,5 +127,5 @@ def test_a_reader_that_leaves_costs_no_report(tmp_path):
     with os.fdopen(writing, "wb") as pipe:
         done = subprocess.run(command, cwd=tmp_path, env=environment, stdout=pipe, stderr=subprocess.PIPE, check=False)
     assert done.returncode == 0, done.stderr
-    saved = {"curves.nc", "index.html", "mechanisms.json", "records.json", "RESULTS.md"}
+    saved = {"compare", "index.html", "mechanisms.json", "RESULTS.md"}
     assert saved <= {path.name for path in (tmp_path / "o").iterdir()}

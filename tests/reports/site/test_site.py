@@ -10,14 +10,14 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.campaign.results import DATASET, RECORDS
+from comparisons.campaign.results import COMPARE, save
 from comparisons.datasheet.building import usual_sheet
 from comparisons.datasheet.saved import FILE as SHEETS
-from comparisons.datasheet.saved import save_sheets
-from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
-from comparisons.stress.saved import FILE as STRESS
-from comparisons.work_precision.records import FILE as BENCH
+from comparisons.stress.saved import KIND as STRESS
+from comparisons.stress.saved import save as save_stress
+from comparisons.work_precision.records import KIND as BENCH
+from comparisons.work_precision.records import save as save_bench
 from engines.contract import Setting
 from reports.site.site import write_site
 from tests.reports.made_up_bench import made_up_bench
@@ -32,9 +32,7 @@ def save_campaign(folder):
     linkage = load(NAME)
     results = made_up_results([linkage], samples=51, settings=[Setting.TUNED], quantities=("Jeq", "S"))
     folder.mkdir(exist_ok=True)
-    results.curves.to_netcdf(folder / DATASET, engine="scipy", format="NETCDF3_64BIT")
-    write_text(folder / RECORDS, to_json(results.document))
-    save_sheets(folder, [usual_sheet(linkage)])
+    save(folder, results.document, results.runs, [usual_sheet(linkage)])
 
 
 def files_of(folder):
@@ -45,8 +43,8 @@ def files_of(folder):
 def saved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("saved")
     save_campaign(folder)
-    write_text(folder / BENCH, to_json(made_up_bench().document))
-    write_text(folder / STRESS, to_json(made_up_stress().document))
+    save_bench(folder, made_up_bench().document)
+    save_stress(folder, made_up_stress().document)
     return folder
 
 
@@ -80,7 +78,7 @@ def test_what_the_report_no_longer_has_goes_and_nothing_else(saved, tmp_path):
     write_site(folder, processes=0)
     own = folder / "figures" / "own.svg"
     write_text(own, "mine")
-    (folder / STRESS).unlink()
+    shutil.rmtree(folder / STRESS)
     write_site(folder, processes=0)
     assert "stress.html" not in files_of(folder)
     assert not [name for name in files_of(folder) if name.startswith("figures/stress/")]
@@ -96,11 +94,12 @@ def test_a_list_of_written_files_leads_nowhere_else(saved, tmp_path):
     assert (tmp_path / "precious.txt").is_file()
 
 
-@pytest.mark.parametrize(("file", "pages"), [(BENCH, 2), (STRESS, 2), (SHEETS, 1)])
+@pytest.mark.parametrize(("part", "pages"), [(BENCH, 2), (STRESS, 2), (SHEETS, 1)])
 def test_a_folder_with_one_thing_has_its_page_and_an_index_but_for_a_linkage_whose_page_is_the_first(
-    saved, tmp_path, file, pages
+    saved, tmp_path, part, pages
 ):
-    shutil.copy(saved / file, tmp_path)
+    copy = shutil.copy if (saved / part).is_file() else shutil.copytree
+    copy(saved / part, tmp_path / part)
     write_site(tmp_path, processes=0)
     assert len([name for name in files_of(tmp_path) if name.endswith(".html")]) == pages
 
@@ -108,7 +107,7 @@ def test_a_folder_with_one_thing_has_its_page_and_an_index_but_for_a_linkage_who
 def test_a_folder_without_any_is_refused_and_an_older_report_too(saved, tmp_path):
     with pytest.raises(LinkproofError, match="nothing to report in"):
         write_site(tmp_path, processes=0)
-    shutil.copy(saved / DATASET, tmp_path)
+    shutil.copytree(saved / COMPARE, tmp_path / COMPARE)
     with pytest.raises(LinkproofError, match="run compare with --out again"):
         write_site(tmp_path, processes=0)
 

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from comparisons.work_precision.records import FILE, Bench, MeasuredCost, load, rows, save
+from comparisons.work_precision.records import KIND, Bench, MeasuredCost, load, rows, save
 from reports.document import html
 from reports.document.parts import Fold, Section
 from reports.work_precision.page import page
@@ -17,14 +17,14 @@ BENCH = made_up_bench()
 def folder(tmp_path_factory):
     """A folder with the page of a benchmark that was saved."""
     found = tmp_path_factory.mktemp("bench")
-    save(found / FILE, BENCH.document)
+    save(found, BENCH.document)
     html.write(page(load(found)), found, ())
     return found
 
 
 def test_the_folder_has_the_page_its_figures_and_the_places_that_are_loaded_when_chosen(folder):
     names = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
-    assert {"bench.html", FILE, "figures/bench/run-up-quintic.svg"} <= names
+    assert {"bench.html", f"{KIND}/study.json", "figures/bench/run-up-quintic.svg"} <= names
     (further,) = (folder / "data" / "bench").iterdir()
     assert "rimoldi-164" in further.name
     assert "rimoldi-164" in (folder / "bench.html").read_text(encoding="utf-8")

@@ -100,7 +100,7 @@ def test_blocks_written_in_any_order_are_read_by_others(tmp_path, monkeypatch, s
 
 
 def test_unfinished_work_of_another_command_is_left_alone(tmp_path):
-    Journal(tmp_path, "linkproof compare juki-mf7923d").keep("run", b"")
+    Journal(tmp_path, "linkproof compare juki-mf7923d").keep("run", {})
     saved = SavedSweep(request(), tmp_path, {"command": "linkproof sweep rimoldi-164"})
     with pytest.raises(LinkproofError, match="unfinished work of `linkproof compare juki-mf7923d`"):
         saved.check()

@@ -53,7 +53,7 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
     assert "to get" in text
     rows = json.loads((tmp_path / "r.json").read_text())["records"]
     assert {row["setting"] for row in rows} >= {"naive", "tuned", "best", "exact"}
-    assert {path.name for path in (tmp_path / "out").iterdir()} >= {"bench.json", "bench.html", "assets", "figures"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} >= {"bench", "bench.html", "assets", "figures"}
     assert len(load(tmp_path / "out").records) == len(rows)
     assert not (tmp_path / "out" / "unfinished").exists()
 

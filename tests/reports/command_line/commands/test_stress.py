@@ -82,7 +82,7 @@ def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
     choice = StressOptions(words=("start",), engine=("direct",), setting=("tuned",), quick=True)
     assert run(choice, Destination(out=tmp_path)) == 0
     files = {path.name for path in tmp_path.iterdir()}
-    assert files == {"stress.json", "stress.html", "index.html", "assets", "figures"}
+    assert files == {"stress", "stress.html", "index.html", "assets", "figures"}
     assert "missed 0" in " ".join(capsys.readouterr().out.split())
 
 
