@@ -178,7 +178,7 @@ def run_record(
     """A run of its facts and of flat records."""
     own = {name: getattr(facts, name) for name in FACTS}
     errors, invariants = (tuple(map(_error, part)) for part in (records, checks))
-    return RunRecord(**own, errors=errors, invariants=invariants, details=dict(details), curves=curves)
+    return RunRecord(**own, errors=errors, invariants=invariants, details=dict(details), curves=dict(curves))
 
 
 def _error(record: Record) -> QuantityRecord:

@@ -21,19 +21,16 @@ def folder(tmp_path_factory):
 def _upgrade(folder, into, edit):
     """What has moved where an engine's upgrade has changed its records."""
 
-    def upgraded(told, _):
-        for one in (*told["records"], *told["invariants"]):
-            one["engine_version"] = "2"
-        edit(told)
+    def upgraded(told, run):
+        run["engine_version"] = "2"
+        edit(told, run)
 
     return difference(load_results(folder), load_results(changed(folder, into, upgraded)))
 
 
 def _fewer_figures(told, _):
-    """A folder as earlier versions wrote it: peaks alone, without their units."""
+    """A folder as earlier versions wrote it: peaks alone."""
     told["figures"] = [one for one in told["figures"] if one["figure"].endswith((".peak", ".mean"))]
-    for one in told["figures"]:
-        del one["unit"]
 
 
 def test_figures_that_an_earlier_version_did_not_tell_are_no_difference(folder, tmp_path):
@@ -50,12 +47,12 @@ def test_nothing_moves_from_a_folder_to_itself(folder):
 
 
 def test_an_error_within_three_times_its_own_is_told_and_one_beyond_decides(folder, tmp_path):
-    limit = row(load_results(folder).document, "Mkr")["limit"]
+    (limit,) = (one.limit for one in load_results(folder).records if one.quantity == "Mkr")
 
     def to(share):
-        return lambda told: row(told, "Mkr").update(error_max=share * limit, error_rms=0.0)
+        return lambda _, run: row(run, "Mkr").update(error_max=share * limit, error_rms=0.0)
 
-    first = changed(folder, tmp_path / "first", lambda told, _: to(0.1)(told))
+    first = changed(folder, tmp_path / "first", to(0.1))
     within = _upgrade(first, tmp_path / "within", to(0.29))
     (move,) = within.moves
     assert (move.after.quantity, move.beyond, within.beyond) == ("Mkr", False, 0)
@@ -67,17 +64,17 @@ def test_an_error_within_three_times_its_own_is_told_and_one_beyond_decides(fold
 
 
 def test_a_new_failure_decides_and_an_old_one_does_not(folder, tmp_path):
-    def fail(told):
-        row(told, "S").update(outcome="over-limit")
+    def fail(_, run):
+        row(run, "S").update(outcome="over-limit")
 
     failed = _upgrade(folder, tmp_path / "b", fail)
     assert [(move.before.outcome, move.after.outcome) for move in failed.moves] == [("passed", "over-limit")]
     assert failed.beyond == 1
-    assert _upgrade(tmp_path / "b", tmp_path / "c", lambda _: None).beyond == 0
+    assert _upgrade(tmp_path / "b", tmp_path / "c", lambda *_: None).beyond == 0
 
 
 def test_what_only_one_folder_has_is_told(folder, tmp_path):
-    found = _upgrade(folder, tmp_path / "b", lambda told: told["records"].remove(row(told, "v")))
+    found = _upgrade(folder, tmp_path / "b", lambda _, run: run["errors"].remove(row(run, "v")))
     assert found.only_before == ("juki-mf7923d/as-built/run-up/direct/tuned: v",)
     assert found.only_after == ()
 
@@ -111,7 +108,7 @@ def _file(name, folder):
 
 
 def test_times_of_two_machines_are_not_of_one(folder, tmp_path):
-    def elsewhere(told):
+    def elsewhere(told, _):
         told["environment"]["machine"] = "another"
 
     assert not _upgrade(folder, tmp_path / "b", elsewhere).same_machine

@@ -1,6 +1,7 @@
 """Curves as CSV hold every digit of the dataset."""
 
 import csv
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,7 +28,7 @@ def test_every_run_is_a_file_with_a_row_per_sample_and_every_digit(folder, tmp_p
     with path.open(encoding="utf-8", newline="") as opened:
         head, *rows = csv.reader(opened)
     assert tuple(head) == HEAD
-    assert len(rows) == results.curves.sizes["sample"]
+    assert len(rows) == sum(curve.shape[1] for curve in results.runs[0].curves.values())
     mine = [row for row in rows if row[0] == "Mkr"]
     assert {row[1] for row in mine} == {"N m"}
     columns = np.array([[float(value) for value in row[2:]] for row in mine]).T
@@ -36,7 +37,8 @@ def test_every_run_is_a_file_with_a_row_per_sample_and_every_digit(folder, tmp_p
 
 def test_names_that_no_file_can_have_are_written_otherwise_and_numbered(tmp_path):
     records = [
-        Record("p/q", "v", "run-up", "", "e", "", setting, "Mkr", "N m", error_max=0.0) for setting in ("a:b", "A?B")
+        Record("p/q", "v", "run-up", "", "e", "", setting, quantity="Mkr", unit="N m", error_max=0.0)
+        for setting in ("a:b", "A?B")
     ]
     told: Any = SimpleNamespace(records=records, curve=lambda *_: (np.zeros(1),) * 4)
     assert [path.name for path in write_tables(told, tmp_path)] == [
@@ -46,8 +48,8 @@ def test_names_that_no_file_can_have_are_written_otherwise_and_numbered(tmp_path
 
 
 def test_a_campaign_without_a_curve_has_no_tables(folder, tmp_path):
-    told = load_results(folder)
-    told.document["records"] = [{**row, "error_max": None, "error_rms": None} for row in told.document["records"]]
+    results = load_results(folder)
+    told = replace(results, runs=tuple(replace(run, errors=()) for run in results.runs))
     with pytest.raises(LinkproofError, match="got none: no run of the campaign finished"):
         write_tables(told, tmp_path / "csv")
     assert not (tmp_path / "csv").exists()

@@ -53,7 +53,7 @@ def test_what_is_computed_is_not_said_to_be_read(origin, runs, words, line):
 def test_the_worst_joint_stands_for_all():
     result = _result()
     worse = dataclasses.replace(result.records[2], error_max=7.7e-3, outcome="over-limit", detail="over its limit")
-    text = _text(printout([dataclasses.replace(result, records=(*result.records[:2], worse))]))
+    text = _text(printout([run_record(worse, (*result.records[:2], worse))]))
     assert "7.7e-03 ✗" in text
 
 
