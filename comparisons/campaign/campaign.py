@@ -56,14 +56,16 @@ def tasks(request: CampaignRequest) -> list[Task]:
     for name in request.engines:
         if name not in engine_names():
             raise UnknownNameError("engine", name, engine_names())
-    return [task for case in cases(request) for task in _tasks(request, case)]
+    return [task for case in each_case(request) for task in _tasks(request, case)]
 
 
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     quantities = chosen_quantities(case, request.quantities)
     # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
     check_defined(case, [one for one in quantities if not one.needs_thread or one.name in request.quantities])
-    linkage, motion, pickled = case.mechanism.linkage, case.motion, pickle.dumps(case)
+    linkage, motion = case.mechanism.linkage, case.motion
+    # Without what the check has worked out, which is a hundred times as large: there may be thousands of cases.
+    pickled = pickle.dumps(replace(case, mechanism=Mechanism(linkage)))
     names = tuple(quantity.name for quantity in quantities)
     turned = motion.duration * motion.peak_speed
     for name in request.engines:
@@ -77,23 +79,33 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
 
 
 def cases(request: CampaignRequest) -> list[Case]:
-    """Every linkage under every requested motion, then in its own requested regimes.
+    """The cases of ``each_case``, all of them kept."""
+    return list(each_case(request))
+
+
+def each_case(request: CampaignRequest) -> Iterator[Case]:
+    """Every linkage under every requested motion and in its own requested regimes, one after the other.
 
     Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion.
     """
-    found = []
-    for linkage in request.linkages:
-        mechanism = Mechanism(linkage)
-        gravity = "gravity on" if any(linkage.gravity) else "gravity off"
-        conditions = f"{request.conditions}, {gravity}"
-        found += [Case(mechanism, motion, conditions=conditions) for motion in request.motions]
-        found += [own_case(mechanism, own) for own in linkage.regimes if own.name in request.own_regimes]
-    if not found:
+    own = [regime for linkage in request.linkages for regime in linkage.regimes if regime.name in request.own_regimes]
+    if not request.motions and not own:
         names = ", ".join(f"'{linkage.name}'" for linkage in request.linkages)
         raise LinkproofError(f"expected a regime that {names} can run in, got none of its own: ask for another regime")
-    for case in found:
-        case.check_motion()
-    return found
+    for linkage in request.linkages:
+        gravity = "gravity on" if any(linkage.gravity) else "gravity off"
+        conditions = f"{request.conditions}, {gravity}"
+        mechanism = Mechanism(linkage)
+        for motion in request.motions:
+            yield _checked(Case(mechanism, motion, conditions=conditions))
+        for regime in linkage.regimes:
+            if regime.name in request.own_regimes:
+                yield _checked(own_case(mechanism, regime))
+
+
+def _checked(case: Case) -> Case:
+    case.check_motion()
+    return case
 
 
 @dataclass(frozen=True)
