@@ -18,7 +18,8 @@ from comparisons.reference.case import Case
 from comparisons.reference.channels import truth
 from comparisons.runs.failures import blamed_on
 from comparisons.stress.axes import axes
-from comparisons.stress.cells import SETTINGS, Cell
+from comparisons.stress.cell_result import Cell
+from comparisons.stress.cells import SETTINGS
 from comparisons.stress.scenes import case as case_of
 from comparisons.stress.scenes import scene as scene_of
 from engines.contract import Engine, History, Setting

@@ -15,7 +15,7 @@ from comparisons.judging.limits import shipped_limits
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.verdicts import Standard
 from comparisons.reference.case import Case
-from comparisons.stress.verdict import SAID as INVARIANTS
+from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 from reports.requests.options.campaign import CompareOptions

@@ -187,7 +187,7 @@ def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], 
 
 def written(result: RunRecord) -> Written:
     """A run for its journal."""
-    return result.row, result.curves
+    return result.data, result.curves
 
 
 def _all_alike(quantities: Iterable[Quantity], blank: Record, outcome: Outcome | Failure, reason: str) -> RunRecord:

@@ -139,7 +139,7 @@ def with_runs(told: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, A
 def save(folder: Path, told: Mapping[str, Any], runs: Iterable[RunRecord], sheets: Sequence[Sheet] = ()) -> None:
     """Write a campaign, or a judgement, and its data sheets into a folder, in the place of another there."""
     kind = kind_of(told)
-    save_study(folder, kind, told, (("/".join(run.run), run.row, run.curves) for run in runs))
+    save_study(folder, kind, told, (("/".join(run.run), run.data, run.curves) for run in runs))
     save_sheets(folder, sheets)
     (other,) = {*KINDS} - {kind}
     shutil.rmtree(folder / other, ignore_errors=True)

@@ -161,7 +161,7 @@ class RunRecord(RunFacts):
         return replace(self, errors=errors, invariants=checks)
 
     @property
-    def row(self) -> dict[str, Any]:
+    def data(self) -> dict[str, Any]:
         """All but the curves, JSON-ready."""
         own = {name: getattr(self, name) for name in FACTS}
         errors, invariants = ([vars(one) for one in part] for part in (self.errors, self.invariants))
@@ -186,7 +186,7 @@ def _error(record: Record) -> QuantityRecord:
 
 
 def from_row(row: Mapping[str, Any], curves: Mapping[str, Array]) -> RunRecord:
-    """A run back from its ``row``; raises KeyError, or ValueError where it is none."""
+    """A run back from its ``data``; raises KeyError, or ValueError where it is none."""
     errors, invariants = (_ERRORS.validate_python(row[name]) for name in ("errors", "invariants"))
     facts = vars(_FACTS.validate_python(row))
     return RunRecord(**facts, errors=errors, invariants=invariants, details=dict(row["details"]), curves=curves)

@@ -9,8 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from comparisons.stress.axes import axes, nearest
-from comparisons.stress.cells import Cell, CellResult
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
 
 PRECISE: Final = 1.1  # ratio of the two values that bracket a border
 COARSE: Final = 3.0

@@ -15,8 +15,8 @@ from comparisons.runs.study import Announce, Study, Task, Written
 from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.border import COARSE, PRECISE, Border, bisected, borders
-from comparisons.stress.cells import Cell, CellResult, cells, from_document, lost, made
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import Cell, CellResult, StressVerdict, from_document
+from comparisons.stress.cells import cells, lost, made
 
 MEMORY: Final = 2 * GIB  # a cell may add
 # What a cell may take of a quick map, s, whatever its axis grants; and the usage whose borders a quick map looks for.

@@ -6,12 +6,9 @@ A cell can be made again on its own. Each is judged by ``stress.verdict``; ``str
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache
-from typing import Any, Final
-
-from pydantic import TypeAdapter
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.case import Case
@@ -20,79 +17,14 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.worker_process import host
 from comparisons.stress.axes import Axis, axes
+from comparisons.stress.cell_result import Cell, CellResult, StressVerdict, blank_result
 from comparisons.stress.scenes import Conditions, case, scene
-from comparisons.stress.verdict import Judgement, StressVerdict, judged
-from engines.contract import Engine, Outcome, Run, Setting, StudiedEngine
+from comparisons.stress.verdict import judged
+from engines.contract import Engine, Run, Setting, StudiedEngine
 from engines.registry import why_unavailable
 from engines.scene import Scene
 
 SETTINGS = tuple(setting.value for setting in Setting)
-
-
-@dataclass(frozen=True)
-class Cell:
-    """One run of a map; ``usage`` is a setting or the name of a method."""
-
-    axis: str
-    row: str
-    value: float
-    engine: str
-    usage: str
-
-    @property
-    def key(self) -> str:
-        """The cell in words that a command understands."""
-        return "/".join((self.axis, self.row, f"{self.value:.6g}", self.engine, self.usage))
-
-    @property
-    def command(self) -> str:
-        """What makes it again."""
-        return f"linkproof stress '{self.key}'"
-
-    @property
-    def line(self) -> tuple[str, str, str, str]:
-        """What it shares with the cells of other values."""
-        return (self.axis, self.row, self.engine, self.usage)
-
-
-@dataclass(frozen=True)
-class CellResult:
-    """A cell with what came of it. ``conditions`` is what differs from a plain run-up of the linkage.
-
-    ``seconds`` is the stepping alone, ``spent`` everything: reference, set-up, stepping, judging.
-    ``host`` names the machine of a cluster that it was made on.
-    """
-
-    cell: Cell
-    mechanism: str
-    outcome: str
-    judgement: Judgement
-    conditions: Mapping[str, Any]
-    seconds: float = 0.0
-    spent: float = 0.0
-    steps: int = 0
-    solver_work: int = 0
-    host: str = ""
-
-    @property
-    def verdict(self) -> StressVerdict:
-        """What the cell shows."""
-        return self.judgement.verdict
-
-    @property
-    def document(self) -> dict[str, Any]:
-        """The result as JSON-ready data."""
-        told = asdict(self)
-        return {**told.pop("cell"), **told.pop("judgement"), **told, "command": self.cell.command}
-
-
-RESULT: Final = TypeAdapter(CellResult)
-
-
-def from_document(row: Mapping[str, Any]) -> CellResult:
-    """A result back from its JSON data; raises KeyError or ValueError for anything else."""
-    _ = [row[field.name] for kind in (Cell, Judgement) for field in fields(kind)]  # a default says nothing of a cell
-    return RESULT.validate_python({**row, "cell": row, "judgement": row})
 
 
 def usages(axis: Axis, adapter: Engine) -> list[str]:
@@ -148,42 +80,36 @@ def made(cell: Cell) -> CellResult:
     """Make a cell's run here and now, and judge it."""
     begun = time.perf_counter()
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    blank = replace(_unmade(cell), conditions=conditions.differing, host=host())
+    blank = replace(_unmade(cell), host=host())
     adapter = engine(cell.engine)
     with blamed_on(adapter):
         absent = why_unavailable(adapter)
     if absent is not None:
-        return replace(blank, judgement=Judgement(StressVerdict.UNAVAILABLE, absent), outcome="unavailable")
+        return replace(blank, verdict=StressVerdict.UNAVAILABLE, reason=absent)
     try:
         true = _case(conditions)
     except LinkproofError as error:
-        nothing = Judgement(StressVerdict.UNSUPPORTED, f"the closed form has no motion to hold an engine to: {error}")
-        return replace(blank, judgement=nothing, outcome=Outcome.UNSUPPORTED.value)
+        reason = f"the closed form has no motion to hold an engine to: {error}"
+        return replace(blank, verdict=StressVerdict.UNSUPPORTED, reason=reason)
     given = scene(conditions, true)
     run = _run(adapter, given, cell.usage, conditions)
     # Those of naive would hide a wrong motion.
     limits_of = Setting.BEST if cell.usage == Setting.BEST else Setting.TUNED
-    return replace(
-        blank,
-        outcome=run.outcome.value,
-        judgement=judged(true, given, run, limits_of.value),
-        seconds=run.seconds,
-        spent=time.perf_counter() - begun,
-        steps=run.steps,
-        solver_work=run.solver_work,
+    blank = replace(
+        blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps, solver_work=run.solver_work
     )
+    return replace(judged(blank, true, given, run, limits_of.value), spent=time.perf_counter() - begun)
 
 
 def lost(loss: Lost, cell: Cell) -> CellResult:
     """A cell whose worker gave no result."""
-    judgement = Judgement(StressVerdict(loss.outcome.value), loss.reason)
-    return replace(_unmade(cell), judgement=judgement, outcome=loss.outcome.value, host=loss.host)
+    return replace(_unmade(cell), verdict=StressVerdict(loss.outcome.value), reason=loss.reason, host=loss.host)
 
 
 def _unmade(cell: Cell) -> CellResult:
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    nothing = Judgement(StressVerdict.UNAVAILABLE)
-    return CellResult(cell, conditions.linkage, Outcome.UNAVAILABLE.value, nothing, conditions.differing)
+    blank = blank_result(cell, conditions.linkage, conditions.motion)
+    return replace(blank, differing=conditions.differing)
 
 
 @lru_cache(maxsize=4)

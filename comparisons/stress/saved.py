@@ -15,8 +15,7 @@ from typing_extensions import TypedDict
 from comparisons.runs.study_folder import load_study, save_study, usable
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
-from comparisons.stress.cells import Cell, CellResult, from_document
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import Cell, CellResult, StressVerdict, from_document
 
 KIND: Final = "stress"
 Item = TypeVar("Item")

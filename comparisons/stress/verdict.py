@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from enum import StrEnum
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,9 +18,10 @@ from comparisons.invariants.checks import checks
 from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.limits import OWN, limit
 from comparisons.judging.quantities import all_quantities
-from comparisons.judging.records import Record, Verdict, blank_record
+from comparisons.judging.records import Record, Verdict, blank_record, run_record
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
+from comparisons.stress.cell_result import CellResult, StressVerdict
 from comparisons.stress.truth import wrongs
 from engines.contract import Origin, Outcome, Run
 from engines.scene import Scene
@@ -31,24 +31,7 @@ LARGEST = 1e300
 MEASURED = ("joint_gap",)
 
 
-class StressVerdict(StrEnum):
-    """What a cell shows."""
-
-    WITHIN = "within limit"
-    OVER = "over limit"
-    CAUGHT = "caught"
-    MISSED = "missed"
-    ALARM = "alarm"
-    DIVERGED = "diverged"
-    TIMED_OUT = "timed-out"
-    CRASHED = "crashed"
-    ADAPTER_ERROR = "adapter-error"
-    SUITE_ERROR = "suite-error"
-    UNSUPPORTED = "unsupported"
-    UNAVAILABLE = "unavailable"
-
-
-SAID: Mapping[str, str] = {
+ALARMS: Mapping[str, str] = {
     "joint_gap": "joint {joint} is open by {error} of the shortest link",
     "closure": "bodies are {error} (of size, rad or peak) away from fitting joints and drive",
     "assembly_mode": "a group of links is in its other assembly mode",
@@ -59,74 +42,50 @@ SAID: Mapping[str, str] = {
 }
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """A verdict with what it rests on; errors are over the peak, ``wrong`` is in the words of a reader."""
-
-    verdict: StressVerdict
-    reason: str = ""
-    quantity: str = ""
-    deviation: float | None = None
-    deviation_limit: float | None = None
-    wrong: str = ""
-    invariant: str = ""
-    invariant_error: float | None = None
-    invariant_limit: float | None = None
-    alarms: tuple[str, ...] = ()
-
-
-def judged(case: Case, scene: Scene, run: Run, setting: str) -> Judgement:
-    """Compare a run with the closed form and check its invariants, by the limits of a setting.
+def judged(blank: CellResult, case: Case, scene: Scene, run: Run, setting: str) -> CellResult:
+    """Compare a cell's run with the closed form and check its invariants, by the limits of a setting.
 
     Where the closed form itself has no motion, no motion is right, and the invariants have to flag it.
     """
     if run.outcome is not Outcome.FINISHED or run.history is None:
-        return Judgement(StressVerdict(run.outcome.value), run.reason)
+        return replace(blank, verdict=StressVerdict(run.outcome.value), reason=run.reason)
     motion = ObservedMotion(scene, run.history)
-    blank = _blank(case, setting)
+    rows = _blank(case, setting)
     with np.errstate(all="ignore"):  # a wrong motion can be any numbers
-        failed, worst = _invariants(case, motion, blank)
-        said = "; ".join(_said(record, motion) for record in failed)
+        checked = _invariants(case, motion, rows)
+        failed = [record for record in checked if record.outcome != Verdict.PASSED]
+        alarms = "; ".join(_alarm(record, motion) for record in failed)
         try:
             if case.is_prescribed:
                 case.check_motion()
-            nearest, wrong = _deviations(case, motion, blank), wrongs(case, motion)
+            nearest, wrong = _deviations(case, motion, rows), wrongs(case, motion)
         except LinkproofError as error:
             nearest, wrong = None, [f"there is no one motion to find ({error})"]
-    return _verdict(nearest, wrong, failed, worst, said)
+    verdict, reason = _verdict(nearest, wrong, failed, alarms)
+    own = run_record(blank, [nearest] if nearest else [], failed or checked[:1])
+    return replace(
+        blank, errors=own.errors, invariants=own.invariants, verdict=verdict, reason=reason, wrong="; ".join(wrong)
+    )
 
 
 def _verdict(
-    nearest: Record | None, wrong: Sequence[str], failed: Sequence[Record], worst: Record, said: str
-) -> Judgement:
+    nearest: Record | None, wrong: Sequence[str], failed: Sequence[Record], alarms: str
+) -> tuple[StressVerdict, str]:
     over = nearest is not None and nearest.outcome != Verdict.PASSED
     inferred = [record for record in failed if record.quantity not in MEASURED]
     if wrong:
         verdict = StressVerdict.CAUGHT if failed else StressVerdict.MISSED
-        reason = f"{'; '.join(wrong)}. {'Flagged: ' + said if failed else 'No check flagged it'}"
-    elif over:
+        return verdict, f"{'; '.join(wrong)}. {'Flagged: ' + alarms if failed else 'No check flagged it'}"
+    if over:
         assert nearest is not None
-        verdict, reason = StressVerdict.OVER, f"{nearest.quantity} off by {_share(nearest.error_max)} of its peak"
-    elif inferred:
-        verdict, reason = StressVerdict.ALARM, f"right, yet {said}"
-    else:
-        verdict, reason = (StressVerdict.OVER, said) if failed else (StressVerdict.WITHIN, "")
-    return Judgement(
-        verdict,
-        reason,
-        quantity=nearest.quantity if nearest else "",
-        deviation=nearest.error_max if nearest else None,
-        deviation_limit=nearest.limit if nearest else None,
-        wrong="; ".join(wrong),
-        invariant=worst.quantity,
-        invariant_error=worst.error_max,
-        invariant_limit=worst.limit,
-        alarms=tuple(record.quantity for record in failed),
-    )
+        return StressVerdict.OVER, f"{nearest.quantity} off by {_share(nearest.error_max)} of its peak"
+    if inferred:
+        return StressVerdict.ALARM, f"right, yet {alarms}"
+    return (StressVerdict.OVER, alarms) if failed else (StressVerdict.WITHIN, "")
 
 
-def _said(record: Record, motion: ObservedMotion) -> str:
-    words = SAID[record.quantity].format(error=_share(record.error_max), joint=_open_joint(record, motion))
+def _alarm(record: Record, motion: ObservedMotion) -> str:
+    words = ALARMS[record.quantity].format(error=_share(record.error_max), joint=_open_joint(record, motion))
     return words if record.worst_time is None else f"{words} at {record.worst_time:.3g} s"
 
 
@@ -149,14 +108,10 @@ def _blank(case: Case, setting: str) -> Record:
     return replace(blank_record(case, setting), regime=regime if case.is_prescribed else OWN, conditions="stress")
 
 
-def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[list[Record], Record]:
-    """Those that failed, the one furthest over its limit first, and the one nearest to or furthest over it.
-
-    What is not judged has neither failed nor passed.
-    """
+def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> list[Record]:
+    """Those that are judged, the one furthest over its limit, or nearest to it, first."""
     records = [record for record in checks(case, motion, blank) if Verdict(record.outcome).judged]
-    records.sort(key=_over, reverse=True)
-    return [record for record in records if record.outcome != Verdict.PASSED], records[0]
+    return sorted(records, key=_over, reverse=True)
 
 
 def _deviations(case: Case, motion: ObservedMotion, blank: Record) -> Record | None:

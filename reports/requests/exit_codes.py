@@ -10,8 +10,7 @@ from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.failures import Failure
-from comparisons.stress.cells import CellResult
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import CellResult, StressVerdict
 from comparisons.work_precision.points import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord
 from engines.contract import Outcome, Setting
@@ -67,7 +66,7 @@ def stress_exit_code(cells: Iterable[CellResult]) -> int:
 
     Raises LinkproofError where not one cell says anything of an engine.
     """
-    reasons = {cell.verdict: cell.judgement.reason for cell in cells}
+    reasons = {cell.verdict: cell.reason for cell in cells}
     if StressVerdict.SUITE_ERROR in reasons:
         return SUITE_ERROR
     if reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from comparisons.judging.records import QuantityRecord
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
+from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.saved import Stress
-from comparisons.stress.verdict import StressVerdict
 from reports.document.numbers import ABSENT, bound, error, printed
 from reports.document.signs import TABLES
 
@@ -50,9 +51,9 @@ def border_words(border: Border) -> str:
     return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
 
 
-def against(name: str, found: float | None, limit: float | None) -> str:
-    """An error and its limit, both over the peak; "" where nothing was found."""
-    return "" if found is None else f"{name} {error(found)}, limit {bound(limit)}"
+def against(found: QuantityRecord | None, name: Callable[[str], str] = str) -> str:
+    """An error and its limit, both over the peak, by the name of what it is of; "" where nothing was found."""
+    return "" if found is None else f"{name(found.quantity)} {error(found.error_max)}, limit {bound(found.limit)}"
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
-from comparisons.stress.cells import CellResult
+from comparisons.stress.cell_result import CellResult
 from comparisons.stress.saved import Line, Stress
 from reports.document.numbers import seconds
 from reports.document.templates import plain, worded
@@ -65,17 +65,14 @@ def border_place(border: Border, values: Sequence[float]) -> int:
 
 def story(result: CellResult) -> dict[str, str]:
     """What came of a cell and of what it rests on, as name and words; what there is nothing of is left out."""
-    judgement = result.judgement
-    wrong, _, flagged = judgement.reason.partition(FLAGGED)
+    wrong, _, flagged = result.reason.partition(FLAGGED)
     parts = {
-        "Wrong" if judgement.wrong else "Reason": wrong.rstrip(". "),
+        "Wrong" if result.wrong else "Reason": wrong.rstrip(". "),
         "Flagged by the checks": flagged,
-        "Worst deviation, over the peak": against(
-            worded(judgement.quantity), judgement.deviation, judgement.deviation_limit
-        ),
-        "Worst invariant": against(plain(judgement.invariant), judgement.invariant_error, judgement.invariant_limit),
+        "Worst deviation, over the peak": against(result.nearest, worded),
+        "Worst invariant": against(result.worst_check, plain),
         "Work": f"{result.steps} steps in {seconds(result.seconds)}" if result.steps else "",
-        "Conditions": "; ".join(f"{plain(name)} {_condition(value)}" for name, value in result.conditions.items()),
+        "Conditions": "; ".join(f"{plain(name)} {_condition(value)}" for name, value in result.differing.items()),
     }
     return {name: words for name, words in parts.items() if words}
 

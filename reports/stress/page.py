@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 from comparisons.runs.record_file import RECORDS
+from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.saved import KIND, Stress
-from comparisons.stress.verdict import StressVerdict
 from reports.document import parts
 from reports.document.parts import FigureGroup, Fold, Page, PageFigure, Paragraph, Section, Widget
 from reports.document.templates import sentence

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 
-from comparisons.stress.cells import CellResult
+from comparisons.stress.cell_result import CellResult, StressVerdict
 from comparisons.stress.saved import Stress
-from comparisons.stress.verdict import StressVerdict
 from reports.document.parts import Facts, Mono, Table, TableCell, Words
 from reports.document.templates import sentence
 from reports.stress.facts import APART, SIGNS, SILENT, axis_title, border_words, shown_verdicts, value_words
@@ -98,5 +97,5 @@ def incident_table(results: Iterable[CellResult]) -> Table:
 def _incident(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
     cell = result.cell
     place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
-    told = (result.judgement.reason, Mono(result.document["command"]))
+    told = (result.reason, Mono(result.document["command"]))
     return (cell.engine, place, value_words(cell.value), cell.usage, *told)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from comparisons.stress.cells import CellResult
+from comparisons.stress.cell_result import CellResult
 from comparisons.stress.saved import Stress
 from reports.document.numbers import seconds
 from reports.document.parts import Paragraph
@@ -27,19 +27,18 @@ def printout(stress: Stress) -> Printout:
 def _incident(result: CellResult) -> Paragraph:
     cell = result.cell
     place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.usage}"
-    text = f"{result.verdict.value}: {place}: {result.judgement.reason}\n  {result.document['command']}"
+    text = f"{result.verdict.value}: {place}: {result.reason}\n  {result.document['command']}"
     return Paragraph(text, colour=SIGNS[result.verdict].terminal)
 
 
 def cell_details(result: CellResult) -> str:
     """All that is known of one cell, a line to a fact."""
-    judgement = result.judgement
     facts = (
-        judgement.reason,
-        _worst("deviation", against(judgement.quantity, judgement.deviation, judgement.deviation_limit)),
-        _worst("invariant", against(judgement.invariant, judgement.invariant_error, judgement.invariant_limit)),
+        result.reason,
+        _worst("deviation", against(result.nearest)),
+        _worst("invariant", against(result.worst_check)),
         f"{result.steps} steps in {seconds(result.seconds)}; "
-        f"{', '.join(f'{name} {value}' for name, value in result.conditions.items())}",
+        f"{', '.join(f'{name} {value}' for name, value in result.differing.items())}",
     )
     return "\n  ".join([f"{result.cell.key}: {result.verdict.value}", *filter(None, facts)])
 

@@ -6,11 +6,13 @@ import numpy as np
 
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
+from comparisons.stress.cell_result import Cell, blank_result
 from comparisons.stress.verdict import judged
 from engines.contract import History, Outcome, Run, Signal
 from engines.scene import Channel, Free
 
 EVERYTHING = frozenset(Channel)
+CELL = Cell("axis", "row", 1.0, "engine", "tuned")
 
 
 def true_history(case, count=1201, mechanism=None, lag=0.0):
@@ -45,7 +47,13 @@ def _states(sweep, name, speed, acceleration):
 
 def judgement(case, history, setting="tuned"):
     """What the stress maps make of a history that an engine calls finished."""
-    return judged(case, case.scene(EVERYTHING), Run(Outcome.FINISHED, history=history), setting)
+    return judged(
+        blank_result(CELL, "m"),
+        case,
+        case.scene(EVERYTHING),
+        Run(Outcome.FINISHED, history=history),
+        setting,
+    )
 
 
 def with_signal(history, name, change):

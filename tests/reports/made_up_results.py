@@ -20,7 +20,7 @@ from comparisons.judging.quantities import QUANTITIES
 from comparisons.judging.records import Record, RunRecord, Verdict, run_record
 from comparisons.judging.verdicts import judge
 from comparisons.reference.case import Case
-from comparisons.stress.verdict import SAID as INVARIANTS
+from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import ReadOut, Setting
 
 SIZES = {Setting.NAIVE: 9e-2, Setting.TUNED: 1.3e-6, Setting.BEST: 4e-8}

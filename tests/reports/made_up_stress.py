@@ -1,11 +1,11 @@
 """A finished stress test of engines that do not exist, with every verdict in it, for tests of its page and tables."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 from comparisons.stress.axes import axes
-from comparisons.stress.cells import Cell, CellResult
+from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
 from comparisons.stress.saved import Stress
-from comparisons.stress.verdict import Judgement, StressVerdict
 
 SETTINGS = ("naive", "tuned", "best")
 METHODS = {"alpha": ("generalised alpha", "trapezoidal"), "beta": ("centred", "defaults")}
@@ -54,7 +54,8 @@ def made_up_cell(came_to, **place):
     """One cell of a verdict."""
     reason = "" if came_to is StressVerdict.WITHIN else REASON
     cell = Cell(**place)
-    return CellResult(cell, "m", "finished", Judgement(came_to, reason), {"linkage": "m"}, spent=0.5, steps=10)
+    found = {"verdict": came_to, "reason": reason, "differing": {"linkage": "m"}, "spent": 0.5, "steps": 10}
+    return replace(blank_result(cell, "m"), **found)
 
 
 def border(inside, outside, beyond, **place):

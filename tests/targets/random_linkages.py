@@ -23,7 +23,8 @@ from comparisons.reference.case import Case
 from comparisons.runs.failures import Lost
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.workers import Bounds, run_jobs
-from comparisons.stress.verdict import StressVerdict, judged
+from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
+from comparisons.stress.verdict import judged
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 from engines.scene import Channel
@@ -159,7 +160,8 @@ def run(number: int, name: str, largest_ratio: float) -> tuple[str, str, str]:
     motion = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.06, start_angle=0.1)
     case = Case(Mechanism(parse(drawn.text, f"drawn-{number}", "drawn")), motion)
     model = case.scene(frozenset(Channel))
-    found = judged(case, model, run_engine(engine(name), model, Setting.TUNED), Setting.TUNED)
+    blank = blank_result(Cell(drawn.kind, "", number, name, Setting.TUNED), case.mechanism.linkage.name)
+    found = judged(blank, case, model, run_engine(engine(name), model, Setting.TUNED), Setting.TUNED)
     return drawn.kind, found.verdict.value, found.reason
 
 

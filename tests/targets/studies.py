@@ -13,7 +13,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, stress
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import StressVerdict
 from engines.contract import Setting
 from tests.targets.endurance import killed_and_resumed
 from tests.targets.long_run import LEAST, LongRun, long_runs

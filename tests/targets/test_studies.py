@@ -5,7 +5,7 @@ import math
 import pytest
 
 from comparisons.stress.campaign import Stressed
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import StressVerdict
 from tests.comparisons.stress.test_border import result
 from tests.targets import random_linkages, studies
 from tests.targets.long_run import LEAST, LongRun

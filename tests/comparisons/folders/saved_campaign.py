@@ -42,8 +42,8 @@ def changed(folder, into, edit):
     (run,) = results.runs
     told = json.loads(json.dumps(results.document))
     made = {
-        **run.row,
-        "errors": [dict(one) for one in run.row["errors"]],
+        **run.data,
+        "errors": [dict(one) for one in run.data["errors"]],
         "curves": {n: c.copy() for n, c in run.curves.items()},
     }
     edit(told, made)

@@ -23,8 +23,9 @@ from comparisons.judging.limits import limit
 from comparisons.judging.records import Verdict, blank_record
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case
+from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.scenes import LINKAGES, Conditions, case, reversal
-from comparisons.stress.verdict import SAID, StressVerdict
+from comparisons.stress.verdict import ALARMS
 from engines.contract import Setting, Signal
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import Channel
@@ -471,7 +472,7 @@ def test_energy_is_balanced_across_acceleration_jumps():
 
 def test_the_stress_maps_own_linkages_are_all_tried():
     assert {path.stem for path in LINKAGES.glob("*.toml")} >= {"slider-crank", "parallel-cranks"}
-    assert set(SAID) >= {"closure", "assembly_mode", "crank_phase", "force_balance"}
+    assert set(ALARMS) >= {"closure", "assembly_mode", "crank_phase", "force_balance"}
     assert KINEMATICS == ["position", "velocity", "acceleration"]
 
 

@@ -9,7 +9,7 @@ from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
 from comparisons.judging.limits import USERS, Limit, limit, read_limits, table_of
 from comparisons.judging.quantities import QUANTITIES
-from comparisons.stress.verdict import SAID as INVARIANTS
+from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Setting
 
 GIVEN = {"Mkr", "Peq"}  # by the drive of a released crank, not results

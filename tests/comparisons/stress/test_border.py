@@ -1,20 +1,20 @@
 """Borders are found where they are, to the precision asked for, by as few runs as halving takes."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from comparisons.stress.border import PRECISE, SMALLEST, bisected, borders
-from comparisons.stress.cells import Cell, CellResult
-from comparisons.stress.verdict import Judgement, StressVerdict
+from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
 
 MASS = [10.0**power for power in range(-6, 7)]
 
 
 def result(value, verdict, *, axis="mass", usage="tuned"):
-    return CellResult(Cell(axis, "row", value, "e", usage), "m", "finished", Judgement(verdict), {})
+    return replace(blank_result(Cell(axis, "row", value, "e", usage), "m"), verdict=verdict)
 
 
 def world(*, above=math.inf, below=0.0):

@@ -9,8 +9,8 @@ from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress.axes import axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress, summary
-from comparisons.stress.cells import Cell, CellResult, find_cell, made
-from comparisons.stress.verdict import Judgement, StressVerdict
+from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
+from comparisons.stress.cells import find_cell, made
 from tests.comparisons.faults import PATIENCE
 
 START = replace(axes()["start"], quick=(1e-8,))
@@ -38,7 +38,7 @@ def test_what_a_journal_has_is_not_made_again(tmp_path, monkeypatch):
 
 def test_a_missed_cell_is_named():
     cell = Cell("start", START.rows[0].label, 1e-8, "liar", "tuned")
-    missed = CellResult(cell, "m", "finished", Judgement(StressVerdict.MISSED, "no invariant saw it"), {})
+    missed = replace(blank_result(cell, "m"), verdict=StressVerdict.MISSED)
     assert campaign.Stressed((missed,), ()).missed == (missed,)
 
 
@@ -47,4 +47,4 @@ def test_a_cell_alone_is_the_cell_of_the_map(usage):
     cell = find_cell(f"start/{START.rows[0].label}/1e-08/direct/{usage}")
     (alone,) = make_cells([cell], PATIENCE)
     here = made(cell)
-    assert (alone.verdict, alone.judgement, alone.steps) == (here.verdict, here.judgement, here.steps)
+    assert (alone.verdict, alone.errors, alone.steps) == (here.verdict, here.errors, here.steps)

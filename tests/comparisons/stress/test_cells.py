@@ -16,9 +16,9 @@ from comparisons.stress import campaign
 from comparisons.stress import cells as stress
 from comparisons.stress.axes import axes
 from comparisons.stress.campaign import StressRequest, make_cells
-from comparisons.stress.cells import Cell, cells, find_cell, from_document, lost, made, usages
+from comparisons.stress.cell_result import Cell, StressVerdict, from_document
+from comparisons.stress.cells import cells, find_cell, lost, made, usages
 from comparisons.stress.scenes import case
-from comparisons.stress.verdict import StressVerdict
 from engines.contract import Abilities, Method, Outcome, Run
 from tests.comparisons.faults import PATIENCE
 from tests.comparisons.true_motions import true_history, with_signal
@@ -134,15 +134,15 @@ def test_the_truth_is_within_limit_at_any_mass(with_engine):
     engine = with_engine(Perfect())
     found = made(COUPLER)
     assert found.verdict is StressVerdict.WITHIN
-    assert (found.seconds, found.steps, found.solver_work, found.outcome) == (0.25, 12, 3, "finished")
-    assert found.conditions == {"linkage": found.mechanism, "link": "coupler", "mass_factor": 100.0}
+    assert (found.seconds, found.steps, found.solver_work) == (0.25, 12, 3)
+    assert found.differing == {"linkage": found.mechanism, "link": "coupler", "mass_factor": 100.0}
     assert engine.asked == [("run", "tuned")]
 
 
 def test_a_method_is_run_at_its_step_with_its_effort(with_engine):
     engine = with_engine(Perfect())
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stress, "judged", lambda *_: stress.Judgement(StressVerdict.WITHIN))
+        patch.setattr(stress, "judged", lambda blank, *_: blank)
         with contextlib.suppress(AdapterError):  # it has no motion for this linkage
             made(Cell("speed", "1000 rpm", 120.0, "perfect", "defaults"))
         with contextlib.suppress(AdapterError):
@@ -169,7 +169,7 @@ def test_json_holds_all_of_a_cell(with_engine, engine):
     assert told["command"] == "linkproof stress 'mass/four-bar, coupler/10000/perfect/tuned'"
     for failure in Failure:
         found = lost(Lost(failure, "as tested"), COUPLER).document
-        assert found["verdict"] == found["outcome"] == failure.value
+        assert found["verdict"] == failure.value
 
 
 # -- maps --------------------------------------------------------------------------------------------------------------
@@ -200,8 +200,7 @@ def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_e
 
 def test_one_that_is_let_pass_is_counted_as_missed(with_engine, monkeypatch):
     with_engine(Liar())
-    blind = stress.Judgement(StressVerdict.MISSED, "No check flagged it")
-    monkeypatch.setattr(stress, "judged", lambda *_: blind)
+    monkeypatch.setattr(stress, "judged", lambda blank, *_: dataclasses.replace(blank, verdict=StressVerdict.MISSED))
     assert len(campaign.stress(request(quick=True)).missed) == len(axes()["mass"].quick)
 
 
@@ -230,7 +229,7 @@ def test_an_engine_that_raises_costs_its_own_cell(with_engine):
     found = {one.cell.value: one for one in campaign.stress(request(quick=True)).cells}
     assert found[1.0].verdict is StressVerdict.WITHIN
     assert found[1e4].verdict is StressVerdict.ADAPTER_ERROR
-    assert "RuntimeError: singular (tests/comparisons/stress/test_cells.py, line " in found[1e4].judgement.reason
+    assert "RuntimeError: singular (tests/comparisons/stress/test_cells.py, line " in found[1e4].reason
 
 
 def test_a_fault_of_the_suites_own_is_not_blamed_on_the_engine(with_engine, monkeypatch):
@@ -240,7 +239,7 @@ def test_a_fault_of_the_suites_own_is_not_blamed_on_the_engine(with_engine, monk
         raise TypeError("a slip in the judge")
 
     monkeypatch.setattr(stress, "judged", failing)
-    verdicts = {(one.verdict, one.judgement.reason) for one in campaign.stress(request(quick=True)).cells}
+    verdicts = {(one.verdict, one.reason) for one in campaign.stress(request(quick=True)).cells}
     ((verdict, reason),) = verdicts
     assert verdict is StressVerdict.SUITE_ERROR
     assert reason.startswith("this is a fault of linkproof: TypeError: a slip in the judge (comparisons/")
@@ -256,9 +255,9 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
     monkeypatch.setattr(stress, "_case", nowhere)
     found = made(COUPLER)
     assert (found.verdict, engine.asked) == (StressVerdict.UNSUPPORTED, [])
-    assert found.judgement.reason == "the closed form has no motion to hold an engine to: it stands in a dead position"
+    assert found.reason == "the closed form has no motion to hold an engine to: it stands in a dead position"
 
 
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
     (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")], PATIENCE)
-    assert (found.verdict, found.outcome) == (StressVerdict.WITHIN, "finished")
+    assert found.verdict is StressVerdict.WITHIN

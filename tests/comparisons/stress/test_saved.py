@@ -4,8 +4,8 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.stress.axes import axes
+from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.saved import Stress, load, save
-from comparisons.stress.verdict import StressVerdict
 from tests.reports.made_up_stress import made_up_cell, made_up_stress
 
 STRESS = made_up_stress()

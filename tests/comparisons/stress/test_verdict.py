@@ -11,11 +11,12 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.records import Verdict
 from comparisons.reference.case import Case
 from comparisons.stress import verdict
+from comparisons.stress.cell_result import StressVerdict, blank_result
 from comparisons.stress.scenes import Conditions
 from comparisons.stress.scenes import case as stress_case
-from comparisons.stress.verdict import StressVerdict, judged
+from comparisons.stress.verdict import judged
 from engines.contract import Outcome, Run
-from tests.comparisons.true_motions import EVERYTHING, judgement, true_history, with_signal
+from tests.comparisons.true_motions import CELL, EVERYTHING, judgement, true_history, with_signal
 
 
 @cache
@@ -30,8 +31,8 @@ def scaled(name, factor):
 def test_the_truth_is_within_every_limit():
     found = judgement(case(), true_history(case(), 601))
     assert (found.verdict, found.reason, found.wrong, found.alarms) == (StressVerdict.WITHIN, "", "", ())
-    assert found.deviation < found.deviation_limit
-    assert found.invariant_error < found.invariant_limit
+    assert found.nearest.error_max < found.nearest.limit
+    assert found.worst_check.error_max < found.worst_check.limit
 
 
 def test_an_engine_that_lies_is_caught_with_what_gave_it_away():
@@ -58,8 +59,8 @@ def test_an_open_joint_is_named():
 def test_a_deviation_over_its_limit_that_is_no_wrong_motion_is_over_limit():
     found = judgement(case(), scaled("torque", 1.001))
     assert found.verdict is StressVerdict.OVER
-    assert found.quantity in ("Mkr", "Peq")
-    assert found.reason == f"{found.quantity} off by 0.001 of its peak"
+    assert found.nearest.quantity in ("Mkr", "Peq")
+    assert found.reason == f"{found.nearest.quantity} off by 0.001 of its peak"
 
 
 def test_the_limits_are_those_of_the_setting():
@@ -114,23 +115,23 @@ def test_a_joint_over_its_limit_is_a_deviation_and_no_false_alarm():
 
 @pytest.mark.parametrize("outcome", [Outcome.DIVERGED, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE])
 def test_what_gave_no_motion_keeps_its_reason(outcome):
-    found = judged(case(), case().scene(EVERYTHING), Run(outcome, "because"), "tuned")
+    found = judged(blank_result(CELL, "m"), case(), case().scene(EVERYTHING), Run(outcome, "because"), "tuned")
     assert (found.verdict, found.reason) == (StressVerdict(outcome.value), "because")
-    assert found.invariant_error is None
+    assert found.worst_check is None
 
 
 def test_numbers_beyond_all_bounds_are_wrong_and_still_numbers():
     found = judgement(case(), with_signal(true_history(case(), 601), "velocity", lambda values, _: 1e200 * values))
     assert found.verdict is StressVerdict.CAUGHT
-    assert np.isfinite(found.deviation)
-    assert np.isfinite(found.invariant_error)
+    assert np.isfinite(found.nearest.error_max)
+    assert np.isfinite(found.worst_check.error_max)
 
 
 def test_six_true_samples_are_caught_for_what_lies_between_them():
     found = judgement(case(), true_history(case(), 6))
     assert found.verdict is StressVerdict.CAUGHT
     assert found.wrong == "0.8 of the duration has no samples"
-    assert found.deviation < found.deviation_limit
+    assert found.nearest.error_max < found.nearest.limit
     assert set(found.alarms) == {"closure", "crank_phase", "torque_two_routes", "force_balance"}
 
 

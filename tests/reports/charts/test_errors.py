@@ -3,7 +3,7 @@
 import numpy as np
 
 from comparisons.judging.records import Verdict
-from comparisons.stress.verdict import SAID as INVARIANTS
+from comparisons.stress.verdict import ALARMS as INVARIANTS
 from reports.charts import draw
 from reports.charts.errors import MARKERS, errors_chart
 from reports.records.views import views

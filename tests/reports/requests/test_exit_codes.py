@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -10,8 +11,8 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Record, run_record
-from comparisons.stress.cells import CellResult, find_cell
-from comparisons.stress.verdict import Judgement, StressVerdict
+from comparisons.stress.cell_result import StressVerdict, blank_result
+from comparisons.stress.cells import find_cell
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
@@ -64,7 +65,8 @@ def test_nothing_judged_is_no_success(outcome):
 
 
 def _cell(verdict):
-    return CellResult(find_cell("start/positions/1e-08/direct/tuned"), "m", "", Judgement(verdict, "so it is"), {})
+    blank = blank_result(find_cell("start/positions/1e-08/direct/tuned"), "m")
+    return replace(blank, verdict=verdict, reason="so it is")
 
 
 def test_a_map_fails_by_its_worst_cell():

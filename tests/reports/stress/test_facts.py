@@ -2,7 +2,7 @@
 
 import pytest
 
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import StressVerdict
 from reports.stress.facts import SIGNS, against, value_words
 
 

@@ -4,9 +4,9 @@ import dataclasses
 
 import pytest
 
+from comparisons.judging.records import QuantityRecord
 from comparisons.stress.border import Border
-from comparisons.stress.cells import Cell
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import Cell, StressVerdict
 from reports.stress.facts import SIGNS
 from reports.stress.maps import border_place, map_data, signs, story
 from tests.reports.made_up_stress import made_up_cell, made_up_stress
@@ -46,7 +46,7 @@ def test_every_cell_of_an_axis_stands_on_its_map_once_at_its_value(axis):
 
 
 def test_a_cell_with_no_run_is_left_empty():
-    cells = [row for row in STRESS.document["cells"] if row["value"] != 1.0 or row["usage"] != "naive"]
+    cells = [row for row in STRESS.document["cells"] if row["value"] != 1.0 or row["setting"] != "naive"]
     data = map_data(made_up_stress(cells=cells), "mass")
     column = data["values"].index("1")
     for line in data["blocks"][0]["lines"]:
@@ -56,11 +56,14 @@ def test_a_cell_with_no_run_is_left_empty():
 def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
     blank = made_up_cell(StressVerdict.WITHIN, value=1.0, **PLACE)
     assert story(dataclasses.replace(blank, steps=0)) == {"Conditions": "linkage m"}
-    judgement = dataclasses.replace(
-        blank.judgement, reason="why", quantity="Jeq:needle_bar", deviation=2e-3, deviation_limit=1e-3,
-        invariant="force_balance", invariant_error=3e-4, invariant_limit=1e-2,
-    )  # fmt: skip
-    found = story(dataclasses.replace(blank, judgement=judgement, conditions={"mass_factor": 1e4, "link": "crank"}))
+    known = dataclasses.replace(
+        blank,
+        reason="why",
+        errors=(QuantityRecord("Jeq:needle_bar", error_max=2e-3, limit=1e-3),),
+        invariants=(QuantityRecord("force_balance", error_max=3e-4, limit=1e-2),),
+        differing={"mass_factor": 1e4, "link": "crank"},
+    )
+    found = story(known)
     assert found["Reason"] == "why"
     assert found["Worst deviation, over the peak"] == "Jeq of needle bar 2.0e-3, limit 1e-3"
     assert found["Worst invariant"] == "force balance 3.0e-4, limit 1e-2"
@@ -69,8 +72,8 @@ def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
 
 def test_what_is_wrong_is_told_apart_from_what_the_checks_flagged():
     blank = made_up_cell(StressVerdict.CAUGHT, value=1.0, **PLACE)
-    judgement = dataclasses.replace(blank.judgement, reason="torque off. Flagged: a joint is open", wrong="torque off")
-    found = story(dataclasses.replace(blank, judgement=judgement))
+    flagged = {"reason": "torque off. Flagged: a joint is open", "wrong": "torque off"}
+    found = story(dataclasses.replace(blank, **flagged))
     assert (found["Wrong"], found["Flagged by the checks"]) == ("torque off", "a joint is open")
 
 

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import StressVerdict
 from reports.document import html
 from reports.stress.page import MOST_OPEN, OPEN, page
 from reports.stress.tables import incident_table

@@ -1,6 +1,6 @@
 """The summary and the tables of a stress test say what its cells say."""
 
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import StressVerdict
 from reports.document.parts import as_text
 from reports.stress.facts import SIGNS, axis_title
 from reports.stress.tables import MOST_ALONE, border_table, count_table, incident_table, ranking, told, verdict_facts

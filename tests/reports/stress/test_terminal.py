@@ -1,6 +1,6 @@
 """The terminal has the counts, the borders, and every cell that was missed or an alarm."""
 
-from comparisons.stress.verdict import StressVerdict
+from comparisons.stress.cell_result import StressVerdict
 from reports.document.terminal import rendered
 from reports.stress.terminal import cell_details, printout
 from tests.reports.made_up_stress import made_up_stress
@@ -27,7 +27,7 @@ def test_one_cell_is_told_in_full():
     (caught, *_) = STRESS.of(StressVerdict.CAUGHT)
     text = rendered(cell_details(caught))
     assert text.startswith(f"{caught.cell.key}: caught")
-    assert caught.judgement.reason in text
+    assert caught.reason in text
     assert "10 steps" in text
     every = rendered(*printout(STRESS).details)
     assert all(result.cell.key in every for result in STRESS.results)

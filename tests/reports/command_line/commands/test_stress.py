@@ -7,7 +7,7 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.stress import campaign
-from comparisons.stress.verdict import Judgement, StressVerdict
+from comparisons.stress.cell_result import StressVerdict
 from reports.command_line.commands import stress
 from reports.command_line.commands.stress import run
 from reports.command_line.destination import Destination
@@ -97,4 +97,4 @@ def test_a_missed_cell_fails_the_command(monkeypatch, capsys):
 
 
 def _as_missed(result):
-    return replace(result, judgement=Judgement(StressVerdict.MISSED, "no invariant saw it"))
+    return replace(result, verdict=StressVerdict.MISSED, reason="no invariant saw it")
