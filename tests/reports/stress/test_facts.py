@@ -2,6 +2,7 @@
 
 import pytest
 
+from comparisons.judging.records import QuantityRecord
 from comparisons.stress.cell_result import StressVerdict
 from reports.stress.facts import SIGNS, against, value_words
 
@@ -20,5 +21,5 @@ def test_a_value_is_written_short_and_to_three_digits(value, words):
 
 
 def test_an_error_stands_beside_its_limit_or_not_at_all():
-    assert against("S", 2e-3, 1e-3) == "S 2.0e-3, limit 1e-3"
-    assert against("S", None, 1e-3) == ""
+    assert against(QuantityRecord("S", error_max=2e-3, limit=1e-3)) == "S 2.0e-3, limit 1e-3"
+    assert against(None) == ""
