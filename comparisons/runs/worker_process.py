@@ -25,16 +25,17 @@ from typing import Any, Final
 
 from comparisons.runs.failures import SHOW_OUTPUT, lost
 
-HOST: Final = "LINKPROOF_HOST"  # in a worker's environment: the name of its machine, where results are to tell it
-START_MARK: Final = bytes(16)  # of a worker's first message, which is empty; a job's result bears the job's mark
+HOST: Final = "LINKPROOF_HOST"  # in a worker's environment: the name of its machine, if results have to name it
+IDLE_TIMEOUT: Final = 60.0  # s without a job after which a worker of a cluster ends: no one says which job was the last
+START_MARK: Final = bytes(16)  # of a worker's first message, which is empty; a job's result has the job's mark
 _HEADER: Final = struct.Struct("!16sQI")  # of a message: its mark, its length, its checksum
 _CHUNK: Final = 1 << 20  # bytes read at once
-# How workers are started: fork, forkserver or spawn, as multiprocessing has it.
+# How workers are started: fork, forkserver or spawn, as in multiprocessing.
 START: Final = "LINKPROOF_WORKER_START"
 
 
 def host() -> str:
-    """Name of the machine that this worker runs on; empty in one of the same machine as its results, and elsewhere."""
+    """Name of the machine that this worker of a cluster runs on; empty in all other processes."""
     return os.environ.get(HOST, "")
 
 
@@ -44,14 +45,14 @@ def is_worker() -> bool:
 
 
 class BrokenMessageError(Exception):
-    """Bytes that are no message of a worker's."""
+    """The bytes are not a message of a worker."""
 
 
 def message_of(sent: bytes | bytearray, mark: bytes, longest: int) -> bytes | None:
-    """The message of this mark that a worker has sent; None while the bytes end too early.
+    """The message with this mark that a worker has sent; None if the rest has not arrived yet.
 
-    An engine shares the pipe with its worker, and may write into it or change what Python does. So raises
-    BrokenMessageError for another mark, more than ``longest`` bytes or more than were announced, and a wrong checksum.
+    An engine shares the pipe with its worker, and may write into it or change Python's functions. Raises
+    BrokenMessageError for another mark, more than ``longest`` bytes or more than announced, and a wrong checksum.
     """
     if bytes(sent[: len(START_MARK)]) != mark[: len(sent)]:
         raise BrokenMessageError
@@ -70,10 +71,10 @@ def message_of(sent: bytes | bytearray, mark: bytes, longest: int) -> bytes | No
 
 
 def received(channel: Connection) -> bytes:
-    """Bytes that have come by now, none at the end: unlike ``recv_bytes`` it never waits for the rest of a message."""
+    """The bytes that have arrived, none at the end; unlike ``recv_bytes`` it never waits for the rest of a message."""
     if os.name == "posix":
         return os.read(channel.fileno(), _CHUNK)
-    return channel.recv_bytes()  # the system hands on what was sent at once as a whole
+    return channel.recv_bytes()  # this system delivers whole messages
 
 
 def _send(channel: Connection, mark: bytes, message: bytes) -> None:
@@ -86,18 +87,18 @@ def _send(channel: Connection, mark: bytes, message: bytes) -> None:
 
 
 def start_method() -> str:
-    """How workers are started: forked from a server that has imported what they need, 5 ms each; no thread is forked.
+    """How workers are started: forked in 5 ms from a server without threads that has imported what they need.
 
-    Where there is no such server (Windows), or forking is unsafe with the system's own libraries (macOS), every worker
-    is spawned and imports anew. ``START`` in the environment overrules it.
+    On Windows, which has no such server, and on macOS, whose libraries may not be forked, every worker is spawned and
+    imports anew. ``START`` in the environment overrules it.
     """
     return os.environ.get(START) or ("forkserver" if sys.platform.startswith("linux") else "spawn")
 
 
 def start_server(modules: Sequence[str]) -> None:
-    """Start the server that forks workers, with these modules imported; returns at once, does nothing the next time.
+    """Start the server that forks workers, if it does not run yet, and have it import these modules.
 
-    Called early, its imports run beside the caller's own.
+    Returns at once: if it is called early, the server imports while the caller does.
     """
     if start_method() == "forkserver":
         forkserver.set_forkserver_preload(["comparisons.runs.worker_process", *modules])
@@ -107,7 +108,7 @@ def start_server(modules: Sequence[str]) -> None:
 
 @contextlib.contextmanager
 def same_path() -> Iterator[None]:
-    """A Python started here finds modules where this one does, and none in the folder it happens to be run from."""
+    """A Python started here imports modules from the same folders as this one, and none from the working folder."""
     path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
     before = dict(os.environ)
     os.environ.update(PYTHONPATH=path, PYTHONSAFEPATH="1")
@@ -121,10 +122,10 @@ def same_path() -> Iterator[None]:
 
 @contextlib.contextmanager
 def cut_off() -> Iterator[None]:
-    """What is started here is cut off from the terminal: it sees no Ctrl-C, prints nothing and knows no main module.
+    """A process started here ignores Ctrl-C, prints nothing and does not import the main module.
 
-    From its first instruction on; this process hears a Ctrl-C when it is over. Without the main module, where no job
-    lives, a script that calls us needs no ``if __name__ == "__main__"``, and a command line is not paid for twice.
+    A Ctrl-C meanwhile reaches this process at the end. Without the main module, which has no job in it, a script that
+    calls us needs no ``if __name__ == "__main__"``, and a command line is not imported twice.
     """
     main = sys.modules["__main__"]
     with _deaf_to_interrupts(), _silent():
@@ -149,7 +150,7 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """The file descriptors 1 and 2 lead nowhere, unless the output is requested."""
+    """Discard what is written to the file descriptors 1 and 2, unless the output is requested."""
     if os.environ.get(SHOW_OUTPUT):
         yield
         return
@@ -157,36 +158,36 @@ def _silent() -> Iterator[None]:
         if stream is not None:
             stream.flush()
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    before = [os.dup(descriptor) for descriptor in (1, 2)]
+    copies = [os.dup(descriptor) for descriptor in (1, 2)]
     try:
         for descriptor in (1, 2):
             os.dup2(nowhere, descriptor)
         yield
     finally:
-        for descriptor, known in zip((1, 2), before, strict=True):
-            os.dup2(known, descriptor)
-        for descriptor in (nowhere, *before):
+        for descriptor, copy in zip((1, 2), copies, strict=True):
+            os.dup2(copy, descriptor)
+        for descriptor in (nowhere, *copies):
             os.close(descriptor)
 
 
 def serve(channel: Connection, output: Connection | None, function: bytes, memory: int, host: str = "") -> None:
-    """Answer every pickled tuple of arguments on the channel by what ``function`` makes of it, until it is closed."""
+    """Receive pickled tuples of arguments and send back the results of ``function``, until the channel is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ[HOST] = host
     if hasattr(os, "setpgid"):
-        os.setpgid(0, 0)  # what an engine starts of its own is in the worker's group, and dies with it
+        os.setpgid(0, 0)  # processes that an engine starts are in the worker's group, and are killed with it
     _die_with_parent()
     _leave_server()
     _redirect(output)
     _send(channel, START_MARK, b"")
     with contextlib.suppress(EOFError):
-        while True:
+        while channel.poll(IDLE_TIMEOUT if host else None):
             mark, job = channel.recv_bytes(), channel.recv_bytes()
             _send(channel, mark, _answer(function, job, memory))
 
 
 def _answer(function: bytes, job: bytes, memory: int) -> bytes:
-    """The pickled result of one job; whatever happens to it is a result."""
+    """The pickled result of one job, which is ``Lost`` if the job raises anything."""
     try:
         with _bounded(memory):
             value = _loaded(function)(*pickle.loads(job))
@@ -197,7 +198,7 @@ def _answer(function: bytes, job: bytes, memory: int) -> bytes:
 
 @functools.cache
 def _loaded(function: bytes) -> Callable[..., object]:
-    """A pickled function, the same for all jobs, so that what it has found once it can keep."""
+    """A function, unpickled once for all jobs, so that it can cache."""
     loaded: Callable[..., object] = pickle.loads(function)
     return loaded
 
@@ -205,8 +206,8 @@ def _loaded(function: bytes) -> Callable[..., object]:
 def _die_with_parent() -> None:
     """Kill this worker when its parent dies, even inside C code.
 
-    The pipe that ends with the parent raises a signal by itself. (Its death does not end the server, which lives as
-    long as any worker, so the kernel's signal on a father's death would come too late.)
+    On Linux the end of the parent's pipe sends SIGKILL. (The kernel's signal at a parent's death would come too late:
+    the worker's is the server that forked it, which lives as long as any worker.)
     """
     parent = multiprocessing.parent_process()
     assert parent is not None
@@ -220,11 +221,11 @@ def _die_with_parent() -> None:
         if not parent.is_alive():
             os._exit(1)
     else:
-        threading.Thread(target=_outlive, args=(parent.sentinel,), daemon=True).start()
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
 
 
 def _leave_server() -> None:
-    """Close the pipe by which the server hears that it is needed: one byte written there by an engine would end it."""
+    """Close the pipe to the server, which one byte from an engine would end."""
     server: Any = getattr(forkserver, "_forkserver", None)
     descriptor = getattr(server, "_forkserver_alive_fd", None)
     if descriptor is not None:
@@ -232,7 +233,7 @@ def _leave_server() -> None:
         os.close(descriptor)
 
 
-def _outlive(sentinel: int) -> None:
+def _end_with(sentinel: int) -> None:
     wait([sentinel])
     if hasattr(os, "killpg"):
         os.killpg(0, signal.SIGKILL)
@@ -240,7 +241,7 @@ def _outlive(sentinel: int) -> None:
 
 
 def _redirect(output: Connection | None) -> None:
-    """Send what is printed, and what a C core writes to file descriptors, to the parent; leave no core dumps."""
+    """Send all output, from Python and from C, to the parent; write no core dumps."""
     with contextlib.suppress(ImportError):
         import resource  # noqa: PLC0415  POSIX only
 
@@ -254,7 +255,7 @@ def _redirect(output: Connection | None) -> None:
 
 @contextlib.contextmanager
 def _bounded(memory: int) -> Iterator[None]:
-    """Let the process add no more than ``memory`` bytes to its address space; no bound where the system sets none."""
+    """Let the process add at most ``memory`` bytes to its address space, if the system can bound it."""
     try:
         import resource  # noqa: PLC0415
 

@@ -1,16 +1,16 @@
-"""Where jobs are run: in worker processes of this machine, each within bounds, or wherever else a pool has them run."""
+"""Where jobs run: in worker processes of this machine, each within bounds, or in any other pool."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
 from analytic.errors import LinkproofError
 from analytic.machine_code.compiling import cores
-from comparisons.runs.crew import DEFAULT_BOUNDS, Bounds, Crew
 from comparisons.runs.failures import Lost, lost
+from comparisons.runs.worker_pool import DEFAULT_BOUNDS, Bounds, WorkerPool
 
 __all__ = [
     "DEFAULT_BOUNDS", "EVERY_CORE", "ONE_BY_ONE", "Bounds", "LocalPool", "Pool", "PoolLostError", "run_jobs",
@@ -21,26 +21,26 @@ R = TypeVar("R")
 
 
 def usual_processes(count: int) -> int:
-    """How many processes ``count`` jobs are given where nobody says: the cores; none for a single one."""
+    """The default number of processes for ``count`` jobs: the cores, and none for a single job."""
     return 0 if count == 1 else cores()
 
 
 class PoolLostError(LinkproofError):
-    """What jobs are run on is gone, in half a sentence; what they came to until then is kept."""
+    """The machines that run the jobs are gone, in half a sentence; the results until then are saved."""
 
 
 class Pool(Protocol):
-    """Where jobs are run."""
+    """Where jobs run."""
 
     @property
     def place(self) -> Mapping[str, str]:
-        """What an environment tells of the machines that jobs run on, where they are not this one."""
+        """What an environment records of the machines that jobs run on; nothing for this machine."""
         ...
 
     def run(
         self,
         function: Callable[..., R],
-        jobs: Sequence[tuple[Any, ...]],
+        jobs: Iterable[tuple[Any, ...]],
         bounds: Bounds = ...,
         begun: Callable[[int], object] = ...,
     ) -> Generator[tuple[int, R | Lost], None, None]:
@@ -62,7 +62,7 @@ class LocalPool:
     def run(
         self,
         function: Callable[..., R],
-        jobs: Sequence[tuple[Any, ...]],
+        jobs: Iterable[tuple[Any, ...]],
         bounds: Bounds = DEFAULT_BOUNDS,
         begun: Callable[[int], object] = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
@@ -75,7 +75,7 @@ EVERY_CORE, ONE_BY_ONE = LocalPool(), LocalPool(1)
 
 def run_jobs(
     function: Callable[..., R],
-    jobs: Sequence[tuple[Any, ...]],
+    jobs: Iterable[tuple[Any, ...]],
     *,
     bounds: Bounds = DEFAULT_BOUNDS,
     processes: int | None = None,
@@ -83,24 +83,24 @@ def run_jobs(
 ) -> Generator[tuple[int, R | Lost], None, None]:
     """Call ``function(*job)`` for every job, in worker processes; yields (index of the job, result) as they complete.
 
-    ``function``, a module's own or a ``functools.partial`` of one, is sent to each worker once, every job when it is
-    taken up, in order; ``begun`` hears its index. ``processes`` are the cores by default, never more than there are
-    jobs. With 0 the jobs run in this process, one after the other and without bounds: only what they raise is caught.
+    ``function``, of a module or a ``functools.partial`` of one, is sent to each worker once. Jobs begin in order, are
+    taken from their iterable when workers need them, and ``begun`` is called with the index of each. ``processes`` are
+    the cores by default, never more than there are jobs. With 0 the jobs run in this process, one after the other and
+    without bounds: only exceptions are caught.
 
-    A job whose worker dies is tried once more if the worker had done others before, so that it pays for itself alone. A
-    worker never hears Ctrl-C and writes nothing to the terminal. Closing the generator, or an exception in it, kills
-    them at once; so does the death of this process, whatever its cause.
+    A job whose worker dies is tried once more if the worker had finished others before, so that none pays for another.
+    A worker ignores Ctrl-C and writes nothing to the terminal. All workers are killed at once when the generator is
+    closed or raises, and when this process dies, whatever its cause.
     """
     if processes == 0:
         yield from _run_here(function, jobs, bounds, begun)
         return
-    crew = Crew(function, jobs, bounds, min(processes or cores(), len(jobs)), begun)
-    with contextlib.closing(crew):
-        yield from crew.results()
+    with contextlib.closing(WorkerPool(function, jobs, bounds, processes or cores(), begun)) as workers:
+        yield from workers.results()
 
 
 def _run_here(
-    function: Callable[..., R], jobs: Sequence[tuple[Any, ...]], bounds: Bounds, begun: Callable[[int], object]
+    function: Callable[..., R], jobs: Iterable[tuple[Any, ...]], bounds: Bounds, begun: Callable[[int], object]
 ) -> Iterator[tuple[int, R | Lost]]:
     for number, job in enumerate(jobs):
         begun(number)

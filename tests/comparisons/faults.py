@@ -11,7 +11,7 @@ import threading
 import time
 from pathlib import Path
 
-from comparisons.runs.crew import DEFAULT_BOUNDS
+from comparisons.runs.worker_pool import DEFAULT_BOUNDS
 from engines.contract import Abilities, Outcome, Run
 
 LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits for what has to come
@@ -48,7 +48,7 @@ def _parent(process):
 
 
 class Clock:
-    """Time as ``crew`` sees it, which can be put forward beyond what any job may take."""
+    """Time as ``worker_pool`` sees it, which can be put forward beyond what any job may take."""
 
     sleep, ahead = staticmethod(time.sleep), 0.0
 

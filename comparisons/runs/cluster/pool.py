@@ -1,215 +1,253 @@
-"""The workers of a Dask scheduler as a pool: jobs are given out one by one, and anew where a worker is lost."""
+"""The workers of a Dask scheduler as a pool: Dask hands out the jobs, and repeats those whose worker dies."""
 
 from __future__ import annotations
 
+import asyncio
+import pickle
 import time
-from collections import Counter
-from collections.abc import Callable, Generator, Hashable, Mapping, Sequence
-from contextlib import closing, suppress
+from collections import Counter, deque
+from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping
+from concurrent import futures
 from dataclasses import dataclass, field
+from itertools import islice
+from queue import Empty, SimpleQueue
 from typing import Any, Final, TypeVar
 
+from distributed import KilledWorker
+
 from analytic.errors import LinkproofError
-from comparisons.runs.cluster.orders import PULSE, Orders
-from comparisons.runs.cluster.station import StationFacts, facts
-from comparisons.runs.environment import INCIDENTAL
-from comparisons.runs.failures import Lost
+from comparisons.runs.cluster.machine import DASK, DaskMachine, this_machine, work
+from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, PoolLostError
 
 R = TypeVar("R")
+_Job = tuple[int, tuple[Any, ...]]  # index and arguments
 
-GREETING: Final = 60.0  # s that a worker is given to say what it has; importing everything takes a while
-NOBODY: Final = 60.0  # s without any worker before all is given up
-ANSWER: Final = 20.0  # s that a scheduler which was there is given to answer
-# Of a worker's environment, what need not be as here: sources are compared by themselves.
-APART: Final = (*INCIDENTAL, "commit")
-
-
-@dataclass(frozen=True)
-class Station:
-    """A Dask worker that takes jobs: as many at once as it has ``threads``."""
-
-    host: str
-    threads: int
+PULSE: Final = 1.0  # s from one look at the workers to the next
+STARTUP_TIMEOUT: Final = 60.0  # s for an answer of the scheduler, or of a worker that imports everything for it
+NO_WORKER_TIMEOUT: Final = 60.0  # s without any worker after which the run is given up
+JOBS_PER_THREAD: Final = 2  # that Dask has at a time: one runs, and the next waits beside it
+RETRIES: Final = 3  # by Dask, of a job that its worker could not finish
+ATTEMPTS: Final = 10  # of a job all of whose workers have died
+_RECALLED: Final = (asyncio.CancelledError, futures.CancelledError, OSError)  # of a future: its result is lost
 
 
 @dataclass(eq=False)
 class ClusterPool:
     """The workers of the scheduler that a Dask ``client`` is connected to.
 
-    ``alone``: one job at a time on a machine, jobs with the same first argument all on the same machine as long as it
-    is there, and no machine unlike the others, so that times can be held against each other.
+    ``alone`` is for times that are compared: a machine has one job at a time, jobs with the same first argument go to
+    the same machine as long as it is there, and all machines are of one kind.
     """
 
     client: Any
     alone: bool = False
-    stations: dict[str, Station] = field(default_factory=dict)
-    hosts: dict[str, str] = field(default_factory=dict)  # every machine, by its name
-    _greeted: dict[str, Any] = field(default_factory=dict)
-    _refused: set[str] = field(default_factory=set)
-    _homes: dict[Hashable, str] = field(default_factory=dict)
-    _asked: float = -1.0
-    _seen: float = 0.0
+    here: DaskMachine = field(default_factory=this_machine)
+    hosts: dict[str, str] = field(default_factory=dict)  # the kind of every machine so far, by its name
+    machines: dict[str, DaskMachine] = field(default_factory=dict)  # by the address of the worker that takes jobs
+    _threads: dict[str, int] = field(default_factory=dict)
+    _known: dict[str, object] = field(default_factory=dict)  # a machine, or what a worker has answered instead
+    _preferred: dict[Hashable, str] = field(default_factory=dict)  # machine of each place
+    _looked: float = -PULSE
+    _seen: float = field(default_factory=time.monotonic)  # when a worker was there
 
-    @property
-    def address(self) -> str:
-        """The scheduler's."""
-        return str(self.client.scheduler.address)
-
-    @property
-    def is_there(self) -> bool:
-        """Whether the scheduler is still connected."""
-        return bool(self.client.status == "running")
+    def __post_init__(self) -> None:
+        self.address = str(self.client.scheduler.address)  # which a closed client does not know
 
     @property
     def place(self) -> Mapping[str, str]:
         """Names and hardware of the machines."""
-        machines = dict.fromkeys(self.hosts.values())
-        return {"machine": "; ".join(machines), "hosts": ", ".join(sorted(self.hosts))}
+        return {"machine": "; ".join(dict.fromkeys(self.hosts.values())), "hosts": ", ".join(sorted(self.hosts))}
+
+    @property
+    def room(self) -> int:
+        """How many jobs Dask may have at a time."""
+        return sum(1 if self.alone else JOBS_PER_THREAD * self._threads[address] for address in self.machines)
 
     def check(self) -> None:
-        """Get to know all workers; raises LinkproofError unless there are some, and each has what is here."""
-        here = facts()
-        self._check_dask()
-        threads = self._threads()
-        if not threads:
+        """Raise LinkproofError unless there are workers, and all can do the jobs of this process."""
+        packages = self._answer(self.client._get_versions)["scheduler"]["packages"]
+        if fault := self._difference({name: packages[name] for name in DASK}, DASK):
+            raise LinkproofError(f"scheduler {self.address}: {fault}")
+        self.refresh()
+        if not self._known:
             raise LinkproofError(
                 f"expected workers at {self.address}, got none: start some with: dask worker {self.address} --no-nanny"
             )
-        self._greet(threads)
-        patience = time.monotonic() + GREETING
-        while self._greeted and time.monotonic() < patience:
-            time.sleep(0.01)
-            for address, told in self._told():
-                fault = told if isinstance(told, str) else _fault(told, here)
-                if fault:
-                    raise LinkproofError(f"worker {address}: {fault}")
-                self._take(address, told, threads[address])
-        if not self.stations:
-            raise LinkproofError(f"workers at {self.address} do not answer: restart them")
-        if self.alone and len(set(self.hosts.values())) > 1:
-            raise LinkproofError(
-                f"expected machines of one kind, so that times are comparable, got {self.place['machine']}: "
-                "measure on each of them into a folder of its own and join these with: linkproof merge"
-            )
+        for address, found in self._known.items():
+            if fault := self._fault(found):
+                raise LinkproofError(f"worker {address}: {fault}")
         if self.alone and any(self._answer(self.client.scheduler.processing, workers=None).values()):
             raise LinkproofError(f"expected idle workers at {self.address} for timed runs, got some at work: wait")
 
-    def renew(self) -> None:
-        """See which workers are there by now; those that come late and lack anything are left alone.
+    def refresh(self) -> bool:
+        """See which workers are there, at most once in a pulse; late ones that cannot do the jobs are left alone.
 
-        Raises PoolLostError where the scheduler is gone, or all workers are and none has come for long.
+        Returns whether it has looked. Raises PoolLostError if the scheduler is gone, or all workers are for long.
         """
-        if not self.is_there:
+        if self.client.status != "running":
             raise PoolLostError(f"the scheduler at {self.address} is gone")
-        if time.monotonic() < self._asked + PULSE:
-            return
-        threads, here = self._threads(), None
-        self._asked = time.monotonic()
-        for address in self.stations.keys() - threads.keys():
-            del self.stations[address]
-        self._greet({address: count for address, count in threads.items() if address not in self._refused})
-        for address, told in self._told():
-            here = here or facts()
-            if address not in threads:
-                continue
-            if isinstance(told, str) or _fault(told, here) or (self.alone and told.host not in self.hosts):
-                self._refused.add(address)
-            else:
-                self._take(address, told, threads[address])
-        if self.stations:
-            self._seen = time.monotonic()
-        elif time.monotonic() > self._seen + NOBODY:
+        if time.monotonic() < self._looked + PULSE:
+            return False
+        self._threads = self._answer(self.client.scheduler.ncores)
+        self._known = {address: found for address, found in self._known.items() if address in self._threads}
+        if new := [address for address in self._threads if address not in self._known]:
+            try:  # not by ``submit``, which would wait for a worker that dies meanwhile
+                self._known |= self._answer(self.client._run, this_machine, workers=new, on_error="return")
+            except PoolLostError as error:
+                self._known |= dict.fromkeys(new, error)
+        self.machines = {}
+        for address, found in self._known.items():
+            if isinstance(found, DaskMachine) and not self._fault(found):
+                self.hosts[found.host] = found.kind
+                if not self.alone or found.host not in {machine.host for machine in self.machines.values()}:
+                    self.machines[address] = found
+        self._looked = time.monotonic()
+        if self.machines:
+            self._seen = self._looked
+        elif self._looked > self._seen + NO_WORKER_TIMEOUT:
             raise PoolLostError(f"no worker is left at {self.address}")
+        return True
 
     def run(
         self,
         function: Callable[..., R],
-        jobs: Sequence[tuple[Any, ...]],
+        jobs: Iterable[tuple[Any, ...]],
         bounds: Bounds = DEFAULT_BOUNDS,
         begun: Callable[[int], object] = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
         """Call ``function(*job)`` for every job, in processes of the workers' machines.
 
-        Raises PoolLostError where they are lost; what was done until then has been yielded.
+        Raises PoolLostError if the workers or the scheduler are lost; all results until then have been yielded.
         """
         self._seen = time.monotonic()
-        with closing(Orders(self, function, jobs, bounds, begun)) as orders:
-            yield from orders.results()
-
-    def home(self, place: Hashable) -> str:
-        """The machine that the jobs of a place belong to: of those that are there, the one with fewest places."""
-        there = dict.fromkeys(station.host for station in self.stations.values())
-        if self._homes.get(place) not in there:
-            places = Counter(self._homes.values())
-            self._homes[place] = min(there, key=lambda host: places[host])
-        return self._homes[place]
-
-    def _take(self, address: str, told: StationFacts, threads: int) -> None:
-        self.stations[address] = Station(told.host, threads)
-        self.hosts[told.host] = told.environment["machine"]
-
-    def _threads(self) -> dict[str, int]:
-        """Every worker's threads, by its address."""
-        found: dict[str, int] = self._answer(self.client.scheduler.ncores)
-        return found
-
-    def _answer(self, question: Callable[..., Any], **words: Any) -> Any:  # noqa: ANN401 - any answer
-        """What the scheduler says; raises PoolLostError where it, or a worker that it asks, says nothing for long."""
+        dispatcher = Dispatcher(self, pickle.dumps(function), enumerate(jobs), bounds, begun)
         try:
-            return self.client.sync(question, callback_timeout=ANSWER, **words)
+            yield from dispatcher.results()
+        finally:
+            dispatcher.close()
+
+    def workers_for(self, job: tuple[Any, ...]) -> list[str]:
+        """The workers that may do a job."""
+        return [self.preferred_worker(job[0])] if self.alone else list(self.machines)
+
+    def preferred_worker(self, place: Hashable) -> str:
+        """The worker for the jobs of a place: on the machine of the earlier ones, else on that with fewest places."""
+        there = {machine.host: address for address, machine in self.machines.items()}
+        if self._preferred.get(place) not in there:
+            places = Counter(self._preferred.values())
+            self._preferred[place] = min(there, key=lambda host: places[host])
+        return there[self._preferred[place]]
+
+    def _fault(self, found: object) -> str:
+        """Why a worker cannot do the jobs of this process; empty if it can."""
+        if isinstance(found, ImportError):
+            return f"expected linkproof, as here, got none ({found}): install the same there"
+        if not isinstance(found, DaskMachine):
+            return f"expected its versions, got {type(found).__name__}: {found}; restart it"
+        if found.is_daemon:
+            return (
+                "expected one that may start processes, which keep engines apart, got a daemonic one: start it with "
+                "DASK_DISTRIBUTED__WORKER__DAEMON=False in its environment, or with --no-nanny"
+            )
+        kinds = [kind for kind in self.hosts.values() if self.alone and kind != found.kind]
+        if kinds:
+            return (
+                f"expected machines of one kind, so that times are comparable, got {found.kind} beside {kinds[0]}: "
+                "measure on each of them into a folder of its own and join these with: linkproof merge"
+            )
+        return self._difference(found.versions, {**self.here.versions, **found.versions})
+
+    def _difference(self, versions: Mapping[str, str], names: Iterable[str]) -> str:
+        for name in names:
+            expected, got = self.here.versions.get(name, "none"), versions.get(name, "none")
+            if expected != got:
+                return f"expected {name} {expected}, as here, got {got}: install the same"
+        return ""
+
+    def _answer(self, question: Callable[..., Any], *args: Any, **words: Any) -> Any:  # noqa: ANN401
+        """The answer of the scheduler; raises PoolLostError if it, or a worker that it asks, gives none in time."""
+        try:
+            return self.client.sync(question, *args, callback_timeout=STARTUP_TIMEOUT, **words)
         except Exception as error:  # the end of a connection has many names
             raise PoolLostError(f"the scheduler at {self.address}, or a worker, does not answer") from error
 
-    def _greet(self, addresses: Mapping[str, int]) -> None:
-        """Ask workers that are not known yet what they have."""
-        for address in addresses.keys() - self.stations.keys() - self._greeted.keys():
-            self._greeted[address] = self.client.submit(facts, workers=[address], pure=False)
-        for address in self._greeted.keys() - addresses.keys():
-            del self._greeted[address]
 
-    def _told(self) -> list[tuple[str, Any]]:
-        """What workers have said by now: their facts, or why they have none."""
-        found: list[tuple[str, Any]] = []
-        for address in [name for name, future in self._greeted.items() if future.done()]:
-            future = self._greeted.pop(address)
-            with suppress(Exception):  # a worker that has died meanwhile
-                error = future.exception(timeout=PULSE)
-                found.append((address, _why(error) if error else future.result(timeout=ANSWER)))
-        return found
+@dataclass
+class Dispatcher:
+    """The jobs of one call: Dask has few of them at a time, and the others stay in their iterator."""
 
-    def _check_dask(self) -> None:
-        """Raise LinkproofError where scheduler or workers have another Dask."""
-        versions = self._answer(self.client._get_versions)
-        here = versions["client"]["packages"]
-        others = {f"scheduler {self.address}": versions["scheduler"]}
-        others |= {f"worker {address}": told for address, told in versions["workers"].items()}
-        for who, told in others.items():
-            for package in ("distributed", "dask"):
-                found = (told or {}).get("packages", {}).get(package)
-                if found != here[package]:
-                    raise LinkproofError(
-                        f"{who}: expected {package} {here[package]}, as here, got {found}: install the same"
-                    )
+    pool: ClusterPool
+    function: bytes
+    jobs: Iterator[_Job]
+    bounds: Bounds
+    begun: Callable[[int], object]
+    waiting: deque[_Job] = field(default_factory=deque)
+    submitted: dict[Any, tuple[_Job, list[str]]] = field(default_factory=dict)  # with the workers that may do it
+    attempts: Counter[int] = field(default_factory=Counter)
+    arrived: SimpleQueue[tuple[Any, object]] = field(default_factory=SimpleQueue)
 
+    def results(self) -> Iterator[tuple[int, Any]]:
+        """The result of every job, as they arrive."""
+        while True:
+            if self.pool.refresh():
+                self._recall()
+            self._submit()
+            if not (self.submitted or self.waiting):
+                return
+            try:
+                future, found = self.arrived.get(timeout=PULSE)
+            except Empty:
+                continue
+            job, workers = self.submitted.pop(future)
+            number = job[0]
+            if isinstance(found, bytes):
+                yield number, pickle.loads(found)
+            elif isinstance(found, _RECALLED) and self.attempts[number] < ATTEMPTS:
+                self.waiting.appendleft(job)
+            elif isinstance(found, (*_RECALLED, KilledWorker)):
+                yield number, Lost(Failure.CRASHED, "all Dask workers that ran it have died")
+            else:
+                reason = f"expected a result, got {type(found).__name__}: {found}; restart them"
+                raise LinkproofError(f"workers {', '.join(workers)}: {reason}")
 
-def _why(error: BaseException) -> str:
-    if isinstance(error, ImportError):
-        return f"expected linkproof, as here, got none ({error}): install the same there"
-    return f"expected to hear what it has, got {type(error).__name__}: {error}; restart it"
+    def close(self) -> None:
+        """Recall all jobs: workers end them."""
+        for future in self.submitted:
+            future.release()
 
+    def _recall(self) -> None:
+        """Take back the jobs whose workers are all gone: Dask would wait until one of these comes back."""
+        for future, (_, workers) in self.submitted.items():
+            if not any(address in self.pool.machines for address in workers):
+                future.cancel()
 
-def _fault(told: StationFacts, here: StationFacts) -> str:
-    """Why a worker cannot do the jobs of this process; empty where it can."""
-    if told.is_daemon:
-        return (
-            "expected one that may start processes, which keep engines apart, got a daemonic one: start it with "
-            "DASK_DISTRIBUTED__WORKER__DAEMON=False in its environment, or with --no-nanny"
-        )
-    for name in {**here.environment, **told.environment}:
-        expected, got = (one.environment.get(name, "none") for one in (here, told))
-        if name not in APART and expected != got:
-            return f"expected {name} {expected}, as here, got {got}: install the same"
-    if told.sources != here.sources:
-        return "expected linkproof's files as they are here, got others of the same version: install the same"
-    return ""
+    def _submit(self) -> None:
+        """Hand on as many jobs as there is room for."""
+        pool, later = self.pool, []
+        self.waiting.extend(islice(self.jobs, None if pool.alone else max(0, 1 + pool.room - len(self.waiting))))
+        while self.waiting and len(self.submitted) < pool.room:
+            job = number, arguments = self.waiting.popleft()
+            workers = pool.workers_for(arguments)
+            if pool.alone and any(workers == others for _, others in self.submitted.values()):
+                later.append(job)
+                continue
+            self.begun(number)
+            self.attempts[number] += 1
+            words = {"workers": workers, "retries": RETRIES, "pure": False}
+            future = pool.client.submit(work, self.function, pickle.dumps(arguments), self.bounds, **words)
+            self.submitted[future] = job, workers
+            asyncio.run_coroutine_threadsafe(self._fetch(future), pool.client.loop.asyncio_loop)
+        self.waiting.extendleft(reversed(later))
+
+    async def _fetch(self, future: Any) -> None:  # noqa: ANN401
+        """Fetch a result when it is there, on the client's own loop.
+
+        ``distributed.as_completed`` never yields a future whose result is lost on its way, and its timeout counts from
+        its creation.
+        """
+        try:
+            found: object = await future
+        except BaseException as error:  # that of a future that is cancelled is an interruption by its type
+            found = error
+        self.arrived.put((future, found))

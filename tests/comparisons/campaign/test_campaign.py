@@ -18,7 +18,7 @@ from comparisons.judging.baseline import Baseline, Place
 from comparisons.judging.limits import shipped_limits
 from comparisons.judging.records import Verdict
 from comparisons.judging.verdicts import Standard, shipped_standard
-from comparisons.runs import crew
+from comparisons.runs import worker_pool
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
 from comparisons.runs.workers import Bounds, LocalPool
@@ -422,8 +422,8 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
     faulty = ("aborting", "hanging", "leaving", "raising", "swelling", "writing")
     request = _parallel(linkages=(JUKI,), motions=BRIEF[:1], engines=("direct", *faulty), settings=(Setting.TUNED,))
     clock = Clock()
-    monkeypatch.setattr(crew, "time", clock)
-    monkeypatch.setattr(crew, "_DYING", PATIENCE)
+    monkeypatch.setattr(worker_pool, "time", clock)
+    monkeypatch.setattr(worker_pool, "_EXIT_TIMEOUT", PATIENCE)
 
     def begun(label, *_):
         if "hanging" in label and not clock.ahead:

@@ -1,24 +1,20 @@
 """Jobs on a cluster come to what they come to here, whatever dies on the way; what is no cluster is one sentence."""
 
-import importlib.util
 import os
 import signal
 import socket
 import subprocess
 import sys
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, islice, pairwise
 
 import numpy as np
 import pytest
 
 import linkproof
 from analytic.errors import LinkproofError
-from comparisons.runs.cluster import connecting, station
-from comparisons.runs.cluster import pool as pools
+from comparisons.runs.cluster import connecting
 from comparisons.runs.cluster.connecting import check_scheduler, opened
-from comparisons.runs.cluster.orders import Orders
-from comparisons.runs.cluster.pool import ClusterPool
 from comparisons.runs.failures import GIB, Failure, Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Study, Task
@@ -27,8 +23,8 @@ from tests.commands import refused
 from tests.comparisons.faults import PATIENCE, children, job, wait_for
 from tests.comparisons.runs.test_workers import runs, written
 
+pools = pytest.importorskip("comparisons.runs.cluster.pool", exc_type=ImportError)
 pytestmark = [
-    pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs distributed"),
     pytest.mark.skipif(not sys.platform.startswith("linux"), reason="kills processes, and reads /proc"),
 ]
 BOUNDS = Bounds(memory=GIB // 16)
@@ -38,7 +34,7 @@ BOUNDS = Bounds(memory=GIB // 16)
 def _patient():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(connecting, "PATIENCE", PATIENCE)
-        patch.setattr(pools, "ANSWER", PATIENCE)
+        patch.setattr(pools, "STARTUP_TIMEOUT", PATIENCE)
         yield
 
 
@@ -130,16 +126,25 @@ def test_a_study_keeps_what_a_cluster_makes(pool, tmp_path):
 
 
 def test_timed_jobs_of_one_machine_never_overlap(pool):
-    assert len(pool.stations) == 2
+    assert len(pool.machines) == 2
     with opened(pool.client, EVERY_CORE, alone=True) as alone:
         times = sorted(found for _, found in alone.run(job, [("clocked", n) for n in range(5)]))
     assert all(one[1] <= other[0] for one, other in pairwise(times))
 
 
-def test_timed_jobs_want_machines_alike(pool):
-    unlike = ClusterPool(pool.client, alone=True, hosts={"other": "a machine of another kind"})
+def test_timed_jobs_want_machines_of_one_kind(pool):
+    unlike = pools.ClusterPool(pool.client, alone=True, hosts={"other": "a machine of another kind"})
     with pytest.raises(LinkproofError, match=r"expected machines of one kind.*of another kind.*linkproof merge"):
         unlike.check()
+
+
+def test_jobs_of_a_place_stay_on_its_machine_as_long_as_it_is_there(pool):
+    kind, versions = pool.here.kind, pool.here.versions
+    machines = {address: pools.DaskMachine(f"host of {address}", kind, versions, is_daemon=False) for address in "12"}
+    timed = pools.ClusterPool(pool.client, alone=True, machines=machines)
+    assert [timed.preferred_worker(place) for place in "abcb"] == ["1", "2", "1", "2"]
+    del machines["2"]
+    assert timed.workers_for(("b", 1)) == ["1"]
 
 
 def test_closing_ends_what_jobs_have_started(pool, tmp_path):
@@ -168,24 +173,21 @@ def test_functions_of_python_take_a_client(pool):
     assert [record.error_max for record in there] == [record.error_max for record in here]
 
 
-def test_workers_that_lack_anything_are_refused(pool, monkeypatch):
-    known = station.facts().environment
-    for changed, told in [
-        ({**known, "numpy": "1.0"}, f": expected numpy 1.0, as here, got {known['numpy']}: install the same"),
-        ({**known, "direct": "9"}, f": expected direct 9, as here, got {known['direct']}: install the same"),
-        ({**known, "new": "9"}, ": expected new 9, as here, got none: install the same"),
-    ]:
-        monkeypatch.setattr(station, "environment", lambda _, changed=changed: changed)
-        with pytest.raises(LinkproofError) as error:
-            ClusterPool(pool.client).check()
-        assert str(error.value).startswith("worker tls://127.0.0.1:")
-        assert told in str(error.value)
-    monkeypatch.undo()
-    monkeypatch.setattr(station, "sources", lambda: "others")
-    with pytest.raises(LinkproofError, match="expected linkproof's files as they are here"):
-        ClusterPool(pool.client).check()
-    here = station.facts()
-    assert "DASK_DISTRIBUTED__WORKER__DAEMON=False" in pools._fault(replace(here, is_daemon=True), here)
+@pytest.mark.parametrize(
+    ("name", "expected", "got"),
+    [("numpy", "1.0", "[0-9.]+"), ("new", "9", "none"), ("linkproof's files", "others", "[0-9a-f]+")],
+)
+def test_workers_that_lack_anything_are_refused_and_late_ones_left_alone(pool, name, expected, got):
+    unlike = pools.ClusterPool(pool.client, here=replace(pool.here, versions={**pool.here.versions, name: expected}))
+    message = rf"^worker tls://127.0.0.1:\d+: expected {name} {expected}, as here, got {got}: install the same"
+    with pytest.raises(LinkproofError, match=message):
+        unlike.check()
+    assert not unlike.machines
+
+
+def test_daemonic_workers_and_those_without_linkproof_are_refused(pool):
+    assert "DASK_DISTRIBUTED__WORKER__DAEMON=False" in pool._fault(replace(pool.here, is_daemon=True))
+    assert pool._fault(ImportError("no")).startswith("expected linkproof, as here, got none (no)")
 
 
 def test_another_dask_is_refused(pool, monkeypatch):
@@ -197,22 +199,54 @@ def test_another_dask_is_refused(pool, monkeypatch):
 
     monkeypatch.setattr(pool.client, "_get_versions", answer)
     with pytest.raises(LinkproofError, match=r"^scheduler tls://\S+: expected distributed .* as here, got 2020.1"):
-        ClusterPool(pool.client).check()
+        pools.ClusterPool(pool.client).check()
 
 
 def test_a_job_whose_result_is_lost_on_its_way_is_given_out_again(pool, monkeypatch):
-    bring, seen = Orders._bring, []
+    gather, lost = pool.client._gather, []
 
-    async def broken(self, future):
-        if not seen:
-            seen.append(await future)
-            self.arrived.put((future.key, OSError("stream is closed")))
-        else:
-            await bring(self, future)
+    async def broken(futures, *args, **words):
+        if not lost:
+            lost.append(futures)
+            raise OSError("stream is closed")
+        return await gather(futures, *args, **words)
 
-    monkeypatch.setattr(Orders, "_bring", broken)
+    monkeypatch.setattr(pool.client, "_gather", broken)
     assert sorted(pool.run(job, [("fine", n) for n in range(4)])) == [(n, n) for n in range(4)]
-    assert seen
+    assert lost
+
+
+def test_few_jobs_are_in_dasks_hands_at_a_time(pool):
+    taken = count()
+    results = pool.run(job, (("fine", n) for n in taken))
+    assert all(number == value for number, value in islice(results, 20))
+    results.close()
+    assert next(taken) <= 20 + 2 * pool.room + 1
+
+
+def test_a_job_whose_workers_are_all_gone_is_given_to_others_and_not_for_ever(pool, monkeypatch):
+    monkeypatch.setattr(pools, "PULSE", 0.0)
+    dispatch, gone = pools.ClusterPool.workers_for, iter([True] * 12)
+    monkeypatch.setattr(
+        pools.ClusterPool, "workers_for",
+        lambda self, one: ["tcp://127.0.0.1:1"] if one == ("fine", 0) and next(gone) else dispatch(self, one),
+    )  # fmt: skip
+    results = dict(pool.run(job, [("fine", 0), ("fine", 1)]))
+    assert results == {0: Lost(Failure.CRASHED, "all Dask workers that ran it have died"), 1: 1}
+
+
+def test_no_worker_for_long_ends_the_run(pool, monkeypatch):
+    async def none():
+        return {}
+
+    lonely = pools.ClusterPool(pool.client)
+    monkeypatch.setattr(pool.client.scheduler, "ncores", none, raising=False)
+    with pytest.raises(LinkproofError, match=r"expected workers at tls://\S+, got none: start some with: dask worker"):
+        lonely.check()
+    monkeypatch.setattr(pools, "PULSE", 0.0)
+    monkeypatch.setattr(pools, "NO_WORKER_TIMEOUT", 0.0)
+    with pytest.raises(PoolLostError, match=r"^no worker is left at tls://"):
+        list(lonely.run(job, [("fine", 1)]))
 
 
 def test_what_listens_and_says_nothing_is_no_scheduler(monkeypatch):
@@ -226,16 +260,12 @@ def test_what_listens_and_says_nothing_is_no_scheduler(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "words", ["local:0", "local:-1", "local:x", "local", "tcp://host", "host:8786", "tcp://h:0", "tcp://h:70000", ""]
+    "words",
+    ["local:0", "local:-1", "local:x", "local", "tcp://host", "host:8786", "tcp://h:0", "tcp://h:70000", "", 8786],
 )
 def test_words_that_are_no_scheduler_are_refused(words):
-    with pytest.raises(LinkproofError, match="--scheduler: expected an address such as"):
+    with pytest.raises(LinkproofError, match=f"--scheduler: expected an address such as .* got {words!r}; correct it"):
         check_scheduler(words)
-
-
-def test_what_is_no_client_is_refused():
-    with pytest.raises(LinkproofError, match=r"expected an address, 'local:N' or a distributed.Client, got a int"):
-        check_scheduler(8786)
 
 
 @pytest.mark.parametrize("package", ["distributed", "cryptography"])

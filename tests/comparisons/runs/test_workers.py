@@ -6,15 +6,16 @@ import subprocess
 import sys
 from contextlib import closing
 from functools import partial
+from itertools import count, islice
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from comparisons.runs import crew
-from comparisons.runs.crew import Crew
+from comparisons.runs import worker_pool
 from comparisons.runs.failures import GIB, SHOW_OUTPUT, Failure, Lost
+from comparisons.runs.worker_pool import WorkerPool
 from comparisons.runs.workers import Bounds, run_jobs
 from tests.comparisons.faults import PATIENCE, Clock, Counting, job, large, wait_for
 
@@ -41,7 +42,7 @@ FATES = [
 def clock(monkeypatch):
     """What the time that jobs take is measured by."""
     found = Clock()
-    monkeypatch.setattr(crew, "time", found)
+    monkeypatch.setattr(worker_pool, "time", found)
     return found
 
 
@@ -59,7 +60,7 @@ def written(path):
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory and the C++ library are Linux's")
 def test_every_fault_costs_its_own_job_and_prints_nothing(capfd, monkeypatch):
-    monkeypatch.setattr(crew, "_DYING", PATIENCE)
+    monkeypatch.setattr(worker_pool, "_EXIT_TIMEOUT", PATIENCE)
     jobs = [one for kind, value, *_ in FATES for one in ((kind, value), ("fine", kind), ("write", kind))]
     results = dict(run_jobs(job, jobs, bounds=BOUNDS))
     assert sorted(results) == list(range(len(jobs)))
@@ -80,7 +81,7 @@ def test_a_job_over_its_time_costs_itself_alone(clock, kind):
 
 
 def test_a_job_that_hangs_up_costs_itself_alone(monkeypatch):
-    monkeypatch.setattr(crew, "_DYING", 0.1)
+    monkeypatch.setattr(worker_pool, "_EXIT_TIMEOUT", 0.1)
     results = dict(run_jobs(job, [("fine", 1), ("hang_up", None), ("fine", 2)], processes=1))
     assert results == {0: 1, 1: Lost(Failure.CRASHED, "closed its connection without ending"), 2: 2}
 
@@ -155,6 +156,14 @@ def test_workers_import_what_their_parent_does_and_nothing_from_the_working_fold
     assert done.stdout == "[(0, 'program')]\n"
 
 
+def test_jobs_are_taken_when_workers_need_them():
+    taken = count()
+    results = run_jobs(job, (("fine", n) for n in taken), processes=2)
+    assert all(number == value for number, value in islice(results, 10))
+    results.close()
+    assert next(taken) <= 10 + 3 * 2
+
+
 def test_no_job_starts_no_worker():
     assert list(run_jobs(job, [])) == []
 
@@ -181,7 +190,7 @@ def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
 
 
 def test_a_late_question_does_not_make_a_job_late(clock):
-    with closing(Crew(job, [("fine", 1), ("clocked", 2)], BOUNDS, 2)) as workers:
+    with closing(WorkerPool(job, [("fine", 1), ("clocked", 2)], BOUNDS, 2)) as workers:
         results = workers.results()
         next(results)
         assert wait_for(lambda: all(one.channel.poll() for one in workers.workers if one.job is not None))

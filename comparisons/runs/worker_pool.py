@@ -1,7 +1,7 @@
 """Worker processes at a list of jobs: one that crashes, hangs or runs out of memory costs its own job alone.
 
-Every worker has a pipe of its own and holds one job at a time, so nothing is shared that a dying process could leave
-locked, and whatever it was doing is known. The parent needs no threads: it waits for all pipes at once.
+Every worker has a pipe of its own and one job at a time, so nothing is shared that a dying process could leave locked,
+and whatever it was doing is known. The parent needs no threads: it waits for all pipes at once.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ import signal
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import islice
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from analytic.errors import LinkproofError
 from comparisons.runs.failures import GIB, Failure, Lost, lost
@@ -35,14 +36,14 @@ from comparisons.runs.worker_process import (
     start_server,
 )  # fmt: skip
 
-# What C and C++ run-time libraries say when an allocation fails and nobody catches it.
+# What C and C++ run-time libraries write when an allocation fails and nobody catches it.
 _NO_MEMORY: Final = (b"bad_alloc", b"out of memory", b"Out of memory", b"Cannot allocate memory", b"MemoryError")
-_OUTPUT_END: Final = 4096  # bytes kept of the end of a worker's output, to see what it died of
+_OUTPUT_END: Final = 4096  # bytes of the end of a worker's output that are searched for these
 _CHUNK: Final = 1 << 16
-_ANSWERING: Final = 30.0  # s that a worker may pause in its answer
-_DYING: Final = 2.0  # s within which a process must end after it has closed its connection
+_ANSWER_TIMEOUT: Final = 30.0  # s that a worker may pause in its answer
+_EXIT_TIMEOUT: Final = 2.0  # s within which a process must end after it has closed its connection
 _PULSE: Final = 1.0  # s
-_STARTING: Final = threading.Lock()  # a process is cut off as a whole, whichever of its threads starts a worker
+_START_LOCK: Final = threading.Lock()  # a process is cut off as a whole, whichever of its threads starts a worker
 
 
 @dataclass(frozen=True)
@@ -59,11 +60,19 @@ class Bounds:
 DEFAULT_BOUNDS = Bounds()
 
 
+class _Job(NamedTuple):
+    """A job by its index; one ``needs_new`` worker where an earlier job may have spoilt the one that it died in."""
+
+    number: int
+    arguments: tuple[Any, ...]
+    needs_new: bool = False
+
+
 @dataclass(eq=False)
 class _Worker:
-    """A worker process; ``job`` is None while it is free, ``used`` once it has finished any.
+    """A worker process; ``job`` is None while it is free, ``used`` is True once it has finished any.
 
-    ``sent`` has come of a message, which bears the ``mark``.
+    ``sent`` is the part of a message that has arrived, and ``mark`` the start that the message must have.
     """
 
     process: BaseProcess
@@ -71,7 +80,7 @@ class _Worker:
     output: Connection | None
     ready: bool = False
     used: bool = False
-    job: int | None = None
+    job: _Job | None = None
     deadline: float = math.inf
     written: bytes = b""
     mark: bytes = START_MARK
@@ -83,7 +92,7 @@ class _Worker:
         return [self.channel, self.process.sentinel, *([self.output] if self.output else [])]
 
     def read_output(self) -> None:
-        """Take what it has written since, keeping the end of it, so that a full pipe never holds it up."""
+        """Read what it has printed, and store the end of it; a full pipe would stop the worker."""
         while self.output is not None and self.output.poll():
             text = os.read(self.output.fileno(), _CHUNK)
             self.written = (self.written + text)[-_OUTPUT_END:]
@@ -91,27 +100,27 @@ class _Worker:
                 self.output.close()
                 self.output = None
 
-    def listen(self) -> bool:
-        """Take what has come of its message; False where nothing came and nothing will."""
+    def read_message(self) -> bool:
+        """Read what has arrived of its message; False if nothing has and nothing will, as the worker has ended."""
         try:
             if not self.channel.poll():
                 return self.process.is_alive()
             some = received(self.channel)
         except (EOFError, OSError):
             return False
-        self.deadline = max(self.deadline, time.monotonic() + _ANSWERING)  # a long answer may be heard late
+        self.deadline = max(self.deadline, time.monotonic() + _ANSWER_TIMEOUT)  # a long answer may arrive late
         self.sent += some
         return bool(some)
 
     def exit_code(self) -> int | None:
-        """Exit code of a process that has closed its connection, or None if it still runs after 2 s."""
-        patience = time.monotonic() + _DYING
-        while self.process.exitcode is None and time.monotonic() < patience:
+        """Exit code, or None if the process still runs after 2 s."""
+        end = time.monotonic() + _EXIT_TIMEOUT
+        while self.process.exitcode is None and time.monotonic() < end:
             time.sleep(1e-3)
         return self.process.exitcode
 
-    def stop(self) -> None:
-        """Kill it, whatever it is doing, and what it has started."""
+    def kill(self) -> None:
+        """Kill the process, whatever it is doing, and all that it has started."""
         if hasattr(os, "killpg") and self.process.pid is not None:
             with contextlib.suppress(ProcessLookupError, PermissionError):  # no group yet, or none any more
                 os.killpg(self.process.pid, signal.SIGKILL)
@@ -123,150 +132,147 @@ class _Worker:
 
 
 @dataclass
-class Crew:
-    """Workers at a list of jobs, on a machine that their results name where ``host`` is given.
+class WorkerPool:
+    """At most ``size`` worker processes for ``jobs``, which are taken from their iterable when they are needed.
 
-    ``alive`` is called at least every second while they work; what it raises ends the work.
+    ``begun`` is called with the index of each job that begins, ``check`` at least every second while workers work; an
+    exception of ``check`` ends the work. Results name the machine ``host`` if it is given.
     """
 
     function: Callable[..., Any]
-    jobs: Sequence[tuple[Any, ...]]
+    jobs: Iterable[tuple[Any, ...]]
     bounds: Bounds
     size: int
     begun: Callable[[int], object] = lambda _: None
-    alive: Callable[[], object] = lambda: None
+    check: Callable[[], object] = lambda: None
     host: str = ""
     workers: list[_Worker] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.todo = deque(range(len(self.jobs)))
-        self.again: set[int] = set()  # jobs that died in a worker which another job may have spoilt
+        self.todo: deque[_Job] = deque()
         self.pickled = pickle.dumps(self.function)
 
     def results(self) -> Iterator[tuple[int, Any]]:
-        """Every job's result, as they complete; a worker has its next job before its result is handed on.
+        """The result of every job, as they complete; a worker has its next job before its result is yielded.
 
-        The workers stay until ``close``.
+        The workers run until ``close``.
         """
-        left = len(self.jobs)
-        while left:
-            self._hire()
+        left = enumerate(self.jobs)
+        self._start(left)
+        while self.todo or any(worker.job for worker in self.workers):
             self._wait()
-            found = [result for worker in list(self.workers) for result in (*self._heard(worker), *self._late(worker))]
-            left -= len(found)
-            if found:
-                self._hire()
+            found = [one for worker in list(self.workers) for one in (*self._receive(worker), *self._timed_out(worker))]
+            self._start(left)
             yield from found
 
     def do(self, job: tuple[Any, ...], seconds: float) -> object:
-        """The result of one job, which may take so many seconds; made by a worker of an earlier one, if it lives."""
-        self.jobs, self.todo, self.bounds = (job,), deque([0]), replace(self.bounds, seconds=seconds)
-        self.again.clear()
+        """The result of one job, which may take so many seconds, from the worker of an earlier one if it lives."""
+        self.jobs, self.bounds = [job], replace(self.bounds, seconds=seconds)
         ((_, result),) = self.results()
         return result
 
     def close(self) -> None:
-        """Kill all workers, busy or not."""
+        """Kill all workers, busy or not, and forget their jobs."""
+        self.todo.clear()
         while self.workers:
-            self.workers.pop().stop()
+            self.workers.pop().kill()
 
-    def _hire(self) -> None:
-        """Have as many workers as there is work for, each of them busy."""
-        fresh = bool(self.todo) and self.todo[0] in self.again  # the next job has died in a used worker already
-        for worker in self._free():
-            if fresh and worker.used:
-                self._dismiss(worker)
+    def _start(self, left: Iterator[tuple[int, tuple[Any, ...]]]) -> None:
+        """Give every free worker a job, and start as many workers as there are jobs for."""
+        self.todo.extend(_Job(*numbered) for numbered in islice(left, max(0, self.size - len(self.todo))))
+        if self.todo and self.todo[0].needs_new:
+            for worker in self._free():
+                if worker.used:
+                    self._stop(worker)
         busy = sum(worker.job is not None for worker in self.workers)
         while len(self.workers) < min(self.size, busy + len(self.todo)):
-            self.workers.append(_started(self.pickled, self.function, self.bounds.memory, self.host))
+            self.workers.append(_new_worker(self.pickled, self.function, self.bounds.memory, self.host))
         for worker in self._free():
-            if self.todo and not (worker.used and self.todo[0] in self.again):
+            if self.todo and not (worker.used and self.todo[0].needs_new):
                 self._assign(worker, self.todo.popleft())
 
     def _free(self) -> list[_Worker]:
         return [worker for worker in self.workers if worker.ready and worker.job is None]
 
-    def _assign(self, worker: _Worker, number: int) -> None:
-        message = pickle.dumps(self.jobs[number], protocol=pickle.HIGHEST_PROTOCOL)
-        worker.job, worker.written, worker.mark = number, b"", os.urandom(len(START_MARK))
+    def _assign(self, worker: _Worker, job: _Job) -> None:
+        message = pickle.dumps(job.arguments, protocol=pickle.HIGHEST_PROTOCOL)
+        worker.job, worker.written, worker.mark = job, b"", os.urandom(len(START_MARK))
         worker.deadline = time.monotonic() + self.bounds.seconds
-        self.begun(number)
-        with contextlib.suppress(OSError):  # a worker that died meanwhile is found when it is waited for
+        self.begun(job.number)
+        with contextlib.suppress(OSError):  # a worker that died meanwhile is noticed when it is waited for
             worker.channel.send_bytes(worker.mark)
             worker.channel.send_bytes(message)
 
     def _wait(self) -> None:
-        """Wait until any worker says or writes something, ends or is late."""
+        """Wait until any worker sends or prints something, ends or is late."""
         first = min(worker.deadline for worker in self.workers)
         seconds = min(_PULSE, max(0.0, first - time.monotonic()))
         wait([source for worker in self.workers for source in worker.sources], seconds)
-        self.alive()
+        self.check()
         for worker in self.workers:
             worker.read_output()
 
-    def _heard(self, worker: _Worker) -> list[tuple[int, Any]]:
-        """The job that a worker's message or death ends."""
-        if not worker.listen():
-            return self._died(worker, _how(worker.exit_code()))
+    def _receive(self, worker: _Worker) -> list[tuple[int, Any]]:
+        """The job that a worker's message or death ends, with its result."""
+        if not worker.read_message():
+            return self._crashed(worker, _exit_reason(worker.exit_code()))
         try:
             message = message_of(worker.sent, worker.mark, self.bounds.memory)
         except BrokenMessageError:
-            return self._died(worker, "wrote into the pipe that its result comes through")
+            return self._crashed(worker, "wrote into the pipe that its result comes through")
         if message is None:
             return []
         worker.sent.clear()
-        number, worker.job, worker.mark, worker.deadline = worker.job, None, b"", math.inf
-        if number is None:
+        job, worker.job, worker.mark, worker.deadline = worker.job, None, b"", math.inf
+        if job is None:
             worker.ready = True
             return []
         worker.used = True
-        result = self._read(message)
+        result = self._unpickled(message)
         if isinstance(result, Lost) and result.outcome is Failure.CRASHED:
-            self._dismiss(worker)  # who knows in what state it was left
-        return [(number, result)]
+            self._stop(worker)  # its state is not known
+        return [(job.number, result)]
 
-    def _read(self, message: bytes) -> object:
-        """A job's result; one that cannot be read back here is lost."""
+    def _unpickled(self, message: bytes) -> object:
+        """A job's result; lost if it cannot be read back here."""
         try:
             return pickle.loads(message)
         except Exception as error:
             return lost(error, self.bounds.memory)
 
-    def _died(self, worker: _Worker, how: str) -> list[tuple[int, Lost]]:
-        """The end of a worker, whose job is done by another if this one had done any before."""
-        number = worker.job
+    def _crashed(self, worker: _Worker, reason: str) -> list[tuple[int, Lost]]:
+        """The job that a worker died of; it is tried once more if the worker had finished another before."""
         worker.read_output()
-        self._dismiss(worker)
+        self._stop(worker)
         if not worker.ready:
             raise LinkproofError(
-                f"expected a worker process, got one that {how} at its start: run with --jobs 0 to do without"
+                f"expected a worker process, got one that {reason} at its start: run with --jobs 0 to do without"
             )
-        if number is None:
+        if worker.job is None:
             return []
         if worker.used:
-            self.again.add(number)
-            self.todo.appendleft(number)
+            self.todo.appendleft(worker.job._replace(needs_new=True))
             return []
         if any(words in worker.written for words in _NO_MEMORY):
-            return [(number, lost(MemoryError(), self.bounds.memory))]
-        return [(number, Lost(Failure.CRASHED, how))]
+            return [(worker.job.number, lost(MemoryError(), self.bounds.memory))]
+        return [(worker.job.number, Lost(Failure.CRASHED, reason))]
 
-    def _late(self, worker: _Worker) -> list[tuple[int, Lost]]:
-        """The job of a worker past its deadline; one that has answered meanwhile is not, however late it is asked."""
+    def _timed_out(self, worker: _Worker) -> list[tuple[int, Lost]]:
+        """The job of a worker past its deadline; a message that has arrived is in time, however late it is read."""
         in_time = worker not in self.workers or worker.deadline > time.monotonic()
         if in_time or (not worker.sent and worker.channel.poll()):
             return []
         assert worker.job is not None
-        self._dismiss(worker)
-        return [(worker.job, Lost(Failure.TIMED_OUT, f"took longer than {self.bounds.seconds:g} s"))]
+        self._stop(worker)
+        return [(worker.job.number, Lost(Failure.TIMED_OUT, f"took longer than {self.bounds.seconds:g} s"))]
 
-    def _dismiss(self, worker: _Worker) -> None:
+    def _stop(self, worker: _Worker) -> None:
         self.workers.remove(worker)
-        worker.stop()
+        worker.kill()
 
 
-def _started(pickled: bytes, function: Callable[..., Any], memory: int, host: str) -> _Worker:
-    """A worker that has been started, though it may not be ready yet."""
+def _new_worker(pickled: bytes, function: Callable[..., Any], memory: int, host: str) -> _Worker:
+    """A worker process that has been started, though it may not be ready yet."""
     while isinstance(function, partial):
         function = function.func
     try:
@@ -277,7 +283,7 @@ def _started(pickled: bytes, function: Callable[..., Any], memory: int, host: st
         process = context.Process(  # type: ignore[attr-defined]
             target=serve, args=(far_end, far_output, pickled, memory, host), daemon=True
         )
-        with _STARTING, cut_off():
+        with _START_LOCK, cut_off():
             process.start()
     except (OSError, EOFError) as error:
         raise LinkproofError(
@@ -288,8 +294,8 @@ def _started(pickled: bytes, function: Callable[..., Any], memory: int, host: st
     return _Worker(process, channel, output)
 
 
-def _how(code: int | None) -> str:
-    """How a process ended, from its exit code as multiprocessing gives it; None while it still runs."""
+def _exit_reason(code: int | None) -> str:
+    """How a process ended, from its exit code as multiprocessing gives it; None if it still runs."""
     if code is None:
         return "closed its connection without ending"
     if code >= 0:
