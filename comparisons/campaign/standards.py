@@ -114,7 +114,9 @@ def judged_campaign(
         limits_alone = replace(standard, baseline=Baseline())
         found = [rejudged(result, limits_alone) for result in results]
         records = [record for result in found for record in (*result.records, *result.invariants)]
-        baseline = baseline.recorded(records, figures(made), [one.place for one in departed if one.is_recorded])
+        baseline = baseline.recorded(
+            records, figures(made, baseline.coverage.figures), [one.place for one in departed if one.is_recorded]
+        )
         baseline.write(record_into)
         departed = ()
     else:

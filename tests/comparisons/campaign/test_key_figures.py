@@ -62,7 +62,7 @@ def test_figures_of_a_centric_slider_crank_are_those_of_its_formulas():
     assert (found["v.max"], found["v.min"]) == pytest.approx((np.max(speed), np.min(speed)), rel=1e-9)
     (least,) = (value for name, value in found.items() if name.startswith("transmission_angle"))
     assert least == pytest.approx(math.acos(r / length))
-    assert (found["point:A:x.first"], found["point:D:y.first"]) == pytest.approx((r, -math.sqrt(length**2 - r**2)))
+    assert (found["point:A:x@0s"], found["point:D:y@0s"]) == pytest.approx((r, -math.sqrt(length**2 - r**2)))
     assert (found["output:direction:x"], found["output:direction:y"]) == (0.0, 1.0)
 
 
