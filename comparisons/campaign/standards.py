@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from analytic.description.loading import LinkageFile
+from analytic.description.loading import LinkageFile, parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.campaign.key_figures import KeyFigure, compared, figures
@@ -20,6 +21,7 @@ from comparisons.judging.limits import read_limits, shipped_limits
 from comparisons.judging.records import Record
 from comparisons.judging.run_result import RunResult
 from comparisons.judging.verdicts import Standard
+from comparisons.reference.case import Case
 
 
 def places(files: Iterable[LinkageFile], folder: Path) -> dict[str, Place]:
@@ -104,11 +106,27 @@ class JudgedCampaign:
         }
 
 
+def compared_cases(request: CampaignRequest, baseline: Baseline) -> list[Case]:
+    """The cases of a request, and as far as the baseline covers them those of its linkages' other variants.
+
+    A variant that cannot follow a motion has no case of it: no engine is to run it.
+    """
+    found = cases(request)
+    for linkage in request.linkages if baseline.coverage.every_variant else ():
+        for name in linkage.variants:
+            if name != linkage.variant:
+                variant = parse(linkage.text, linkage.name, linkage.name, name)
+                with suppress(LinkproofError):
+                    found += cases(replace(request, linkages=(variant,)))
+    return found
+
+
 def judged_campaign(
     request: CampaignRequest, results: Iterable[RunResult], standard: Standard, record_into: Path | None = None
 ) -> JudgedCampaign:
     """Results under a standard; with ``record_into`` by its limits alone, and written there as its baseline."""
-    made, baseline = cases(request), standard.baseline
+    baseline = standard.baseline
+    made = compared_cases(request, baseline)
     departed = departures(request.linkages, made, baseline)
     if record_into is not None:
         limits_alone = replace(standard, baseline=Baseline())

@@ -39,13 +39,15 @@ class Place:
 class Coverage:
     """How much of what was recorded a comparison is to hold, and what it may lack or have besides.
 
-    ``every_linkage`` says that the linkages are all there are, ``every_motion`` that a linkage's motions are;
+    ``every_linkage`` says that the linkages are all there are, ``every_motion`` that a linkage's motions are,
+    ``every_variant`` that key figures of its other variants, which no engine runs, are compared;
     ``new_motions`` that a motion which was not recorded fails. What is allowed is a note. ``figures`` are names of
     figures that are compared besides the key figures.
     """
 
     every_linkage: bool = False
     every_motion: bool = False
+    every_variant: bool = False
     new_motions: bool = True
     allow_new: bool = False
     allow_missing: bool = False

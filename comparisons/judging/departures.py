@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -70,34 +70,37 @@ def motion_departures(linkages: Sequence[Linkage], cases: Sequence[Case], baseli
     for linkage in linkages:
         place = baseline.places.get(linkage.name)
         if place is not None and place.path in baseline.linkages:
-            ours = [case for case in cases if case.mechanism.linkage.name == linkage.name]
-            keys = [regime_key(case.motion.regime, case.conditions) for case in ours]
-            found += [_missing(place.path, linkage, keys, baseline), _new(place.path, linkage, keys, baseline)]
+            variants = linkage.variants if baseline.coverage.every_variant else (linkage.variant,)
+            keys: dict[str, list[str]] = {name: [] for name in variants}
+            for case in cases:
+                if case.mechanism.linkage.name == linkage.name:
+                    keys[case.mechanism.linkage.variant].append(regime_key(case.motion.regime, case.conditions))
+            found += [_missing(place.path, linkage, keys, baseline), _new(place.path, keys, baseline)]
     return tuple(chain.from_iterable(found))
 
 
-def _missing(path: str, linkage: Linkage, keys: Sequence[str], baseline: Baseline) -> Iterator[Departure]:
+def _missing(path: str, linkage: Linkage, keys: Mapping[str, Sequence[str]], baseline: Baseline) -> Iterator[Departure]:
     """Variants and regimes that the file has no more, and motions that are not compared though all are to be."""
     coverage, variants = baseline.coverage, baseline.linkages[path]["variants"]
     possible = tuple(f"{name}: " for name in (*REGIMES, *LAWS, *(regime.name for regime in linkage.regimes)))
     places: list[tuple[str, ...]] = [(path, variant) for variant in variants if variant not in linkage.variants]
     places += [
-        (path, linkage.variant, key)
-        for key in variants.get(linkage.variant, {})
-        if key not in keys and (coverage.every_motion or not key.startswith(possible))
+        (path, variant, key)
+        for variant, compared in keys.items()
+        for key in variants.get(variant, {})
+        if key not in compared and (coverage.every_motion or not key.startswith(possible))
     ]
     for place in places:
         words = f"{_words(place)} is in the baseline and is not compared any more: {ANEW}, {MISSING} lets it be"
         yield Departure(place, words, is_recorded=True, is_allowed=coverage.allow_missing)
 
 
-def _new(path: str, linkage: Linkage, keys: Iterable[str], baseline: Baseline) -> Iterator[Departure]:
-    """Motions without a recorded figure."""
-    coverage = baseline.coverage
-    recorded = baseline.linkages[path]["variants"].get(linkage.variant, {})
-    for key in keys:
-        if not recorded.get(key, {}).get("figures"):
-            place = (path, linkage.variant, key)
+def _new(path: str, keys: Mapping[str, Sequence[str]], baseline: Baseline) -> Iterator[Departure]:
+    """Motions without a recorded figure, by variant."""
+    coverage, recorded = baseline.coverage, baseline.linkages[path]["variants"]
+    for variant, key in ((variant, key) for variant, compared in keys.items() for key in compared):
+        if not recorded.get(variant, {}).get(key, {}).get("figures"):
+            place = (path, variant, key)
             words = f"{_words(place)} is not in the baseline: {ANEW}, {NEW} lets it be"
             is_allowed = coverage.allow_new or not coverage.new_motions
             yield Departure(place, words, is_recorded=False, is_allowed=is_allowed)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from comparisons.campaign.campaign import CampaignRequest, cases, judged, lost, tasks
+from comparisons.campaign.campaign import CampaignRequest, judged, lost, tasks
 from comparisons.campaign.key_figures import KeyFigure, compared
 from comparisons.campaign.project import Project
-from comparisons.campaign.standards import notes, rejudged, standard
+from comparisons.campaign.standards import compared_cases, notes, rejudged, standard
 from comparisons.invariants.checks import NEEDS as INVARIANTS
 from comparisons.judging.departures import Departure, file_departures, motion_departures
 from comparisons.judging.records import Record
@@ -51,7 +51,7 @@ class FileCampaign:
 
     @cached_property
     def _cases(self) -> list[Case]:
-        return cases(self.request)
+        return compared_cases(self.request, self.standard.baseline)
 
     @property
     def _moves(self) -> bool:

@@ -97,7 +97,8 @@ def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard
         lambda: [*_mechanisms(known()), *(Path(path).stem for path in recorded)],
         lambda: [*_regimes(known()), *chosen.baseline.regimes],
     )
-    check_figures(chosen.baseline.coverage.figures, (file.linkage() for file in known()))
+    if not chosen.baseline.lost:
+        check_figures(chosen.baseline.coverage.figures, (file.linkage() for file in known()))
     return chosen
 
 
@@ -132,6 +133,7 @@ def coverage_of(options: CompareOptions, standard: StandardOptions, project: Pro
     return Coverage(
         every_linkage=not options.mechanisms and options.variant is None,
         every_motion=project is not None and not names_motion,
+        every_variant=options.variant is None and options.gravity,
         new_motions=not names_motion or standard.baseline is not None,
         allow_new=standard.allow_new or (project is not None and project.allow_new),
         allow_missing=standard.allow_missing or (project is not None and project.allow_missing),
