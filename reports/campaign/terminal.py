@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
+from types import MappingProxyType
 
 from comparisons.campaign.campaign import RunResult
 from comparisons.campaign.key_figures import KeyFigure
@@ -13,6 +14,7 @@ from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
 from reports.records.changed_figures import changed_figures
+from reports.records.environment import side_by_side
 from reports.records.origins import exceptions, origin_words
 from reports.records.views import family
 
@@ -24,10 +26,15 @@ DETAILS = (
 )
 
 
-def printout(results: Sequence[RunResult], figures: Sequence[KeyFigure] = (), notes: Sequence[str] = ()) -> Printout:
+def printout(
+    results: Sequence[RunResult],
+    figures: Sequence[KeyFigure] = (),
+    notes: Sequence[str] = (),
+    environment: Mapping[str, str] = MappingProxyType({}),
+) -> Printout:
     """One table per mechanism and regime, quantities down, engines and settings across; then key figures that changed.
 
-    ``notes`` are sentences that always stand before the closing line.
+    ``notes`` are sentences that always stand before the closing line. ``environment`` says how many ran at a time.
     """
     tables: list[Printed] = []
     details: list[Printed] = []
@@ -38,7 +45,7 @@ def printout(results: Sequence[RunResult], figures: Sequence[KeyFigure] = (), no
         tables.append(heading)
         for start in range(0, len(together), ACROSS):
             beside = together[start : start + ACROSS]
-            tables += [_mechanism_table(beside), *_exceptions(beside), ""]
+            tables += [_mechanism_table(beside, side_by_side(environment)), *_exceptions(beside), ""]
         rows = [_detail(record) for result in together for record in _all(result)]
         details += [heading, Table("", DETAILS, rows, "l"), ""]
     tables += [part for table in changed_figures(figures) for part in (table, "")]
@@ -61,15 +68,15 @@ def _heading(record: Record) -> Paragraph:
     return Paragraph(words, colour="bold")
 
 
-def _mechanism_table(results: Sequence[RunResult]) -> Table:
+def _mechanism_table(results: Sequence[RunResult], while_others: str) -> Table:
     first = [result.records[0] for result in results]
     rows: list[Sequence[TableCell | Words]] = []
     for quantity in dict.fromkeys(family(record.quantity) for result in results for record in _all(result)):
         worst = [_worst(result, quantity) for result in results]
         rows.append((quantity, _limits(worst), *map(_cell, worst)))
     rows.append(("figures of", "", *(origin_words(_all(result)) for result in results)))
-    rows.append(("seconds, set-up", "", *(f"{record.setup_seconds:.3f}" for record in first)))
-    rows.append(("seconds, stepping", "", *(f"{record.seconds:.3f}" for record in first)))
+    rows.append(("seconds, set-up", while_others, *(f"{record.setup_seconds:.3f}" for record in first)))
+    rows.append(("seconds, stepping", while_others, *(f"{record.seconds:.3f}" for record in first)))
     rows.append(("steps", "", *(f"{record.steps}" for record in first)))
     head = ("error over peak", "limit", *(f"{record.engine}\n{record.setting}" for record in first))
     return Table("", head, rows)

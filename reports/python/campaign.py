@@ -83,7 +83,7 @@ class Comparison(PrintedResult):
         return figure(errors_chart(view, _named("regime", regime, {one.name: one for one in view.regimes})))
 
     def _printout(self) -> Printout:
-        return printout(self.judged.results, self.figures, (*self.notes, *self.departures))
+        return printout(self.judged.results, self.figures, (*self.notes, *self.departures), self.campaign.environment)
 
     def _rows(self) -> Sequence[Record]:
         return self.records
