@@ -32,3 +32,8 @@ def signed(value: float, form: str) -> str:
 def change(share: float, form: str = ".2f") -> str:
     """A relative change in per cent."""
     return f"{signed(100.0 * share, form)} %"
+
+
+def csv_text(text: str) -> str:
+    """A name as a cell of a CSV table: an apostrophe goes before what a spreadsheet would take for a formula."""
+    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text

@@ -9,7 +9,7 @@ from analytic.description.loading import catalogue, load, read
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, cases, compare
 from comparisons.campaign.key_figures import changes
-from comparisons.campaign.standards import places, rejudged
+from comparisons.campaign.standards import places
 from comparisons.judging.baseline import read_baseline, regime_key
 from comparisons.judging.limits import shipped_limits
 from comparisons.judging.quantities import all_quantities
@@ -39,8 +39,7 @@ def test_every_deviation_is_within_its_limit(mechanism, engine_name, regime, set
     if setting not in engine(engine_name).abilities.settings:
         pytest.skip(f"{engine_name} has no setting {setting}")
     (found,) = compare(_request(mechanism, engine_name, regime, setting))
-    result = rejudged(found, Standard(shipped_limits(), BASELINE))
-    records = (*result.records, *result.invariants)
+    records = found.judged(Standard(shipped_limits(), BASELINE).judge).every
     case = Case(Mechanism(load(mechanism)), crank_motion(regime))
     assert {record.quantity for record in records} == {*all_quantities(case), *INVARIANTS}
     bad = [r for r in records if r.outcome != "passed" and (r.outcome, r.quantity) != ("not-provided", "force_balance")]

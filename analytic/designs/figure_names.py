@@ -7,14 +7,15 @@
 ``transmission_angle.peak``  the least, which is the worst
 ``stroke``               the range of S
 
-Sources print values at a time of one of the linkage's own regimes besides, ``omega@0.03s:squeezing``.
+Along a motion in time there are ``omega.max`` and ``Mkr@0.03s``, a value at a time, besides. Sources print values at a
+time of one of the linkage's own regimes, ``omega@0.03s:squeezing``.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from difflib import get_close_matches
 from typing import Final
 
@@ -34,21 +35,23 @@ NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signal
     **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
 }
 NEAREST: Final = 3  # names in a message
-PLACE: Final = re.compile(r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:(?P<angle>deg|rad)?|s:(?P<regime>.+))")
+PLACE: Final = re.compile(
+    r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:(?P<angle>deg|rad)?|s(?P<regime>:.+|))"
+)
 NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
 
 
-def figures_named(mechanism: Mechanism, name: str) -> dict[str, Figure]:
-    """The figure of a name, and of a family all its members, by name.
+def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> dict[str, Figure]:
+    """The figure of a name, and of a family all its members, by name; ``in_time`` of a motion in time, not of a design.
 
-    Raises LinkproofError for a signal or a reduction that there is not, and for a wrong angle.
+    Raises LinkproofError for a signal or a reduction that there is not, and for a wrong angle or time.
     """
-    known = _signals(mechanism)
-    signal, mark, place = name.rpartition("@")
+    known = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
+    signal, mark, where = name.rpartition("@")
     if mark:
         members = _members(mechanism, known, signal, name)
-        angle = _angle(mechanism.linkage, name, place)
-        return {f"{one}@{place}": Figure(known[one], Reduction.AT, angle) for one in members}
+        angle, time = _instant(mechanism.linkage, name, where, in_time=in_time)
+        return {f"{one}@{where}": Figure(known[one], Reduction.AT, angle, time) for one in members}
     signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
     if word not in REDUCTIONS:
         raise _unknown(name, known)
@@ -62,9 +65,9 @@ def figure_names(mechanism: Mechanism) -> list[str]:
     return _examples(_signals(mechanism))
 
 
-def _signals(mechanism: Mechanism) -> dict[str, str]:
+def _signals(mechanism: Mechanism, without: Collection[str] = NOT_OF_A_DESIGN) -> dict[str, str]:
     """Signals by name: a vector's own name stands for its magnitude."""
-    names = [name for name in names_with_magnitudes(mechanism) if name not in NOT_OF_A_DESIGN]
+    names = [name for name in names_with_magnitudes(mechanism) if name not in without]
     return {name.removesuffix(MAGNITUDE): name for name in names}
 
 
@@ -111,7 +114,7 @@ def place(linkage: Linkage, text: str) -> tuple[float, str | None]:
     Raises LinkproofError for anything else.
     """
     found = _place(linkage, text)
-    if found is None:
+    if found is None or found[1] == "":
         where = "a travel of the drive" if linkage.is_linear else "a crank angle"
         raise LinkproofError(
             f"expected {where} or a time with its regime after '@', got '{text}'; write 30, "
@@ -121,19 +124,24 @@ def place(linkage: Linkage, text: str) -> tuple[float, str | None]:
 
 
 def _place(linkage: Linkage, text: str) -> tuple[float, str | None] | None:
+    """The same; of a time without its regime the regime is empty. None for anything else."""
     read = PLACE.fullmatch(text)
     if read is None or (linkage.is_linear and read["angle"]):
         return None
     number = float(read["number"])
-    if read["regime"] is not None or read["angle"] == "rad":
-        return number, read["regime"]
+    if read["regime"] is not None:
+        return number, read["regime"].removeprefix(":")
+    if read["angle"] == "rad":
+        return number, None
     return number * (factor("length", linkage.units["length"]) if linkage.is_linear else math.radians(1.0)), None
 
 
-def _angle(linkage: Linkage, name: str, text: str) -> float:
-    """The place of the driver behind the @, rad or m."""
+def _instant(linkage: Linkage, name: str, text: str, *, in_time: bool) -> tuple[float, float]:
+    """The place of the driver behind the @, rad or m, or the time, s; the other is nan."""
     found = _place(linkage, text)
-    if found is None or found[1] is not None:
+    if found is None or found[1] or (found[1] is not None and not in_time):
         unit = linkage.units["length"] if linkage.is_linear else "degrees"
-        raise LinkproofError(f"{name}: expected a crank angle in {unit} after '@', got '{text}'; correct it")
-    return found[0]
+        time = ", or a time such as 0.03s" if in_time else ""
+        raise LinkproofError(f"{name}: expected a crank angle in {unit}{time} after '@', got '{text}'; correct it")
+    number, regime = found
+    return (number, math.nan) if regime is None else (math.nan, number)

@@ -73,12 +73,14 @@ class SignalExtreme(NamedTuple):
 class Figure:
     """A figure of a design, SI: a signal of ``analytic.signals``, or the magnitude of a vector, and its reduction.
 
-    A magnitude is ``joint_force:A:magnitude`` or ``shaking_force:magnitude``. ``angle``, rad, belongs to ``AT``.
+    A magnitude is ``joint_force:A:magnitude`` or ``shaking_force:magnitude``. ``angle``, rad, belongs to ``AT``; in its
+    place may stand a ``time``, s, where the motion is one in time.
     """
 
     signal: str
     reduction: Reduction
     angle: float = nan
+    time: float = nan
 
     @property
     def is_magnitude(self) -> bool:

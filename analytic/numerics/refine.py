@@ -169,9 +169,10 @@ def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
 def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
     """Place and height of the top of the parabola through three points; infinite or nan where it has none to trust."""
     one, two = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
-    rise, fall = (y[:, 1] - y[:, 0]) / one, (y[:, 2] - y[:, 1]) / two
-    bend = (fall - rise) / (one + two)
-    slope = (rise * two + fall * one) / (one + two)
+    with np.errstate(divide="ignore", invalid="ignore"):  # two of the places may be the same
+        rise, fall = (y[:, 1] - y[:, 0]) / one, (y[:, 2] - y[:, 1]) / two
+        bend = (fall - rise) / (one + two)
+        slope = (rise * two + fall * one) / (one + two)
     bend = np.where((bend < 0.0) & (np.minimum(one, two) > BESIDE * (one + two)), bend, np.nan)
     return x[:, 1] - 0.5 * slope / bend, y[:, 1] - 0.25 * slope * slope / bend
 

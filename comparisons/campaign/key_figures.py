@@ -3,26 +3,37 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
-from analytic.designs.figure_names import STROKE
-from analytic.signals import COMPONENTS, MAGNITUDE, ONE_OF_ITS_KIND, moving_points, signal, unit
+from analytic.designs.figure_names import STROKE, figures_named
+from analytic.designs.figures import Figure, SignalExtreme
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import COMPONENTS, ONE_OF_ITS_KIND, moving_points, unit
 from analytic.turn.thread_feed import contour_length
 from analytic.written import change
-from comparisons.datasheet.curves import TRANSMISSION, Curves
+from comparisons.datasheet.curves import Curves, Measure
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
 
+Array = NDArray[np.float64]
+
 ROUNDINGS: Final = 16  # of the largest figure of a unit: what is less is not told from none
+KEY: Final = (
+    *("Mkr.peak", "Mkr.rms", "Peq.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min", STROKE),
+    *("S.min", "S.max", "v.min", "v.max", "a.min", "a.max"),
+)
 DIRECTION: Final = "output:direction:"  # the parts of a unit vector, which have no unit
 OUTPUT: Final = "output:point:"  # m, along x and y
-THREAD: Final = "thread:length"  # m, of its contour
+THREAD: Final = "thread:length@0s"  # m, of its contour
 
 
 @dataclass(frozen=True)
@@ -62,87 +73,113 @@ class KeyFigure:
         return self.now / self.recorded - 1.0 if self.recorded and self.now is not None else None
 
 
-def key_figures(case: Case) -> dict[str, float]:
-    """Key figures of a case over its motion, SI, by name; ``figure_unit`` has the unit of each.
+def key_figures(case: Case, names: Iterable[str] = ()) -> dict[str, float]:
+    """Key figures of a case over its motion, SI, by name, and those of further ``names`` that it has.
 
-    Peaks of Mkr, Peq and every joint force (``Mkr.peak``, ``joint_force:A.peak``), mean Jeq, root mean square of Mkr;
-    ``.min`` and ``.max`` of S, v and a, ``stroke``; ``.min`` of the transmission angle of every group. Where every
-    moving point is in the first instant (``point:C:x.first``): a point moved in its link moves there as far; the
-    thread's length there. Which point is the output, and its direction (``output:point:x.first``,
-    ``output:direction:x``).
+    A name is one of ``analytic.designs.figure_names``; means are over the time. One at a place that the motion does not
+    pass is left out. ``output:point:x@0s``, ``output:direction:x`` and ``thread:length@0s`` are no figures of a signal:
+    which point is the output, its direction, and the length of the thread.
     """
-    curves = Curves(case)
-    found = {**_extremes(curves), **_means(curves), **dict(_places(case))}
-    least = curves.peaks(name for name in curves.names if name.startswith(TRANSMISSION))
-    found |= {f"{name}.min": peak.value for name, peak in least.items() if peak.value is not None}
+    mechanism = case.mechanism
+    points = (f"point:{point}:{axis}@0s" for point in moving_points(mechanism.linkage) for axis in "xy")
+    wanted: dict[str, Figure] = {}
+    for name in (*KEY, *points, *names):
+        with suppress(LinkproofError):
+            wanted |= figures_named(mechanism, name, in_time=True)
+    found = {**_values(Curves(case), wanted), **dict(_parts_of_the_description(case))}
     return {name: value for name, value in found.items() if math.isfinite(value)}
 
 
-def _extremes(curves: Curves) -> dict[str, float]:
-    """Peaks of the loads, both ends of the output's motion."""
-    peaks = [name for name in curves.names if name in ("Mkr", "Peq") or _is_joint_force(name)]
-    measures = {name.removesuffix(MAGNITUDE) + ".peak": (lambda at, of=name: abs(curves.of(at, of))) for name in peaks}
-    for name in (name for name in ("S", "v", "a") if name in curves.names):
-        measures[f"{name}.min"] = lambda at, of=name: -signal(at, of)
-        measures[f"{name}.max"] = lambda at, of=name: signal(at, of)
-    places = curves.places(measures)
-    truth = curves.at(np.array([*places.values()]))
-    heights = {name: float(measures[name](truth)[row]) for row, name in enumerate(places)}
-    found = {name: -height if name.endswith(".min") else height for name, height in heights.items()}
-    return found | ({STROKE: found["S.max"] - found["S.min"]} if "S" in curves.names else {})
+def _values(curves: Curves, wanted: Mapping[str, Figure]) -> dict[str, float]:
+    """Figures over the motion: of extremes, of means over the time, and at single instants."""
+
+    def height(end: SignalExtreme) -> Measure:
+        return lambda at: end.height(curves.of(at, end.signal))
+
+    places = curves.places({end: height(end) for one in wanted.values() for end in one.extremes})
+    at_places = curves.at(np.array([*places.values()]))
+    ends = {end: curves.of(at_places, end.signal)[row] for row, end in enumerate(places)}
+    means = {
+        one: lambda at, one=one: one.integrand(curves.of(at, one.signal)) for one in wanted.values() if one.is_mean
+    }
+    averages = dict(zip(means, curves.means(*means.values()) if means else (), strict=True))
+    found = {}
+    for name, one in wanted.items():
+        if one.extremes:
+            found[name] = float(one.of([ends[end] for end in one.extremes]))
+        elif one.is_mean:
+            found[name] = float(one.of_mean(np.array(averages[one])))
+        else:
+            with suppress(LinkproofError):
+                found[name] = float(curves.of(curves.at(_instant(curves, one)), one.signal)[0])
+    return found
 
 
-def _means(curves: Curves) -> dict[str, float]:
-    if "Jeq" not in curves.names:
-        return {}
-    inertia, square = curves.means(lambda at: signal(at, "Jeq"), lambda at: np.square(signal(at, "Mkr")))
-    return {"Jeq.mean": inertia, "Mkr.rms": math.sqrt(square)}
+def _instant(curves: Curves, one: Figure) -> Array:
+    """The instant (1,), s, of a figure at a place or a time; raises LinkproofError where the motion has none."""
+    if math.isnan(one.time):
+        return curves.instants.at_angles(np.array([one.angle]), "", 1.0)
+    return curves.instants.at_times(np.array([one.time]))
 
 
-def _places(case: Case) -> Iterator[tuple[str, float]]:
-    """Where moving points are in the first instant and how long the thread is, m; the output's point and direction."""
+def _parts_of_the_description(case: Case) -> Iterator[tuple[str, float]]:
+    """What a change of the description moves that need not move a signal, SI."""
     linkage, start = case.mechanism.linkage, case.start()
-    points = [(f"point:{point}:", point) for point in moving_points(linkage)]
-    for name, point in [*points, *([(OUTPUT, linkage.output.point)] if linkage.output else [])]:
-        for axis, coordinate in zip("xy", start.point(point), strict=True):
-            yield f"{name}{axis}.first", float(coordinate[0])
+    if linkage.output is not None:
+        place = start.point(linkage.output.point)
+        for axis, coordinate, part in zip("xy", place, linkage.output.along, strict=True):
+            yield f"{OUTPUT}{axis}@0s", float(coordinate[0])
+            yield f"{DIRECTION}{axis}", part
     if linkage.thread is not None:
-        yield f"{THREAD}.first", float(contour_length(start, linkage.thread)[0])
-    for axis, part in zip("xy", linkage.output.along if linkage.output else (), strict=False):
-        yield f"{DIRECTION}{axis}", part
+        yield THREAD, float(contour_length(start, linkage.thread)[0])
 
 
 def figure_unit(name: str, linkage: Linkage) -> str:
     """SI unit of a key figure by its name; none of a direction, and of what is no key figure of this version."""
-    stem = name.rpartition(".")[0]
-    kind = stem.partition(":")[0]
-    if name == STROKE or name.startswith((OUTPUT, THREAD)):
+    stem = name.rpartition("@")[0] or name.rpartition(".")[0]
+    if name in (STROKE, THREAD) or name.startswith(OUTPUT):
         return "m"
-    if kind not in {*ONE_OF_ITS_KIND, *COMPONENTS}:
-        return ""
-    return unit(f"{stem}:x" if kind == "joint_force" else stem, linkage)
+    return unit(stem, linkage) if stem.partition(":")[0] in {*ONE_OF_ITS_KIND, *COMPONENTS} else ""
 
 
-def _is_joint_force(name: str) -> bool:
-    return name.startswith("joint_force:") and name.endswith(MAGNITUDE)
+def check_figures(names: Sequence[str], linkages: Iterable[Linkage]) -> None:
+    """Raise LinkproofError for a figure that no linkage has; as many linkages are looked into as it takes."""
+    lacking: dict[str, LinkproofError | None] = dict.fromkeys(names)
+    for linkage in linkages if lacking else ():
+        mechanism = Mechanism(linkage)
+        for name in [*lacking]:
+            try:
+                figures_named(mechanism, name, in_time=True)
+            except LinkproofError as error:
+                lacking[name] = lacking[name] or error
+            else:
+                del lacking[name]
+        if not lacking:
+            return
+    for name, why in lacking.items():
+        raise LinkproofError(f"figures: no linkage has '{name}': {why}")
 
 
-def figures(cases: Iterable[Case]) -> dict[tuple[str, str, str], dict[str, float]]:
-    """Key figures by mechanism, variant and ``regime_key``."""
-    found = {}
-    for case in cases:
-        linkage = case.mechanism.linkage
-        key = regime_key(case.motion.regime, case.conditions)
-        found[linkage.name, linkage.variant, key] = key_figures(case)
+def figures_now(beside: Iterable[KeyFigure]) -> dict[tuple[str, str, str], dict[str, float]]:
+    """Key figures as they are, by mechanism, variant and ``regime_key``."""
+    found: dict[tuple[str, str, str], dict[str, float]] = {}
+    for one in beside:
+        if one.now is not None:
+            place = (one.mechanism, one.variant, regime_key(one.regime, one.conditions))
+            found.setdefault(place, {})[one.figure] = one.now
     return found
 
 
 def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
-    """Every key figure beside a baseline's: changed is what differs by more than ``SAME_FIGURE`` of the recorded."""
+    """Every key figure beside a baseline's: changed is what differs by more than ``SAME_FIGURE`` of the recorded.
+
+    So is every further figure that the baseline's coverage names, or that is recorded.
+    """
     found = []
     for case in cases:
         blank = blank_record(case, "")
-        recorded, now = baseline.figures(blank), key_figures(case)
+        recorded = baseline.figures(blank)
+        now = key_figures(case, (*baseline.coverage.figures, *recorded))
         units = {name: figure_unit(name, case.mechanism.linkage) for name in (*recorded, *now)}
         least = _roundings(recorded, units)
         for name, one in units.items():

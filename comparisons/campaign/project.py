@@ -15,7 +15,7 @@ from comparisons.judging.limits import LimitTable, shipped_limits, with_rows
 
 FILE: Final = "linkproof.toml"
 BASELINE: Final = "linkproof-baseline.json"
-LISTS: Final = ("linkages", "engines", "settings", "regimes")
+LISTS: Final = ("linkages", "engines", "settings", "regimes", "figures")
 KEYS: Final = (*LISTS, "time_limit", "memory_limit", "baseline", "allow_new", "allow_missing", "limit")
 
 
@@ -26,6 +26,7 @@ class Project:
     ``linkages`` are the files that its patterns match, ``engines``, ``settings`` and ``regimes`` names as the commands
     take them, ``time_limit`` s and ``memory_limit`` GiB of each run, ``baseline`` the file of what was recorded,
     ``names_baseline`` whether it is named; ``allow_new`` and ``allow_missing`` let linkages and motions differ from it.
+    ``figures`` are names of figures that are recorded in it and compared besides the key figures.
     """
 
     folder: Path
@@ -34,6 +35,7 @@ class Project:
     engines: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     regimes: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
     time_limit: float | None = None
     memory_limit: float | None = None
     limits: LimitTable = field(default_factory=shipped_limits)

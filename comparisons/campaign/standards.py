@@ -5,20 +5,22 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from analytic.description.loading import LinkageFile
+from analytic.description.loading import LinkageFile, parse
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import CampaignRequest, cases
-from comparisons.campaign.key_figures import KeyFigure, compared, figures
+from comparisons.campaign.campaign import CampaignRequest, cases, each_case
+from comparisons.campaign.key_figures import KeyFigure, compared, figures_now
 from comparisons.campaign.project import Project
 from comparisons.judging.baseline import Baseline, Coverage, Place, read_baseline
 from comparisons.judging.departures import departures
 from comparisons.judging.limits import read_limits, shipped_limits
-from comparisons.judging.records import Record, RunRecord
+from comparisons.judging.records import Record, RunRecord, blank_record
 from comparisons.judging.verdicts import Standard
+from comparisons.reference.case import Case
 
 
 def places(files: Iterable[LinkageFile], folder: Path) -> dict[str, Place]:
@@ -114,6 +116,20 @@ class JudgedRuns(Iterable[RunRecord]):
         return (run.judged(self.standard.judge) for run in self.runs)
 
 
+def compared_cases(request: CampaignRequest, baseline: Baseline) -> Iterator[Case]:
+    """The cases of a request, and as far as the baseline covers them those of its linkages' other variants.
+
+    A variant that cannot follow a motion has no case: no engine is to run it.
+    """
+    yield from each_case(request)
+    for linkage in request.linkages if baseline.coverage.every_variant else ():
+        for name in linkage.variants:
+            if name != linkage.variant:
+                variant = parse(linkage.text, linkage.name, linkage.name, name)
+                with suppress(LinkproofError):
+                    yield from cases(replace(request, linkages=(variant,)))
+
+
 def judged_campaign(
     request: CampaignRequest, runs: Iterable[RunRecord], standard: Standard, record_into: Path | None = None
 ) -> JudgedCampaign:
@@ -121,20 +137,28 @@ def judged_campaign(
 
     With ``record_into`` they are judged by its limits alone, and written there as its baseline.
     """
-    made, baseline = cases(request), standard.baseline
-    departed = departures(request.linkages, made, baseline)
+    baseline = standard.baseline
+    seen: list[Record] = []  # what the cases are of: of thousands not all are kept
+    beside = compared(noted(compared_cases(request, baseline), seen), baseline)
+    departed = departures(request.linkages, seen, baseline)
     if record_into is not None:
-        found = JudgedRuns(runs, replace(standard, baseline=Baseline()))
-        records = (record for run in found for record in run.every)
-        baseline = baseline.recorded(records, figures(made), [one.place for one in departed if one.is_recorded])
+        standard = replace(standard, baseline=Baseline())
+        records = (record for run in JudgedRuns(runs, standard) for record in run.every)
+        gone = [one.place for one in departed if one.is_recorded]
+        baseline = baseline.recorded(records, figures_now(beside), gone)
         baseline.write(record_into)
-        departed = ()
-    else:
-        found = JudgedRuns(runs, standard)
+        beside, departed = [replace(one, recorded=one.now, changed=False) for one in beside if one.now is not None], ()
     return JudgedCampaign(
         replace(standard, baseline=baseline),
-        found,
-        compared(made, baseline),
+        JudgedRuns(runs, standard),
+        beside,
         (*notes(baseline), *(one.sentence for one in departed if one.is_allowed)),
         tuple(one.sentence for one in departed if not one.is_allowed),
     )
+
+
+def noted(each: Iterable[Case], seen: list[Record]) -> Iterator[Case]:
+    """Cases as they come; what each is of is added to those ``seen``."""
+    for case in each:
+        seen.append(blank_record(case, ""))
+        yield case

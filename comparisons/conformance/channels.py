@@ -48,11 +48,15 @@ def finished(engine: Engine, sample: str) -> Run:
     reason = obstacle(engine, sample)
     if reason is not None:
         raise NotApplicableError(f"{sample}: {reason}")
-    run = kept_run(engine, sample)
+    return completed(kept_run(engine, sample), sample)
+
+
+def completed(run: Run, sample: str) -> Run:
+    """A finished run of a sample; raises NotApplicableError for one that the engine does not take after all."""
     if run.outcome is Outcome.UNAVAILABLE or (run.outcome is Outcome.UNSUPPORTED and sample != PLAIN):
         raise NotApplicableError(f"{sample}: {run.outcome.value}, {run.reason}")
     assert run.outcome is Outcome.FINISHED, (
-        f"expected the tuned run of sample '{sample}' to finish, got {run.outcome.value}: {run.reason}; an adapter "
+        f"expected the run of sample '{sample}' to finish, got {run.outcome.value}: {run.reason}; an adapter "
         "takes pins, gravity and a prescribed crank, and what its abilities name besides"
     )
     assert run.history is not None, f"expected a history of the finished run of sample '{sample}', got None: return it"

@@ -13,7 +13,7 @@ from typing import Final, get_args
 
 import numpy as np
 
-from comparisons.conformance.channels import finished, obstacle, parts
+from comparisons.conformance.channels import completed, finished, obstacle, parts
 from comparisons.conformance.findings import Check, NotApplicableError
 from comparisons.conformance.mutants import own_run, tuned_run
 from comparisons.conformance.samples import PLAIN, SAMPLES, case
@@ -58,8 +58,8 @@ def says_what_it_is(engine: Engine) -> None:
 
 
 def is_installed(engine: Engine) -> None:
-    """The engine can be used at all; without it nothing else can be said."""
-    _available(_plain_run(engine))
+    """The engine can be used and finishes the plain sample; without it nothing else can be said."""
+    completed(_plain_run(engine), PLAIN)
 
 
 def _available(run: Run) -> None:
@@ -273,7 +273,7 @@ def holds_all_it_claims(engine: Engine) -> None:
 
 CHECKS = (
     Check("identity", "name, version and abilities", says_what_it_is, needs_engine=False),
-    Check("installed", "the engine can be used", is_installed),
+    Check("installed", "the engine can be used, and finishes a run", is_installed),
     Check("bad data", "an outcome with a reason, nothing raised, no process dead", survives_bad_data, alone=True),
     Check("refusals", "a scene beyond its abilities is unsupported, with a reason", refuses_what_it_cannot_hold),
     Check("claims", "every sample within its abilities is run", holds_all_it_claims),

@@ -6,6 +6,7 @@ import pickle
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
 from comparisons.conformance import channels, conduct
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
 MUTANT: Final = "mutant: "
 INSTALLED: Final = "installed"
+FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no other check says anything
 
 
 def _is_seen(engine: Engine, wrong: Engine, sample: str) -> None:
@@ -111,7 +113,8 @@ def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) ->
 def check_engine(engine: Engine, processes: int | None = None) -> list[Found]:
     """The findings of all checks, each made in a worker process; nothing an engine does brings this one down.
 
-    Mutants are tried once all other checks pass, or fail as expected.
+    All others wait for what they rest on, ``FIRST``, and mutants for all others: each is tried once those before it
+    pass, or fail as expected, so that one cause is named once.
 
     Of an engine that cannot be used, or whose adapter cannot be loaded, that is the only finding.
     """
@@ -119,15 +122,14 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[Found]:
         return [examined(engine, CHECKS[INSTALLED])]
     expected = expected_failures(engine)
     known = [name for name in expected if name in CHECKS]
-    own = [name for name in CHECKS if not name.startswith(MUTANT)]
-    mutants = [name for name in CHECKS if name.startswith(MUTANT)]
-    found = in_workers(examine, engine, own, processes)
-    wrong = [each.check for each in found if with_expected(each, expected).finding is Finding.FAILED]
-    if wrong:  # a mutant of a wrong engine would say the same again, or nothing
-        reason = f"'{wrong[0]}' fails: correct the engine first"
-        found += [Found(name, Finding.NOT_TESTED, reason) for name in mutants]
-    else:
-        found += in_workers(examine, engine, mutants, processes)
+    found: list[Found] = []
+    for _, stage in groupby(CHECKS, lambda name: (name in FIRST, name.startswith(MUTANT))):
+        wrong = [each.check for each in found if with_expected(each, expected).finding is Finding.FAILED]
+        if wrong:
+            reason = f"'{wrong[0]}' fails: correct the engine first"
+            found += [Found(name, Finding.NOT_TESTED, reason) for name in stage]
+        else:
+            found += in_workers(examine, engine, [*stage], processes)
     stale = [
         Found(name, Finding.FAILED, f"expected a check, got '{name}' among the expected failures: correct the name")
         for name in expected

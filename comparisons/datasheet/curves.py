@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from comparisons.reference.case import Case, Truth
 
 Array = NDArray[np.float64]
 Measure = Callable[[Truth], Array]
+Key = TypeVar("Key", bound=Hashable)
 
 TIME: Final = "time"
 TRANSMISSION: Final = "transmission_angle:"
@@ -127,9 +128,9 @@ class Curves:
             return lambda at: -self.of(at, name)
         return lambda at: np.abs(self.of(at, name))
 
-    def places(self, measures: Mapping[str, Measure]) -> dict[str, float]:
+    def places(self, measures: Mapping[Key, Measure]) -> dict[Key, float]:
         """The instant, s, at which each measure of the closed form is highest, refined beyond the grid."""
-        found: dict[str, float] = {}
+        found: dict[Key, float] = {}
         for keys in _batches(list(measures)):
             chosen = [measures[key] for key in keys]
 
@@ -154,5 +155,5 @@ class Curves:
         return [float(mean) for (mean,) in averages(integrands, edges)]
 
 
-def _batches(keys: list[str]) -> Iterable[list[str]]:
+def _batches(keys: list[Key]) -> Iterable[list[Key]]:
     return (keys[start : start + BATCH] for start in range(0, len(keys), BATCH))

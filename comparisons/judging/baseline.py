@@ -7,6 +7,7 @@ have an entry each.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,6 +24,7 @@ GROWTH: Final = 3.0
 FLOOR_SHARE: Final = 1e-3
 # What a key figure of the closed form may change by, relative.
 SAME_FIGURE: Final = 1e-6
+FIRST: Final = r"\.first$"  # an earlier name of what is read at the time 0
 
 
 @dataclass(frozen=True)
@@ -37,15 +39,19 @@ class Place:
 class Coverage:
     """How much of what was recorded a comparison is to hold, and what it may lack or have besides.
 
-    ``every_linkage`` says that the linkages are all there are, ``every_motion`` that a linkage's motions are;
-    ``new_motions`` that a motion which was not recorded fails. What is allowed is a note.
+    ``every_linkage`` says that the linkages are all there are, ``every_motion`` that a linkage's motions are,
+    ``every_variant`` that key figures of its other variants, which no engine runs, are compared;
+    ``new_motions`` that a motion which was not recorded fails. What is allowed is a note. ``figures`` are names of
+    figures that are compared besides the key figures.
     """
 
     every_linkage: bool = False
     every_motion: bool = False
+    every_variant: bool = False
     new_motions: bool = True
     allow_new: bool = False
     allow_missing: bool = False
+    figures: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -73,7 +79,8 @@ class Baseline:
 
     def figures(self, record: Record) -> Mapping[str, float]:
         """The key figures recorded for a record's linkage, variant and regime; none where there are none."""
-        return {name: float(value) for name, value in self._regime(record).get("figures", {}).items()}
+        recorded = self._regime(record).get("figures", {})
+        return {re.sub(FIRST, "@0s", name): float(value) for name, value in recorded.items()}
 
     @property
     def regimes(self) -> frozenset[str]:

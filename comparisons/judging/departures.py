@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
 from analytic.description.crank_motion import LAWS, REGIMES
 from analytic.description.linkage import Linkage
 from comparisons.judging.baseline import Baseline, regime_key
-from comparisons.reference.case import Case
+from comparisons.judging.records import Record
 
 ANEW = "--record-baseline records it"
 NEW, MISSING = "--allow-new", "--allow-missing"
@@ -29,7 +29,7 @@ class Departure:
     is_allowed: bool
 
 
-def departures(linkages: Sequence[Linkage], cases: Sequence[Case], baseline: Baseline) -> tuple[Departure, ...]:
+def departures(linkages: Sequence[Linkage], cases: Iterable[Record], baseline: Baseline) -> tuple[Departure, ...]:
     """Every departure of linkages and their motions from a baseline; none where nothing is recorded yet."""
     return (*file_departures(baseline), *motion_departures(linkages, cases, baseline))
 
@@ -62,42 +62,51 @@ def file_departures(baseline: Baseline) -> tuple[Departure, ...]:
     )
 
 
-def motion_departures(linkages: Sequence[Linkage], cases: Sequence[Case], baseline: Baseline) -> tuple[Departure, ...]:
-    """Of linkages that are in a baseline the variants and motions that are new or missing."""
+def motion_departures(
+    linkages: Sequence[Linkage], cases: Iterable[Record], baseline: Baseline
+) -> tuple[Departure, ...]:
+    """Of linkages that are in a baseline the variants and motions that are new or missing.
+
+    ``cases`` are those that are compared, as blank records name them.
+    """
     if not baseline.is_recorded:
         return ()
-    found = []
+    found, by_mechanism = [], dict[str, list[Record]]()
+    for case in cases:
+        by_mechanism.setdefault(case.mechanism, []).append(case)
     for linkage in linkages:
         place = baseline.places.get(linkage.name)
         if place is not None and place.path in baseline.linkages:
-            ours = [case for case in cases if case.mechanism.linkage.name == linkage.name]
-            keys = [regime_key(case.motion.regime, case.conditions) for case in ours]
-            found += [_missing(place.path, linkage, keys, baseline), _new(place.path, linkage, keys, baseline)]
+            variants = linkage.variants if baseline.coverage.every_variant else (linkage.variant,)
+            keys: dict[str, list[str]] = {name: [] for name in variants}
+            for case in by_mechanism.get(linkage.name, ()):
+                keys[case.variant].append(regime_key(case.regime, case.conditions))
+            found += [_missing(place.path, linkage, keys, baseline), _new(place.path, keys, baseline)]
     return tuple(chain.from_iterable(found))
 
 
-def _missing(path: str, linkage: Linkage, keys: Sequence[str], baseline: Baseline) -> Iterator[Departure]:
+def _missing(path: str, linkage: Linkage, keys: Mapping[str, Sequence[str]], baseline: Baseline) -> Iterator[Departure]:
     """Variants and regimes that the file has no more, and motions that are not compared though all are to be."""
     coverage, variants = baseline.coverage, baseline.linkages[path]["variants"]
     possible = tuple(f"{name}: " for name in (*REGIMES, *LAWS, *(regime.name for regime in linkage.regimes)))
     places: list[tuple[str, ...]] = [(path, variant) for variant in variants if variant not in linkage.variants]
     places += [
-        (path, linkage.variant, key)
-        for key in variants.get(linkage.variant, {})
-        if key not in keys and (coverage.every_motion or not key.startswith(possible))
+        (path, variant, key)
+        for variant, compared in keys.items()
+        for key in variants.get(variant, {})
+        if key not in compared and (coverage.every_motion or not key.startswith(possible))
     ]
     for place in places:
         words = f"{_words(place)} is in the baseline and is not compared any more: {ANEW}, {MISSING} lets it be"
         yield Departure(place, words, is_recorded=True, is_allowed=coverage.allow_missing)
 
 
-def _new(path: str, linkage: Linkage, keys: Iterable[str], baseline: Baseline) -> Iterator[Departure]:
-    """Motions without a recorded figure."""
-    coverage = baseline.coverage
-    recorded = baseline.linkages[path]["variants"].get(linkage.variant, {})
-    for key in keys:
-        if not recorded.get(key, {}).get("figures"):
-            place = (path, linkage.variant, key)
+def _new(path: str, keys: Mapping[str, Sequence[str]], baseline: Baseline) -> Iterator[Departure]:
+    """Motions without a recorded figure, by variant."""
+    coverage, recorded = baseline.coverage, baseline.linkages[path]["variants"]
+    for variant, key in ((variant, key) for variant, compared in keys.items() for key in compared):
+        if not recorded.get(variant, {}).get(key, {}).get("figures"):
+            place = (path, variant, key)
             words = f"{_words(place)} is not in the baseline: {ANEW}, {NEW} lets it be"
             is_allowed = coverage.allow_new or not coverage.new_motions
             yield Departure(place, words, is_recorded=False, is_allowed=is_allowed)

@@ -32,7 +32,7 @@ from reports.document.templates import lines, sentence
 from reports.mechanism.engines import errors_fold
 from reports.records import matrix
 from reports.records.changed_figures import changed_figures
-from reports.records.environment import environment_facts
+from reports.records.environment import environment_facts, side_by_side
 from reports.records.origins import exceptions, origin_words
 from reports.records.readouts import readout_table
 from reports.records.views import family_title, views
@@ -96,8 +96,9 @@ def _settings_table(trust: Trust) -> Table:
         for setting in trust.settings:
             row += _standing(trust, engine, setting)
         rows.append(row)
+    beside = "".join(f", {words}" for words in (side_by_side(trust.results.document["environment"]),) if words)
     return Table(
-        "The worst error over its limit, where it is, and the median times of set-up and of stepping.",
+        f"The worst error over its limit, where it is, and the median times of set-up and of stepping{beside}.",
         ("engine", *(("error / limit", "set-up + stepping") * len(trust.settings))),
         rows,
         groups=(("", 1), *((_setting_words(trust, setting), 2) for setting in trust.settings)),

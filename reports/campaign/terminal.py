@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
+from types import MappingProxyType
 
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
@@ -13,6 +14,7 @@ from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
 from reports.records.changed_figures import changed_figures
+from reports.records.environment import side_by_side
 from reports.records.origins import exceptions, origin_words
 from reports.records.views import family
 
@@ -24,22 +26,27 @@ DETAILS = (
 )
 
 
-def printout(runs: Iterable[RunRecord], figures: Sequence[KeyFigure] = (), notes: Sequence[str] = ()) -> Printout:
+def printout(
+    runs: Iterable[RunRecord],
+    figures: Sequence[KeyFigure] = (),
+    notes: Sequence[str] = (),
+    environment: Mapping[str, str] = MappingProxyType({}),
+) -> Printout:
     """One table per mechanism and regime, quantities down, engines and settings across; then key figures that changed.
 
     ``runs`` are gone through again for each part of it. ``notes`` are sentences that always stand before the closing
-    line.
+    line. ``environment`` says how many ran at a time.
     """
     closing = [*notes, *_reasons(runs), *_changes(figures), _closing_line(runs)]
-    return Printout(_tables(runs, figures), closing, _details(runs))
+    return Printout(_tables(runs, figures, side_by_side(environment)), closing, _details(runs))
 
 
-def _tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure]) -> Iterator[Printed]:
+def _tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure], while_others: str) -> Iterator[Printed]:
     for together in _by_motion(runs):
         yield _heading(together[0])
         for start in range(0, len(together), ACROSS):
             beside = together[start : start + ACROSS]
-            yield _mechanism_table(beside)
+            yield _mechanism_table(beside, while_others)
             yield from _exceptions(beside)
             yield ""
     for table in changed_figures(figures):
@@ -71,15 +78,15 @@ def _heading(run: RunRecord) -> Paragraph:
     return Paragraph(f"{run.mechanism} ({run.variant}), {run.regime}: {run.conditions}", colour="bold")
 
 
-def _mechanism_table(runs: Sequence[RunRecord]) -> Table:
+def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
     every = [run.every for run in runs]
     rows: list[Sequence[TableCell | Words]] = []
     for name in dict.fromkeys(family(record.quantity) for records in every for record in records):
         worst = [_worst(records, name) for records in every]
         rows.append((name, _limits(worst), *map(_cell, worst)))
     rows.append(("figures of", "", *map(origin_words, every)))
-    rows.append(("seconds, set-up", "", *(f"{run.setup_seconds:.3f}" for run in runs)))
-    rows.append(("seconds, stepping", "", *(f"{run.seconds:.3f}" for run in runs)))
+    rows.append(("seconds, set-up", while_others, *(f"{run.setup_seconds:.3f}" for run in runs)))
+    rows.append(("seconds, stepping", while_others, *(f"{run.seconds:.3f}" for run in runs)))
     rows.append(("steps", "", *(f"{run.steps}" for run in runs)))
     head = ("error over peak", "limit", *(f"{run.engine}\n{run.setting}" for run in runs))
     return Table("", head, rows)

@@ -15,6 +15,7 @@ from comparisons.judging.verdicts import deciding
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
+from reports.records.environment import side_by_side
 from reports.records.views import family
 
 # Quantities that go together; what is none of these and no check stands under OTHER.
@@ -215,7 +216,8 @@ def _nearest(trust: Trust, engines: Sequence[str], setting: str, *, timed: bool)
     quickest = min(times, key=lambda name: times[name], default="") if timed else ""
     worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in held) for name, held in leaders.items()}
     told = [(name, listed(held), worst[name]) for name, held in leaders.items()]
-    return sentence("verdict_nearest", leaders=told, quickest=quickest, seconds=times.get(quickest))
+    beside = side_by_side(trust.results.document["environment"])
+    return sentence("verdict_nearest", leaders=told, quickest=quickest, seconds=times.get(quickest), beside=beside)
 
 
 def _untuned(trust: Trust, engines: Sequence[str]) -> str:

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from filecmp import cmp
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from markupsafe import Markup, escape
 
-from comparisons.runs.files import write_text
+from comparisons.runs.files import write_bytes, write_text
 from reports.document.chart import Chart
 from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Words
 from reports.document.templates import FOLDER, render
 
 STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
+# What a page may load: its own folder's files, on a disk or a server, and nothing from elsewhere.
+POLICY: Final = (
+    "default-src 'none'; script-src 'self' file:; style-src 'self' file: 'unsafe-inline'; "
+    "img-src 'self' file: data: blob:; base-uri 'none'; form-action 'none'"
+)
 PIXELS: Final = 96  # of a style sheet, an inch
 UNBROKEN: Final = re.compile(r"(?<=\d) (?=[A-Za-z%°])|(?<=\bN) (?=mm?\b)|(?<=g) (?=mm?²)")  # a value and its unit
 POWER: Final = re.compile(r"\d[\d.]*e-\d+")  # a number that a line may not end in
@@ -48,7 +53,7 @@ def write_all(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool 
     figure as a picture of dots too.
     """
     beside = _Beside(folder, page, png)
-    write_text(folder / page.file, render("page.html", page=page, pages=pages, beside=beside))
+    write_text(folder / page.file, render("page.html", page=page, pages=pages, beside=beside, policy=Markup(POLICY)))
     return [page.file, *beside.names]
 
 
@@ -58,8 +63,8 @@ def write_assets(folder: Path) -> None:
     own = sorted(scripts.glob("*.js"), key=lambda file: (file.name != FIRST, file.name))
     write_text(assets / STYLE, (FOLDER / STYLE).read_text(encoding="utf-8"))
     write_text(assets / SCRIPTS, "\n".join(file.read_text(encoding="utf-8") for file in own if file.name != PLOTLY))
-    if not (assets / PLOTLY).exists():
-        shutil.copyfile(scripts / PLOTLY, assets / PLOTLY)
+    if not (assets / PLOTLY).is_file() or not cmp(scripts / PLOTLY, assets / PLOTLY, shallow=False):
+        write_bytes(assets / PLOTLY, (scripts / PLOTLY).read_bytes())
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
+from typing import Final
 
 from reports.document.parts import (
     Bullets,
@@ -19,6 +21,8 @@ from reports.document.parts import (
 )
 
 RULES = {"l": "---", "r": "---:"}
+# What begins or ends markup: of Markdown, unless it stands within a word, and a tag or an entity of HTML.
+MARKUP: Final = re.compile(r"[\\`*\[\]]|(?<![^\W_])_|_(?![^\W_])|<(?=[A-Za-z/!?])|&(?=#?\w+;)")
 
 
 def written(parts: Iterable[Part], level: int = 2) -> str:
@@ -33,28 +37,28 @@ def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
         case Bullets(items):
             return "\n".join(f"- {inline(item)}" for item in items)
         case Facts(rows):
-            return "\n".join(f"- {name}: {inline(words)}" for name, words in rows)
+            return "\n".join(f"- {inline(name)}: {inline(words)}" for name, words in rows)
         case Table():
             return table(part)
         case Fold(summary, parts):
             return written((Paragraph(summary), *parts), level)
         case Section(heading=heading, parts=parts):
-            return f"{'#' * level} {heading}\n\n{written(parts, level + 1)}"
+            return f"{'#' * level} {inline(heading)}\n\n{written(parts, level + 1)}"
     return ""
 
 
 def table(found: Table) -> str:
     """Caption, table and note as paragraphs; a heading over several columns stands in the head of each."""
     over = [words for words, columns in found.groups for _ in range(columns)] or [""] * len(found.head)
-    head = [f"{words} {_cell(cell)}".strip() for words, cell in zip(over, found.head, strict=True)]
+    head = [f"{inline(words)} {_cell(cell)}".strip() for words, cell in zip(over, found.head, strict=True)]
     rule = [RULES[found.side(column)] for column in range(len(found.head))]
     rows = [head, rule, *(map(_cell, row) for row in found.rows)]
-    return "\n\n".join(filter(None, (found.caption, "\n".join(map(_row, rows)), found.note)))
+    return "\n\n".join(filter(None, (inline(found.caption), "\n".join(map(_row, rows)), inline(found.note))))
 
 
 def _cell(cell: TableCell | Words) -> str:
     if isinstance(cell, TableCell):
-        return inline(cell.words) + (f" ({cell.note})" if cell.note else "")
+        return inline(cell.words) + (f" ({inline(cell.note)})" if cell.note else "")
     return inline(cell)
 
 
@@ -64,12 +68,12 @@ def _row(cells: Iterable[str]) -> str:
 
 
 def inline(words: Words) -> str:
-    """Words with their links and commands."""
+    """Words with their links and commands; nothing in the words themselves is markup, of Markdown or of HTML."""
     match words:
         case tuple():
             return "".join(map(inline, words))
         case PageLink(text, href):
-            return f"[{text}]({href})"
+            return f"[{inline(text)}]({href})"
         case Mono(text):
-            return f"`{text}`"
-    return words
+            return f"`` {text} ``" if "`" in text else f"`{text}`"
+    return MARKUP.sub(r"\\\g<0>", words)

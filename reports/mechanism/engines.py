@@ -17,6 +17,7 @@ from reports.document.parts import Bullets, Fold, PageFigure, Part, Section, Tab
 from reports.document.signs import RUNS
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves
+from reports.records.environment import side_by_side
 from reports.records.origins import exceptions, origin_words
 from reports.records.views import Regime, View, anchor, engines, setting_rank
 
@@ -184,7 +185,9 @@ def _runs(view: View, regime: Regime) -> Table:
         if run[0].steps
     )
     head = ("run", "steps", "stepping", "set-up", "figures of", "as its adapter states it")
-    return Table(f"{regime.name}: stepping alone, measured once, and set-up beside it.", head, rows, align="lrrrl")
+    beside = side_by_side(view.results.document["environment"])
+    caption = f"{regime.name}: stepping alone, measured once{f' {beside}' if beside else ''}, and set-up beside it."
+    return Table(caption, head, rows, align="lrrrl")
 
 
 def settings_words(details: Mapping[str, Any]) -> str:

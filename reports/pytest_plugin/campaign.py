@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from comparisons.campaign.campaign import CampaignRequest, cases, judged, lost, tasks, written
+from comparisons.campaign.campaign import CampaignRequest, judged, lost, tasks, written
 from comparisons.campaign.key_figures import KeyFigure, compared
 from comparisons.campaign.project import Project
-from comparisons.campaign.standards import notes, standard
+from comparisons.campaign.standards import compared_cases, notes, standard
 from comparisons.invariants.checks import NEEDS as INVARIANTS
 from comparisons.judging.departures import Departure, file_departures, motion_departures
-from comparisons.judging.records import Record, from_row
+from comparisons.judging.records import Record, blank_record, from_row
 from comparisons.judging.verdicts import Standard
 from comparisons.reference.case import Case, unpickled
 from comparisons.runs.plugins import engine
@@ -46,11 +46,12 @@ class FileCampaign:
 
     def departures(self) -> tuple[Departure, ...]:
         """Motions of the file that are new or missing in the baseline."""
-        return motion_departures(self.request.linkages, self._cases if self._moves else (), self.standard.baseline)
+        seen = (blank_record(case, "") for case in self._cases) if self._moves else ()
+        return motion_departures(self.request.linkages, seen, self.standard.baseline)
 
     @cached_property
     def _cases(self) -> list[Case]:
-        return cases(self.request)
+        return list(compared_cases(self.request, self.standard.baseline))
 
     @property
     def _moves(self) -> bool:

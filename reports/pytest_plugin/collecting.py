@@ -56,9 +56,11 @@ class LinkageTests(pytest.File):
             yield SetTest.from_parent(self, name="set-of-motions", departures=departures)
         for run in runs:
             yield RunTests.from_parent(self, run=run)
-        for regime in dict.fromkeys(figure.regime for figure in figures):
-            ours = [figure for figure in figures if figure.regime == regime]
-            yield FigureTests.from_parent(self, name=f"{regime}-{FIGURES}", campaign=campaign, figures=ours)
+        (linkage,) = campaign.request.linkages
+        for variant, regime in dict.fromkeys((figure.variant, figure.regime) for figure in figures):
+            ours = [figure for figure in figures if (figure.variant, figure.regime) == (variant, regime)]
+            name = "-".join((regime, *([variant] if variant != linkage.variant else []), FIGURES))
+            yield FigureTests.from_parent(self, name=name, campaign=campaign, figures=ours)
 
 
 def is_first(file: Path, session: pytest.Session) -> bool:

@@ -80,7 +80,8 @@ class Comparison(PrintedResult):
         return figure(errors_chart(view, _named("regime", regime, {one.name: one for one in view.regimes})))
 
     def _printout(self) -> Printout:
-        return printout(self.judged.runs, self.figures, (*self.notes, *self.departures))
+        notes = (*self.notes, *self.departures)
+        return printout(self.judged.runs, self.figures, notes, self.campaign.environment)
 
     def _rows(self) -> Sequence[Record]:
         return self.records

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from comparisons.campaign.campaign import CampaignRequest
+from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.results import document
@@ -15,6 +15,7 @@ from comparisons.campaign.standards import JudgedCampaign, judged_campaign
 from comparisons.judging.verdicts import Standard
 from comparisons.runs.plugins import engines
 from comparisons.runs.workers import Pool
+from reports.records.environment import AT_A_TIME
 from reports.requests.campaign import request
 from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
 from reports.requests.options.declaring import command_line
@@ -46,13 +47,20 @@ class Campaign:
         runs.make()
         return judged_campaign(self.request, runs, self.standard, self.recorded)
 
+    @property
+    def environment(self) -> dict[str, str]:
+        """How many runs are made side by side on this machine, where they are."""
+        count = min(self.running.processes, len(tasks(self.request))) if self.running.scheduler is None else 1
+        return {AT_A_TIME: str(count)} if count > 1 else {}
+
     def document(
         self, judged: JudgedCampaign, errata: Sequence[ErratumRecord] = (), *, is_saved: bool = False
     ) -> dict[str, Any]:
         """Everything of the judged campaign but its runs, JSON-ready."""
         readouts = {one.name: one.abilities.told() for one in engines(self.request.engines)}
         command = self.saved_command + (" --out DIR" if is_saved else "")
-        return {**document(self.request, command, errata, readouts), **judged.told}
+        told = document(self.request, command, errata, readouts)
+        return {**told, **judged.told, "environment": told["environment"] | self.environment}
 
 
 def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limits: RunLimits = UNBOUND) -> Campaign:

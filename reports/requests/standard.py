@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, installed, literature, load, read
 from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.campaign.key_figures import check_figures
 from comparisons.campaign.project import FILE, Project, find_project
 from comparisons.campaign.standards import standard as standard_of
 from comparisons.judging.baseline import Coverage
@@ -79,15 +80,16 @@ def baseline_file(standard: StandardOptions, project: Project | None) -> Path | 
 
 
 def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard:
-    """What results are held against; raises LinkproofError for a limit of what does not exist."""
+    """What results are held against; raises LinkproofError for a limit or a figure of what does not exist."""
     read_files, project = files(completed.options), completed.project
     chosen = standard_of(
         read_files, project, standard.limits, standard.baseline,
         may_lack=standard.record_baseline, coverage=completed.coverage,
     )  # fmt: skip
 
-    def known() -> list[LinkageFile]:
-        return [*read_files, *_others(read_files, project)]
+    def known() -> Iterator[LinkageFile]:
+        yield from read_files
+        yield from _others(read_files, project)
 
     recorded = chosen.baseline.linkages  # one that is recorded and missing has a message of its own
     check_named(
@@ -95,6 +97,8 @@ def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard
         lambda: [*_mechanisms(known()), *(Path(path).stem for path in recorded)],
         lambda: [*_regimes(known()), *chosen.baseline.regimes],
     )
+    if not chosen.baseline.lost:
+        check_figures(chosen.baseline.coverage.figures, (file.linkage() for file in known()))
     return chosen
 
 
@@ -108,11 +112,11 @@ def _others(named: list[LinkageFile], project: Project | None) -> Iterator[Linka
             yield read(path)
 
 
-def _mechanisms(known: list[LinkageFile]) -> list[str]:
+def _mechanisms(known: Iterable[LinkageFile]) -> list[str]:
     return [*(file.name for file in known), *catalogue(), *literature(), *installed()]
 
 
-def _regimes(known: list[LinkageFile]) -> list[str]:
+def _regimes(known: Iterable[LinkageFile]) -> list[str]:
     names = []
     for file in known:
         with suppress(LinkproofError):
@@ -129,9 +133,11 @@ def coverage_of(options: CompareOptions, standard: StandardOptions, project: Pro
     return Coverage(
         every_linkage=not options.mechanisms and options.variant is None,
         every_motion=project is not None and not names_motion,
+        every_variant=options.variant is None and options.gravity,
         new_motions=not names_motion or standard.baseline is not None,
         allow_new=standard.allow_new or (project is not None and project.allow_new),
         allow_missing=standard.allow_missing or (project is not None and project.allow_missing),
+        figures=project.figures if project is not None else (),
     )
 
 

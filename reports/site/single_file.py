@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 import tempfile
+from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import fields, is_dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import quote
@@ -21,6 +23,7 @@ PICTURE: Final = re.compile(r'<a class="picture"([^>]*?) href="[^"]*"><img src="
 SCRIPT: Final = re.compile(r'<script src="([^"]*)" defer></script>\n?')
 STYLE: Final = re.compile(r'<link rel="stylesheet" href="([^"]*)">')
 NAME: Final = re.compile(r'(?<=\bid=")[^"]+(?=")')
+FILES: Final = "'self' file:"  # where scripts come from, in the policy of a page in a folder: the first of it
 MAIN: Final = "main"  # the anchor of the first page
 PLAIN: Final = " !$&'()*+,-./:;<=>?@[]^_`{|}~"  # what an address of a picture holds as it is
 FEW: Final = frozenset({Setting.TUNED.value, Setting.BEST.value})  # whose curves are mailed
@@ -117,7 +120,10 @@ def _whole(folder: Path, page: Page) -> str:
     text = (folder / page.file).read_text(encoding="utf-8")
     data = sorted((folder / "data").rglob("*.js"))
     scripts = [folder / name for name in SCRIPT.findall(text)]
-    code = "".join(f"<script>\n{_code(path)}</script>\n" for path in (*scripts, *data))
+    codes = [f"\n{_code(path)}" for path in (*scripts, *data)]
+    digests = (b64encode(sha256(code.encode()).digest()).decode() for code in codes)
+    text = text.replace(FILES, " ".join(f"'sha256-{digest}'" for digest in digests), 1)
+    code = "".join(f"<script>{code}</script>\n" for code in codes)
     text = STYLE.sub(lambda found: f"<style>\n{(folder / found[1]).read_text(encoding='utf-8')}</style>", text)
     text = PICTURE.sub(lambda found: _picture(folder / found[2], found[1], found[3]), SCRIPT.sub("", text))
     return text.replace("</body>", f"{code}</body>")

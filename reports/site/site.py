@@ -12,7 +12,7 @@ from typing import Final
 from analytic.errors import LinkproofError
 from comparisons.campaign import results as campaign
 from comparisons.runs.failures import Lost
-from comparisons.runs.files import write_text
+from comparisons.runs.files import claim, write_text
 from comparisons.runs.workers import run_jobs, usual_processes
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.summary import markdown
@@ -28,10 +28,11 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     """Write all pages of what ``saved`` holds into ``out``, by default the same folder; returns the first page's path.
 
     ``processes`` worker processes write, one per core by default; with 0, or where none can be started, this one does.
-    ``png`` writes every figure as PNG as well.
+    ``png`` writes every figure as PNG as well. Raises LinkproofError where another command writes there.
     """
     found = Contents(saved)
     folder, links = out or found.folder, found.links()
+    _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
     files = sorted((link.href for link in links), key=_turn)
     jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(saved) else []))]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from analytic.written import change, fixed, signed
+from analytic.written import change, csv_text, fixed, signed
 
 
 @pytest.mark.parametrize(
@@ -19,3 +19,10 @@ from analytic.written import change, fixed, signed
 )  # fmt: skip
 def test_a_rounded_zero_has_no_sign(text, expected):
     assert text == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "cell"), [("=1+1", "'=1+1"), ("+a", "'+a"), ("-a", "'-a"), ("@a", "'@a"), ("a=b", "a=b")]
+)
+def test_a_name_in_a_csv_table_is_no_formula(name, cell):
+    assert csv_text(name) == cell

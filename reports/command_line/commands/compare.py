@@ -38,9 +38,7 @@ def compare(
     destination: Destination,
     limits: RunLimits = UNBOUND,
     standard: StandardOptions = AS_USUAL,
-    words: Callable[[JudgedCampaign], Printout] = lambda judged: printout(
-        judged.runs, judged.figures, (*judged.notes, *judged.departures)
-    ),
+    words: Callable[[JudgedCampaign], Printout] | None = None,
 ) -> int:
     """Run a campaign, write the requested files, print its tables or other ``words``; returns the exit code."""
     destination.check(PAGE)
@@ -69,7 +67,9 @@ def compare(
     if wanted.recorded:
         destination.say(f"baseline: {wanted.recorded}")
     destination.write_junit(judged.records, judged.figures, judged.departures)
-    destination.print_out(words(judged))
+    notes = (*judged.notes, *judged.departures)
+    usual = printout(judged.runs, judged.figures, notes, wanted.environment)
+    destination.print_out(words(judged) if words else usual)
     code = campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
     if kept:
         kept.clear()  # last, since the runs are read from it

@@ -11,7 +11,7 @@ from comparisons.datasheet.building import page_sheet, sheet
 from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
-from comparisons.runs.files import check_writable
+from comparisons.runs.files import check_writable, claim
 from reports.command_line.destination import STDOUT, check_files, files_of, write_files
 from reports.designs.results.files import csv_table, json_text
 from reports.document.terminal import show
@@ -70,6 +70,7 @@ def _write_page(out: Path, own: Sheet, *, opens: bool, quiet: bool) -> None:
     from reports.site.contents import Contents  # noqa: PLC0415 - seconds that nothing else pays for
     from reports.site.site import write_site  # noqa: PLC0415
 
+    _claimed = claim(out)  # until the pages are written
     sheets = load_sheets(out) if (out / FILE).is_file() else ()
     others = [one for one in sheets if (one.name, one.variant) != (own.name, own.variant)]
     save_sheets(out, [*others, own])

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from analytic.written import csv_text
 from comparisons.designs.sweep.saved_sweep import SavedSweep
 
 ROWS: Final = 10_000  # made into text at once
@@ -18,7 +19,7 @@ def csv_rows(saved: SavedSweep) -> Iterator[str]:
     """A line per design, block by block, a column per parameter and figure, headed by name and unit."""
     request, head = saved.request, io.StringIO()
     columns = [*(one.shown for one in request.space.parameters), *(one.shown for one in request.figures)]
-    csv.writer(head, lineterminator="\n").writerow(columns)
+    csv.writer(head, lineterminator="\n").writerow(map(csv_text, columns))
     yield head.getvalue()
     row = ",".join(["%.15g"] * len(columns)) + "\n"
     for number in range(len(request.blocks)):

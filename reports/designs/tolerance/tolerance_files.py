@@ -6,7 +6,7 @@ import csv
 import io
 from typing import Any, Final
 
-from analytic.written import finite, plain
+from analytic.written import csv_text, finite, plain
 from comparisons.designs.tolerance.tolerance_study import ToleranceStudy
 
 HEAD: Final = (
@@ -76,5 +76,6 @@ def csv_table(study: ToleranceStudy) -> str:
     for row, one in enumerate(study.request.figures):
         nominal = float(study.nominal[row] / one.unit.size)
         for cells in _cells(study, row):
-            writer.writerow([one.name, one.unit.name, nominal, *cells[:5], study.how, *cells[5:]])
+            row_cells = [one.name, one.unit.name, nominal, *cells[:5], study.how, *cells[5:]]
+            writer.writerow(csv_text(cell) if isinstance(cell, str) else cell for cell in row_cells)
     return text.getvalue()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from analytic.numerics.refine import highest
+from analytic.numerics.refine import Tops, climb, highest
 
 GRID = np.linspace(0.0, 2.0 * np.pi, 721)
 PLACE = 1e-6  # rad: of a smooth top the value is known to rounding, its place to the root of it
@@ -80,3 +80,10 @@ def test_a_curve_that_is_not_finite_has_its_sample():
     assert (values[0], places[0]) == (np.inf, 0.0)
     assert np.isnan(values[1])
     assert (values[2], places[2]) == pytest.approx((1.0, math.pi / 2), abs=PLACE)
+
+
+def test_places_that_coincide_have_no_parabola():
+    found = Tops(np.array([0]), np.array([[0.0, 0.5, 0.5]]), np.full((1, 3), 0.2))
+    values, places = climb(found, lambda _, x: np.full(x.shape, 0.2))
+    assert values[0] == 0.2
+    assert 0.0 <= places[0] <= 0.5

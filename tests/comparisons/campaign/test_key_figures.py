@@ -10,7 +10,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load, parse
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.key_figures import changes, compared, figures, key_figures
+from comparisons.campaign.key_figures import changes, compared, figures_now, key_figures
 from comparisons.judging.baseline import Baseline, Place
 from comparisons.reference.case import Case
 
@@ -28,8 +28,12 @@ def _heavier(share: float):
     return parse(text, LINKAGE.name, LINKAGE.name, LINKAGE.variant)
 
 
+def _now():
+    return figures_now(compared([_case()], Baseline()))
+
+
 def _baseline() -> Baseline:
-    return Baseline({}, {LINKAGE.name: Place("press.toml", "0")}).recorded([], figures([_case()]))
+    return Baseline({}, {LINKAGE.name: Place("press.toml", "0")}).recorded([], _now())
 
 
 def test_the_same_file_has_the_same_figures():
@@ -62,12 +66,12 @@ def test_figures_of_a_centric_slider_crank_are_those_of_its_formulas():
     assert (found["v.max"], found["v.min"]) == pytest.approx((np.max(speed), np.min(speed)), rel=1e-9)
     (least,) = (value for name, value in found.items() if name.startswith("transmission_angle"))
     assert least == pytest.approx(math.acos(r / length))
-    assert (found["point:A:x.first"], found["point:D:y.first"]) == pytest.approx((r, -math.sqrt(length**2 - r**2)))
+    assert (found["point:A:x@0s"], found["point:D:y@0s"]) == pytest.approx((r, -math.sqrt(length**2 - r**2)))
     assert (found["output:direction:x"], found["output:direction:y"]) == (0.0, 1.0)
 
 
 def test_a_figure_that_is_lost_or_new_is_said():
-    key = next(iter(figures([_case()])))
+    key = next(iter(_now()))
     baseline = _baseline().recorded([], {key: {"Mkr.peak": key_figures(_case())["Mkr.peak"], "old": 1.0}})
     told = {one.figure: one.sentence for one in changes([_case()], baseline)}
     assert "is no figure any more" in told.pop("old")
@@ -83,5 +87,5 @@ def test_without_a_recording_every_figure_is_told_and_none_has_changed():
 def test_rounding_of_what_is_nothing_is_no_change():
     """A force that is zero but for rounding differs between machines by more than a millionth of itself."""
     recorded = {**key_figures(_case()), "Jeq.mean": key_figures(_case())["Jeq.mean"] + 1e-15}
-    baseline = _baseline().recorded([], {next(iter(figures([_case()]))): recorded})
+    baseline = _baseline().recorded([], {next(iter(_now())): recorded})
     assert changes([_case()], baseline) == []

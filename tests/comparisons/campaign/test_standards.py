@@ -108,7 +108,8 @@ def test_what_the_baseline_does_not_know_is_said(folder):
     files = _files(folder)
     baseline = read_baseline(file, places(files, folder))
     linkages = (files[0].linkage("as-printed"),)
-    (one,) = departures(linkages, cases(CampaignRequest(linkages, (MOTION,), "c", ())), baseline)
+    seen = [blank_record(case, "") for case in cases(CampaignRequest(linkages, (MOTION,), "c", ()))]
+    (one,) = departures(linkages, seen, baseline)
     assert one.place == ("a/press.toml", "as-printed", "run-up: c, gravity on")
     assert one.sentence.startswith("a/press.toml (as-printed), run-up: c, gravity on is not in the baseline: --record")
 

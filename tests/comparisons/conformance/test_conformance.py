@@ -19,6 +19,7 @@ from tests.comparisons.conformance.wrong_engines import (
     WRONG,
     AlterableEngine,
     BlindEngine,
+    BrokenEngine,
     DyingEngine,
     NarrowEngine,
     PrintingEngine,
@@ -97,6 +98,13 @@ def test_mutants_wait_until_the_engine_itself_passes(monkeypatch):
         assert (found[name].finding, found[name].detail) == (
             Finding.NOT_TESTED, "'silence' fails: correct the engine first"
         )  # fmt: skip
+
+
+def test_all_checks_wait_until_one_run_finishes():
+    found = {each.check: each for each in check_engine(BrokenEngine(), 1)}
+    assert found["installed"].finding is Finding.FAILED
+    assert "the start is not solved" in found["installed"].detail
+    assert {found[name].finding for name in CHECKS if name not in ("identity", "installed")} == {Finding.NOT_TESTED}
 
 
 def test_an_expected_failure_of_no_check_is_named():

@@ -50,6 +50,13 @@ class BlindEngine(AlterableEngine):
         return replace(run, history=replace(told.history, joint_force={})) if told.history else run
 
 
+class BrokenEngine(Direct):
+    """No run of it finishes."""
+
+    def run(self, scene, setting):
+        return Run(Outcome.DIVERGED, "the start is not solved")
+
+
 class DyingEngine(Direct):
     """A mass that is no number brings the process down."""
 

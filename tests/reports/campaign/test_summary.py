@@ -46,7 +46,7 @@ def test_errors_are_signed_where_they_are_over_and_failures_are_words(text):
     head = "| quantity | limit | alpha naive | alpha tuned | alpha best | beta naive |"
     assert text.count(head) == 1
     assert re.search(r"^\| Jeq [^|]*\(.* kg m²\) \| 6e-2, 1e-5 \| \d\.\de-2 ✗ \| 1\.\de-6 \|", text, re.MULTILINE)
-    assert "- gamma naive; tuned; best – not installed: gamma <cannot> hold this scene." in text
+    assert "- gamma naive; tuned; best – not installed: gamma \\<cannot> hold this scene." in text
 
 
 def test_another_machine_on_another_day_writes_the_same(results, text):

@@ -7,6 +7,7 @@ import pytest
 from comparisons.judging.records import run_record
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
+from reports.records.environment import AT_A_TIME
 from tests.comparisons.judging.test_baseline import RECORD
 
 
@@ -32,6 +33,11 @@ def test_set_up_stands_beside_stepping():
     lines = [line.split() for line in _text(printout([_result(setup_seconds=0.65, seconds=0.04)])).splitlines()]
     place = lines.index(["seconds,", "set-up", "0.650"])
     assert lines[place + 1] == ["seconds,", "stepping", "0.040"]
+
+
+def test_times_of_runs_side_by_side_say_so():
+    lines = _text(printout([_result(seconds=0.04)], environment={AT_A_TIME: "4"})).splitlines()
+    assert [*map(str.split, lines)].count(["seconds,", "stepping", "while", "4", "ran", "0.040"]) == 1
 
 
 @pytest.mark.parametrize(

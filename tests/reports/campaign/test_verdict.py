@@ -8,7 +8,9 @@ from analytic.description.loading import load
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Verdict
 from engines.contract import Setting
+from reports.campaign.index import index
 from reports.campaign.verdict import CHECKS, OTHER, RELEASED, Trust, listed, verdict
+from reports.records.environment import AT_A_TIME
 from tests.reports.made_up_results import changed_results, made_up_results
 
 QUANTITIES = ("Jeq", "Mkr", "S")
@@ -31,6 +33,13 @@ def test_who_is_within_every_limit_is_trusted_in_everything(results):
     assert nearest.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
     assert "The quickest within every limit is" in nearest
     assert untuned.startswith("At default settings (naive) over its limits: alpha, beta, off by up to ")
+
+
+def test_times_of_runs_side_by_side_say_so(results):
+    environment = results.document["environment"] | {AT_A_TIME: "4"}
+    beside = Results({**results.document, "environment": environment}, results.runs)
+    assert verdict(Trust(beside))[1].endswith("in the median run, measured while 4 ran.")
+    assert "the median times of set-up and of stepping, while 4 ran." in str(index(beside, ()))
 
 
 def test_what_the_defaults_do_never_decides(results):

@@ -105,6 +105,20 @@ def page(folder):
     return Elements((folder / PAGE.file).read_text(encoding="utf-8"))
 
 
+def test_a_page_loads_nothing_from_elsewhere(page):
+    (policy,) = (meta["content"] for meta in page.of("meta") if meta.get("http-equiv") == "Content-Security-Policy")
+    assert policy.startswith("default-src 'none'; script-src 'self' file:;")
+
+
+def test_a_half_written_script_is_written_anew(tmp_path):
+    html.write_assets(tmp_path)
+    script = tmp_path / "assets" / html.PLOTLY
+    whole = script.read_bytes()
+    script.write_bytes(whole[:100])
+    html.write_assets(tmp_path)
+    assert script.read_bytes() == whole
+
+
 def test_words_are_escaped_everywhere_and_elements_nest(page):
     assert not page.of("b")
     assert sum(FOREIGN in words for words in page.words) >= 12

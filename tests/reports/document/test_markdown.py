@@ -1,5 +1,7 @@
 """Parts as Markdown: the same words, no picture, no script."""
 
+import pytest
+
 from reports.document.markdown import inline, table, written
 from reports.document.parts import (
     Bullets,
@@ -25,17 +27,33 @@ def test_rows_of_a_table_are_as_wide_as_their_head_and_bars_are_escaped():
         groups=(("", 1), ("of it", 2)),
     )
     caption, grid, note = table(found).split("\n\n")
-    assert (caption, note) == ("What <it> is.", "A note.")
+    assert (caption, note) == ("What \\<it> is.", "A note.")
     assert grid.splitlines() == [
         "| name | of it kind | of it 1/2 \\| value |",
         "| --- | --- | ---: |",
-        "| a\\|b | <x> | 3 |",
-        "| [/c] | y (of z) | 40 |",
+        "| a\\|b | \\<x> | 3 |",
+        "| \\[/c\\] | y (of z) | 40 |",
     ]
 
 
 def test_words_keep_links_and_commands():
     assert inline(("see ", PageLink("it", "a.html"), ": ", Mono("x --y"))) == "see [it](a.html): `x --y`"
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("<script>x</script>", r"\<script>x\</script>"),
+        ("[a](javascript:x)", r"\[a\](javascript:x)"),
+        ("*a* _b_ `c` d\\", r"\*a\* \_b\_ \`c\` d\\"),
+        ("&lt;b&gt;", r"\&lt;b\&gt;"),
+        ("torque_two_routes < 1e-13 & 5", "torque_two_routes < 1e-13 & 5"),
+    ],
+)
+def test_a_name_is_no_markup(words, expected):
+    assert inline(words) == expected
+    assert inline(PageLink(words, "a.html")) == f"[{expected}](a.html)"
+    assert written([Section("k", words, ())]).startswith(f"## {expected}")
 
 
 def test_headings_go_down_and_pictures_are_left_out():

@@ -1,4 +1,4 @@
-"""Changes of a user's repository, one at a time: each is red though the engine follows it, and a sentence says what."""
+"""Changes of a user's repository, one at a time: red in `compare` and in pytest though the engine follows them."""
 
 import json
 import re
@@ -7,11 +7,15 @@ import shutil
 import pytest
 
 import linkproof
+from tests.reports.pytest_plugin.projects import run
+
+pytest_plugins = ["pytester"]
 
 PROJECT = """
 linkages = ["linkages/*.toml"]
 engines = ["direct"]
 regimes = ["constant-speed", "own"]
+figures = ["Mkr@30", "joint_force:A.rms", "omega.max", "joint_force.max"]
 [[limit]]
 quantities = ["Jeq"]
 mechanisms = ["other"]
@@ -57,6 +61,11 @@ force = [0, -5]
 [[dampers]]
 between = ["rocker", "ground"]
 coefficient = 2e-4
+[thread]
+stops = [{ guide = [-25, 40, 0], name = "N1" }, { eye = "P", z = 0 }, { guide = [-20, 25, 0], name = "N2" }]
+stretch = 6
+feed = "shortening"
+reference = 0
 [variants.light.links.crank]
 mass = 0.4
 """
@@ -73,7 +82,7 @@ PATH, BASELINE = "linkages/press.toml", "linkproof-baseline.json"
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """A repository of two linkages, recorded: all as its project says, and a variant."""
+    """A repository of two linkages, recorded as its project says."""
     folder = tmp_path_factory.mktemp("repository")
     (folder / "linkages").mkdir()
     (folder / "linkproof.toml").write_text(PROJECT)
@@ -82,16 +91,25 @@ def recorded(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         linkproof.compare(record_baseline=True, **FAST)
-        linkproof.compare(PATH, variant="light", record_baseline=True, **FAST)
         assert linkproof.compare(**FAST).passed
     return folder
 
 
 @pytest.fixture
-def folder(recorded, tmp_path, monkeypatch):
-    shutil.copytree(recorded, tmp_path / "copy")
-    monkeypatch.chdir(tmp_path / "copy")
-    return tmp_path / "copy"
+def folder(recorded, pytester):
+    return shutil.copytree(recorded, pytester.path, dirs_exist_ok=True)
+
+
+@pytest.fixture
+def pytest_says(pytester):
+    """What pytest says of figures and sets, which has to be that something is red."""
+
+    def says():
+        done = run(pytester, "-k", "figures or set-of")
+        assert done.ret in (pytest.ExitCode.TESTS_FAILED, pytest.ExitCode.INTERRUPTED)
+        return done.stdout.str()
+
+    return says
 
 
 def _edit(file, old, new):
@@ -113,9 +131,16 @@ def _without_figures(folder):
     (folder / BASELINE).write_text(json.dumps(document), encoding="utf-8")
 
 
-def _edited_figure(folder):
-    text = (folder / BASELINE).read_text(encoding="utf-8")
-    (folder / BASELINE).write_text(re.sub(r'("Jeq.mean": )[\d.e-]+', r"\g<1>1.0", text), encoding="utf-8")
+def _edit_figure(name):
+    """A recorded figure put to 1."""
+
+    def change(folder):
+        text = (folder / BASELINE).read_text(encoding="utf-8")
+        text, count = re.subn(rf'("{name}": )[\d.e+-]+', r"\g<1>1.0", text)
+        assert count
+        (folder / BASELINE).write_text(text, encoding="utf-8")
+
+    return change
 
 
 # What changes, and what the figures or sentences that say so have in them.
@@ -124,11 +149,11 @@ FIGURES = {
     "length by 0.05 mm": (_edit(PATH, "B = [60, 0]", "B = [60.05, 0]"), "stroke was .* m and is "),
     "inertia": (_edit(PATH, "inertia = 6e-5", "inertia = 6.01e-5"), "Jeq.mean was .* kg m² and is "),
     "mass centre": (_edit(PATH, "centre = [30, 5]", "centre = [30, 5.01]"), "joint_force:O1.peak was .* N and is "),
-    "coupler point": (_edit(PATH, "P = [10, -5]", "P = [10, -5.01]"), "point:P:y.first was .* m and is "),
+    "coupler point": (_edit(PATH, "P = [10, -5]", "P = [10, -5.01]"), "point:P:y@0s was .* m and is "),
     "output's own point": (_edit(PATH, "C = [30, 15]", "C = [30, 15.05]"), "S.max was .* m and is "),
     "output's name": (
         _edit(PATH, 'output = { point = "C"', 'output = { point = "P"'),
-        "output:point:x.first was .* m ",
+        "output:point:x@0s was .* m ",
     ),
     "output's direction": (_edit(PATH, "along = [1, 0]", "along = [-1, 0]"), "output:direction:x was 1 and is -1"),
     "pivot": (_edit(PATH, "O2 = [50, 0]", "O2 = [50.02, 0]"), "transmission_angle:.*.min was .* rad and is "),
@@ -138,7 +163,22 @@ FIGURES = {
     "load": (_edit(PATH, "force = [0, -5]", "force = [0, -5.01]"), "Peq.peak was .* W and is "),
     "damper": (_edit(PATH, "coefficient = 2e-4", "coefficient = 2.01e-4"), "a.max was .* m/s² and is "),
     "gravity": (_edit(PATH, "-9.81", "-9.8"), "joint_force:A.peak was .* N and is "),
-    "figure of the baseline": (_edited_figure, "Jeq.mean was 1 kg m² and is "),
+    "figure of the baseline": (_edit_figure("Jeq.mean"), "Jeq.mean was 1 kg m² and is "),
+    "listed figure of the baseline": (_edit_figure("Mkr@30"), "Mkr@30 was 1 N m and is "),
+    "listed figure that is new": (
+        _edit("linkproof.toml", '"Mkr@30"', '"S@20"'),
+        "S@20 is .* m and was not recorded",
+    ),
+    "figure recorded and not listed": (
+        lambda folder: (_edit("linkproof.toml", ', "omega.max"', "")(folder), _edit_figure("omega.max")(folder)),
+        "omega.max was 1 rad/s and is ",
+    ),
+    "number of another variant": (
+        _edit(PATH, "mass = 0.4\n", "mass = 0.402\n"),
+        r"\(light\), .*: joint_force:O1.peak was .* N and is ",
+    ),
+    "eye of the thread": (_edit(PATH, "P = [10, -5]", "P = [10, -5.1]"), "thread:length@0s was .* m and is "),
+    "guide of the thread": (_edit(PATH, "[-20, 25, 0]", "[-20, 25.1, 0]"), "thread:length@0s was .* m and is "),
 }
 SETS = {
     "file deleted": (lambda folder: (folder / PATH).unlink(), f"{PATH} is in the baseline and does not exist any more"),
@@ -163,6 +203,10 @@ SETS = {
     "regime not asked for": (
         _edit("linkproof.toml", '"constant-speed", ', ""),
         r"press.toml \(base\), constant-speed: .* is not compared any more",
+    ),
+    "variant added": (
+        _edit(PATH, "[variants.", "[variants.heavy]\nlinks.crank.mass = 0.6\n[variants."),
+        r"press.toml \(heavy\), constant-speed: .* is not in the baseline",
     ),
     "variant removed": (
         _edit(PATH, "[variants.light.links.crank]\nmass = 0.4", ""),
@@ -190,6 +234,10 @@ SLIPS = {
     ),
     "engine of the project": (_edit("linkproof.toml", '["direct"]', '["dirct"]'), "unknown engine of .*'dirct': did"),
     "regime of the project": (_edit("linkproof.toml", '"own"', '"owm"'), "unknown regime 'owm': did you mean 'own'"),
+    "figure of the project": (
+        _edit("linkproof.toml", "Mkr@30", "Mkrr@30"),
+        "no linkage has 'Mkrr@30': unknown figure .*",
+    ),
     "baseline named and gone": (
         _edit("linkproof.toml", "engines =", 'baseline = "held.json"\nengines ='),
         "expected a baseline at .*held.json', got no such file",
@@ -198,17 +246,18 @@ SLIPS = {
 
 
 @pytest.mark.parametrize(("change", "words"), FIGURES.values(), ids=FIGURES)
-def test_a_changed_linkage_is_red_by_figures_with_units(folder, change, words):
+def test_a_changed_linkage_is_red_by_figures_with_units(folder, pytest_says, change, words):
     change(folder)
     found = linkproof.compare(PATH, **FAST)
     assert not found.passed
     assert not found.departures
     sentences = [figure.sentence for figure in found.figures if figure.changed]
     assert any(re.search(words, sentence) for sentence in sentences), sentences
+    assert re.search(words, pytest_says())
 
 
 @pytest.mark.parametrize(("change", "words"), SETS.values(), ids=SETS)
-def test_a_changed_set_is_red_unless_it_is_allowed(folder, change, words):
+def test_a_changed_set_is_red_unless_it_is_allowed(folder, pytest_says, change, words):
     change(folder)
     found = linkproof.compare(**FAST)
     assert not found.passed
@@ -216,6 +265,7 @@ def test_a_changed_set_is_red_unless_it_is_allowed(folder, change, words):
     allowed = linkproof.compare(allow_new=True, allow_missing=True, **FAST)
     assert allowed.passed
     assert {*found.departures} <= {*allowed.notes}
+    assert re.search(words, pytest_says())
 
 
 def test_what_is_missing_is_not_recorded_anew(folder):
@@ -233,10 +283,11 @@ def test_what_is_missing_is_not_recorded_anew(folder):
 
 
 @pytest.mark.parametrize(("change", "words"), SLIPS.values(), ids=SLIPS)
-def test_a_slip_in_a_name_is_an_error(folder, change, words):
+def test_a_slip_in_a_name_is_an_error(folder, pytest_says, change, words):
     change(folder)
     with pytest.raises(linkproof.LinkproofError, match=words):
         linkproof.compare(**FAST)
+    assert re.search(words, pytest_says())
 
 
 def test_what_is_named_is_a_part_of_the_set(folder):

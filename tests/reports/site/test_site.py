@@ -1,5 +1,7 @@
 """A report's folder: whole from saved data alone, the same however it is written, without what is stale."""
 
+import fcntl
+import os
 import re
 import shutil
 import subprocess
@@ -20,6 +22,7 @@ from comparisons.work_precision.records import KIND as BENCH
 from comparisons.work_precision.records import save as save_bench
 from engines.contract import Setting
 from reports.site.site import write_site
+from tests.commands import refused
 from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_results import made_up_results
 from tests.reports.made_up_stress import made_up_stress
@@ -130,3 +133,15 @@ def test_no_engine_is_imported(saved, tmp_path):
     command = [sys.executable, "-c", code, str(saved), str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_two_commands_do_not_write_into_one_folder(tmp_path):
+    save_campaign(tmp_path)
+    handle, words = os.open(tmp_path, os.O_RDONLY), "another linkproof command is writing to"
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        with pytest.raises(LinkproofError, match=words):
+            write_site(tmp_path)
+        assert words in refused("results", NAME, "--out", tmp_path)
+    finally:
+        os.close(handle)
