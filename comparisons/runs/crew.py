@@ -158,12 +158,11 @@ class Crew:
                 self._hire()
             yield from found
 
-    def do(self, job: tuple[Any, ...], seconds: float) -> object:
-        """The result of one job, which may take so many seconds; made by a worker of an earlier one, if it lives."""
-        self.jobs, self.todo, self.bounds = (job,), deque([0]), replace(self.bounds, seconds=seconds)
+    def take_up(self, jobs: Sequence[tuple[Any, ...]], seconds: float) -> Iterator[tuple[int, Any]]:
+        """Results of further jobs, each of which may take so many seconds; workers of earlier ones make them."""
+        self.jobs, self.todo, self.bounds = jobs, deque(range(len(jobs))), replace(self.bounds, seconds=seconds)
         self.again.clear()
-        ((_, result),) = self.results()
-        return result
+        return self.results()
 
     def close(self) -> None:
         """Kill all workers, busy or not."""

@@ -19,6 +19,8 @@ EFFORTS: Mapping[str, tuple[float, ...]] = {
 }
 # A step too long for an engine may be cured by a shorter one, but not for ever.
 FAILURES = 3
+# Steps that every sweep takes, whatever they cost and gain: fewer are no curve, and show neither order nor floor.
+FEWEST = 6
 LASTING = (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE, Verdict.NOT_PROVIDED)  # whatever the step
 
 
@@ -26,10 +28,11 @@ LASTING = (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE, Verdict.
 class Extent:
     """How far a benchmark goes.
 
-    ``steps_per_turn`` of the crank's peak speed, coarse to fine; a sweep ends before a point whose stepping would take
-    longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s, in all.
-    ``effort_stride`` is the stride through the steps in sweeps at other solver efforts; 0 leaves these out. No run is
-    begun after ``deadline``, s from the start.
+    ``steps_per_turn`` of the crank's peak speed, coarse to fine; after ``FEWEST`` a sweep ends before a point that
+    would take longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s,
+    in all; both count set-up and stepping. ``effort_stride`` is the stride through the steps in sweeps at other solver
+    efforts; 0 leaves these out. No run is begun after ``deadline``, s from the start. ``fronts_only`` measures of each
+    engine the most advanced method, of a single run and of several, and leaves out the best setting, which repeats one.
     """
 
     steps_per_turn: tuple[float, ...]
@@ -38,10 +41,13 @@ class Extent:
     patience: float
     effort_stride: int = 0
     deadline: float = math.inf
+    fronts_only: bool = False
 
 
 FULL = Extent(tuple(12.0 * 2.0**k for k in range(12)), budget=1.0, repeats=5, patience=0.6, effort_stride=2)
-QUICK = Extent(tuple(16.0 * 2.0**k for k in range(8)), budget=0.3, repeats=2, patience=0.1, deadline=45.0)
+QUICK = Extent(
+    tuple(6.0 * 2.0**k for k in range(8)), budget=0.3, repeats=2, patience=0.1, deadline=45.0, fronts_only=True
+)
 OUT_OF_TIME = "the time for the whole benchmark was up"
 
 
@@ -106,22 +112,25 @@ class Track:
         done = self.taken
         if done and done[-1].outcome != Outcome.FINISHED:
             return self._end_by_failure()
-        finished = [taken for taken in done if taken.outcome == Outcome.FINISHED]
-        names = finished[0].errors if finished else ()
-        if finished and not any(still_improves([taken.errors[name].error_max for taken in finished]) for name in names):
-            return "two refinements in a row improved nothing"
         if len(done) == len(self.points):
             return "the sweep ends here"
+        if len(done) < FEWEST:
+            return ""
+        finished = [taken for taken in done if taken.outcome == Outcome.FINISHED]
+        names = finished[0].errors if finished else ()
+        if not any(still_improves([taken.errors[name].error_max for taken in finished]) for name in names):
+            return "two refinements in a row improved nothing"
         price = self._price(self.points[len(done)])
         if price > self.budget:
             return f"the next step would take about {price:.2g} s, over {self.budget:g} s"
         return ""
 
     def _price(self, point: Point) -> float:
-        """What a point will cost by the cheapest step so far, s: a slow spell of the machine is not the engine's."""
+        """What a point will cost by the cheapest set-up and step so far, s: a slow spell is not the engine's."""
         pairs = zip(self.points, self.taken, strict=False)
         each = [taken.seconds / done.steps_per_turn for done, taken in pairs if done.steps_per_turn and taken.seconds]
-        return min(each, default=0.0) * (point.steps_per_turn or 0.0)
+        setup = min((taken.setup for taken in self.taken), default=0.0)
+        return setup + min(each, default=0.0) * (point.steps_per_turn or 0.0)
 
     def _end_by_failure(self) -> str:
         """Failures end a sweep that worked before, and one that never did after three."""
@@ -137,6 +146,9 @@ def tracks(
     case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent, *, efforts: bool
 ) -> list[Track]:
     """The sweeps of one engine on one case: its settings, its methods, and these at other solver efforts if asked."""
+    if extent.fronts_only:
+        settings = [setting for setting in settings if setting is not Setting.BEST]
+        methods = [*_last(methods, extrapolated=False), *_last(methods, extrapolated=True)]
     sweeps = [Track([Point(case, engine, setting)], math.inf) for setting in settings]
     for method in methods:
         sweeps.append(_track(case, engine, method, extent.steps_per_turn, extent))
@@ -144,6 +156,11 @@ def tracks(
             steps = extent.steps_per_turn[:: extent.effort_stride]
             sweeps += [_track(case, engine, other, steps, extent) for other in _other_efforts(method)]
     return sweeps
+
+
+def _last(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
+    """The most advanced method of a single run, or of several extrapolated: an engine names its simplest first."""
+    return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
 
 
 def _track(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> Track:

@@ -53,9 +53,9 @@ class Rounds:
         """Measure points in a round, as long as there is time."""
         tasks = [self._task(number, point) for point in points if point.is_run]
         self.study.expect(tasks)
-        bounds = Bounds(seconds=min(HANGS + 20.0 * self.extent.budget, max(1.0, self._left())))
+        bounds = Bounds(seconds=min(HANGS + 20.0 * self.extent.budget, max(1.0, self.left())))
         with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
-            while self._left() > 0.0 and next(ended, None) is not None:
+            while self.left() > 0.0 and next(ended, None) is not None:
                 pass
 
     def taken(self, number: int, point: Point) -> Taken | None:
@@ -72,7 +72,7 @@ class Rounds:
     def is_worth_repeating(self, point: Point, number: int) -> bool:
         """Whether a point takes part in a later round: while it has not taken too long."""
         before = self.repeats(point, number)
-        return bool(before) and sum(taken.seconds for taken in before) < self.extent.patience
+        return bool(before) and sum(taken.setup + taken.seconds for taken in before) < self.extent.patience
 
     @property
     def calibrations(self) -> tuple[float, ...]:
@@ -90,9 +90,10 @@ class Rounds:
 
     def _lost(self, lost: Lost, *_: object) -> Taken | None:
         """A run that gave no result; None where it was ended by our own deadline, not by the engine's fault."""
-        return Taken(lost.outcome.value, lost.reason, host=lost.host) if self._left() > 0.0 else None
+        return Taken(lost.outcome.value, lost.reason, host=lost.host) if self.left() > 0.0 else None
 
-    def _left(self) -> float:
+    def left(self) -> float:
+        """Time until the deadline, s."""
         return self.ends - time.monotonic()
 
 

@@ -1,14 +1,16 @@
 """Work-precision: every engine, method and step measured on every case, round after round, one run at a time.
 
-The first round goes down one sweep of every engine on a case at once, coarse steps first, then the next of each,
-and takes the errors; the rounds after it repeat every point for its time alone. Each round visits all points in turn,
-so that a slow spell of the machine hits all alike.
+The first round goes down all sweeps of a case at once, coarse steps first, and takes the errors; the rounds after it
+repeat every point of the case for its time alone. Each round visits all points in turn, so that a slow spell of the
+machine hits all alike.
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import groupby
 from typing import Any
 
 from analytic.errors import UnknownNameError
@@ -76,15 +78,20 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
         journal=journal,
         pool=request.pool,
     )
-    turns = _turns(sweeps)
-    for turn in turns:
+    longest = 0.0
+    for turn in _turns(request.cases, sweeps):
+        begun = time.monotonic()
+        if rounds.left() < longest:  # some points of a curve would show nothing
+            for track in turn:
+                track.take(None)
         while batch := [(track, point) for track in turn if (point := track.next()) is not None]:
             rounds.run(0, [point for _, point in batch])
             for track, point in batch:
                 track.take(rounds.taken(0, point))
-    done = [point for turn in turns for track in turn for point in track.points[: len(track.taken)]]
-    for number in range(1, request.extent.repeats):
-        rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
+        done = [point for track in turn for point in track.points[: len(track.taken)]]
+        for number in range(1, request.extent.repeats):
+            rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
+        longest = max(longest, time.monotonic() - begun)
     return Measured(judged(_records(request, sweeps, rounds)), request.quantities, Noise(rounds.calibrations))
 
 
@@ -125,32 +132,24 @@ def _sweeps(request: BenchRequest) -> Iterator[Track]:
                 yield from tracks(number, name, methods, request.settings, request.extent, efforts=first)
 
 
-def _turns(sweeps: Sequence[Track]) -> list[list[Track]]:
-    """Sweeps that are measured to their ends one turn after the other: one of every engine on a case at a time.
+def _turns(cases: Sequence[Case], sweeps: Sequence[Track]) -> list[list[Track]]:
+    """Sweeps that are measured to their ends and repeated, one group after the other: those of a case at a time.
 
-    Where the time ends first, few cases have whole curves, rather than many a point each: case by case come the
-    settings and each engine's most advanced method. The other methods follow; extrapolated ones and the best setting,
-    which is mostly one of them, come last.
+    Where the time ends first, a linkage of each structure has whole curves, rather than every linkage a point: the
+    first case of a structure comes before all that repeat one, single runs before extrapolated ones.
     """
-    groups: dict[tuple[int, str], list[Track]] = {}
-    for track in sweeps:
-        groups.setdefault((track.points[0].case, track.points[0].engine), []).append(track)
-    ordered = {place: sorted(enumerate(group), key=_rank) for place, group in groups.items()}
-    turns: dict[tuple[int, int, int], list[Track]] = {}
-    for (case, _), group in ordered.items():
-        first = sum(_rank(one)[0] == 0 for one in group)  # number of settings that come before the first method
-        for number, (_, track) in enumerate(group):
-            place = (0, case, number) if number <= first else (1, number, case)
-            turns.setdefault(place, []).append(track)
-    return [turns[place] for place in sorted(turns)]
+    known: set[frozenset[str]] = set()
+    repeated = []
+    for case in cases:
+        kinds = frozenset(group.kind for group in case.mechanism.structure.groups)
+        repeated.append(kinds in known)
+        known.add(kinds)
 
+    def place(track: Track) -> tuple[bool, bool, int]:
+        point = track.points[0]
+        return repeated[point.case], point.method is not None and point.method.runs > 1, point.case
 
-def _rank(numbered: tuple[int, Track]) -> tuple[int, int]:
-    number, track = numbered
-    point = track.points[0]
-    if point.method is None:
-        return (3 if point.setting is Setting.BEST else 0), number
-    return (1 if point.method.runs == 1 else 2), -number
+    return [list(group) for _, group in groupby(sorted(sweeps, key=place), place)]
 
 
 def _records(request: BenchRequest, sweeps: Sequence[Track], rounds: Rounds) -> list[PointRecord]:

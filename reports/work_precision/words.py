@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from comparisons.work_precision.analysis import Standing, SweepFinding
-from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.places import EngineFacts, Regimes
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
@@ -68,8 +67,7 @@ def per_turn(record: BenchRecord) -> str:
 def limit_words(sweep: SweepFinding) -> str:
     """The least error of a sweep, called a floor where a finer step does not lower it, and what limits it."""
     least, cause = error(sweep.floor.error), sweep.floor.cause
-    open_end = cause in (Cause.FALLING, Cause.UNSETTLED)
-    return f"{least}, {cause.value}" if open_end else f"floor {least}: {cause.value}"
+    return f"floor {least}: {cause.value}" if cause.is_floor else f"{least}, {cause.value}"
 
 
 def noise_share(bench: Bench) -> float:

@@ -52,7 +52,7 @@ def work(function: bytes, job: bytes, bounds: Bounds) -> bytes:
     crew = _hired(function, bounds)
     crew.alive = _check()
     try:
-        result = crew.do(pickle.loads(job), bounds.seconds)
+        ((_, result),) = crew.take_up([pickle.loads(job)], bounds.seconds)
     except BaseException:
         crew.close()
         raise

@@ -6,23 +6,23 @@ import math
 import pytest
 
 from comparisons.work_precision.measure import Taken
-from comparisons.work_precision.points import FULL, OUT_OF_TIME, QUICK, Point, Track, tracks
+from comparisons.work_precision.points import FEWEST, FULL, OUT_OF_TIME, QUICK, Point, Track, tracks
 from comparisons.work_precision.records import PointError
 from engines.contract import Method, Setting
 
 METHOD = Method("plain", "as it comes", effort_unit="iterations")
-STEPS = (12.0, 24.0, 48.0, 96.0, 192.0)
+STEPS = tuple(12.0 * 2.0**k for k in range(9))
 
 
 def _track(budget=math.inf):
     return Track([Point(0, "alpha", method=METHOD, steps_per_turn=n) for n in STEPS], budget)
 
 
-def _taken(error, seconds=1e-3, also=None):
+def _taken(error, seconds=1e-3, also=None, setup=0.0):
     errors = {"Mkr": PointError("N m", error, error, 1.0)} | (
         {"Jeq": PointError("kg m²", also, also, 1.0)} if also else {}
     )
-    return Taken("finished", seconds=seconds, errors=errors)
+    return Taken("finished", seconds=seconds, setup=setup, errors=errors)
 
 
 def _failed(outcome="diverged"):
@@ -38,40 +38,40 @@ def _run(track, results):
     return len(results) if track.next() is None else None
 
 
-def test_a_sweep_ends_at_its_last_step():
-    track = _track()
-    assert _run(track, [_taken(10.0**-k) for k in range(5)]) == 5
-    assert track.ended == "the sweep ends here"
-
-
-def test_two_refinements_that_improve_nothing_end_it():
-    track = _track()
-    assert _run(track, [_taken(e) for e in (1e-2, 1e-3, 1e-3, 1e-3, 1e-3)]) == 4
-    assert "two refinements in a row" in track.ended
-
-
-def test_a_quantity_that_still_improves_keeps_it_going():
-    track = _track()
-    assert _run(track, [_taken(1e-3, also=10.0**-k) for k in range(5)]) == 5
-
-
-def test_a_point_that_would_take_too_long_is_not_begun():
-    track = _track(budget=0.1)
-    assert _run(track, [_taken(10.0**-k, seconds=0.02 * 2**k) for k in range(5)]) == 3
-    assert "would take about 0.16 s, over 0.1 s" in track.ended
-
-
-def test_one_slow_run_does_not_end_a_sweep():
-    track = _track(budget=0.1)
-    times = [0.001, 0.002, 0.09, 0.008, 0.016]
-    assert _run(track, [_taken(10.0**-k, seconds=times[k]) for k in range(5)]) == 5
+@pytest.mark.parametrize(
+    ("budget", "results", "count", "ended"),
+    [
+        (math.inf, [_taken(10.0**-k) for k in range(9)], 9, "the sweep ends here"),
+        (math.inf, [_taken(10.0 ** -min(k, 5)) for k in range(9)], 8, "two refinements in a row"),
+        (math.inf, [_taken(1e-3)] * 9, FEWEST, "two refinements in a row"),
+        (math.inf, [_taken(1e-3, also=10.0**-k) for k in range(9)], 9, "the sweep ends here"),
+        (0.1, [_taken(10.0**-k, seconds=1e-3 * 2**k) for k in range(9)], 7, "would take about 0.13 s, over 0.1 s"),
+        (0.1, [_taken(10.0**-k, seconds=1.0) for k in range(9)], FEWEST, "over 0.1 s"),
+        (0.1, [_taken(10.0**-k, setup=0.2) for k in range(9)], FEWEST, "over 0.1 s"),
+        (0.3, [_taken(10.0**-k, 0.2 if k == 2 else 1e-3 * 2**k) for k in range(9)], 9, "the sweep ends here"),
+    ],
+    ids=[
+        "last-step",
+        "no-gain",
+        "never-a-gain",
+        "other-gains",
+        "dear",
+        "dear-at-once",
+        "set-up",
+        "one-slow",
+    ],
+)
+def test_a_sweep_takes_six_steps_and_goes_on_while_it_pays(budget, results, count, ended):
+    track = _track(budget)
+    assert _run(track, results) == count
+    assert ended in track.ended
 
 
 @pytest.mark.parametrize(
     ("results", "count"),
     [
         ([_failed()] * 5, 3),
-        ([_failed(), _failed(), *[_taken(10.0**-k) for k in range(3)]], 5),
+        ([_failed(), _failed(), *[_taken(10.0**-k) for k in range(7)]], 9),
         ([_taken(1e-1), _failed()], 2),
         ([_failed("timed-out")], 1),
         ([_failed("unsupported")], 1),
@@ -81,7 +81,7 @@ def test_one_slow_run_does_not_end_a_sweep():
 def test_failures_end_a_sweep_unless_a_shorter_step_may_cure_them(results, count):
     track = _track()
     assert _run(track, results) == count
-    if count < 5:
+    if count < len(STEPS):
         assert track.ended.endswith("why")
 
 
@@ -103,8 +103,13 @@ def test_settings_methods_and_other_efforts_are_swept():
     assert len(found[4].points) == len(FULL.steps_per_turn) / 2
 
 
-def test_a_quick_benchmark_tries_no_other_efforts():
-    assert len(tracks(0, "alpha", [METHOD], (), QUICK, efforts=True)) == 1
+def test_a_quick_benchmark_has_the_most_advanced_methods_and_neither_the_best_setting_nor_other_efforts():
+    names = {"simple": 1, "advanced": 1, "simple x2": 2, "advanced x2": 2}
+    methods = [dataclasses.replace(METHOD, name=name, runs=runs) for name, runs in names.items()]
+    found = tracks(0, "alpha", methods, tuple(Setting), QUICK, efforts=True)
+    measured = [track.points[0].setting or track.points[0].method.name for track in found]
+    assert measured == ["naive", "tuned", "advanced", "advanced x2"]
+    assert all(len(track.points) > FEWEST for track in found[2:])
 
 
 def test_every_point_of_a_benchmark_has_a_key_of_its_own():

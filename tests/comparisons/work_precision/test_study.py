@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections import Counter
-from itertools import groupby
+from itertools import count
 
 import pytest
 
@@ -18,7 +18,7 @@ from comparisons.work_precision import measure, rounds
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import findings
 from comparisons.work_precision.floor import Cause
-from comparisons.work_precision.points import OUT_OF_TIME, Extent
+from comparisons.work_precision.points import OUT_OF_TIME, Extent, tracks
 from comparisons.work_precision.records import METHOD, SETTING
 from comparisons.work_precision.study import BenchRequest, bench, methods_told
 from engines.contract import Outcome, Run, Setting
@@ -222,13 +222,36 @@ def test_methods_can_be_asked_for_by_name(known):
     assert [told["name"] for told in methods_told(only)] == ["first"]
 
 
-def test_a_sweep_is_whole_before_the_next_begins_and_the_most_advanced_method_is_the_first(runs):
-    """Where the time ends, there are fronts, not a single point of every method."""
-    begun = list(dict.fromkeys(runs[runs.index(Setting.NAIVE) :]))  # the first round, after what warms up
-    settings = [run for run in begun if isinstance(run, Setting)]
-    assert begun[:2] == settings[:2] == [Setting.NAIVE, Setting.TUNED]
-    sweeps = [key for key, _ in groupby(run[:2] for run in begun if not isinstance(run, Setting))]
-    assert len(sweeps) == len(set(sweeps))
-    single = [method.name for method in METHODS if method.runs == 1]
-    names = list(dict.fromkeys(name for name, _ in sweeps if name in single))
-    assert names == single[::-1]
+def _cases(*names):
+    return tuple(dataclasses.replace(CASE, mechanism=Mechanism(load(name))) for name in names)
+
+
+def test_a_linkage_of_each_structure_is_measured_before_those_that_repeat_one_single_runs_first(known):
+    cases = _cases("fork-takeup", "two-crank-takeup", "juki-mf7923d", "rimoldi-164", "slotted-takeup")
+    sweeps = [one for place in range(5) for one in tracks(place, "known", METHODS, (), EXTENT, efforts=False)]
+    turns = [{(track.points[0].case, track.points[0].method.runs > 1) for track in turn}
+             for turn in benchmark._turns(cases, sweeps)]  # fmt: skip
+    structures = [0, 2, 3, 4]
+    single, extrapolated = [{(place, False)} for place in structures], [{(place, True)} for place in structures]
+    assert turns == [*single, *extrapolated, {(1, False)}, {(1, True)}]
+
+
+def test_a_turn_that_takes_longer_than_there_is_time_for_is_not_begun(known, monkeypatch):
+    """A few points of a curve would show nothing: the case is left to a benchmark of its own."""
+    ticks = count(0.0, 10.0)
+    monkeypatch.setattr(benchmark.time, "monotonic", lambda: next(ticks))
+    monkeypatch.setattr(rounds.Rounds, "left", lambda self: 8.0)
+    cases, short = _cases("fork-takeup", "juki-mf7923d"), dataclasses.replace(EXTENT, repeats=1)
+    request = dataclasses.replace(REQUEST, cases=cases, methods=("first",), settings=(), extent=short)
+    found = bench(request).points
+    assert {one.outcome for one in found if one.mechanism == "fork-takeup"} == {"finished"}
+    assert [(one.outcome, one.detail) for one in found if one.mechanism != "fork-takeup"] == [
+        ("timed-out", OUT_OF_TIME)
+    ]
+
+
+def test_steps_are_taken_by_all_sweeps_of_a_case_in_turn_coarse_ones_first(runs):
+    """So that a slow spell of the machine hits all alike."""
+    begun = [run for run in dict.fromkeys(runs[1:]) if not isinstance(run, Setting) and run[0] in ("first", "wrong")]
+    assert [run[0] for run in begun[:6]] == ["first", "wrong"] * 3
+    assert [run[2] for run in begun] == sorted((run[2] for run in begun), reverse=True)

@@ -41,6 +41,22 @@ def test_defaults_are_both_run_ups_and_a_quick_one_the_smooth_alone():
     assert regimes(BenchOptions(regime=("own",), quick=True)).regime == ("own",)
 
 
+@pytest.mark.parametrize(
+    ("options", "times"),
+    [
+        ({"quick": True}, (0.06, 0.03)),
+        ({"quick": True, "speed": -3000.0}, (0.02, 0.01)),
+        ({"quick": True, "hold_time": 0.2}, (0.6, 0.2)),
+        ({"quick": True, "from_angle": 0.0, "to_angle": 90.0}, (0.6, 0.1)),
+        ({}, (0.6, 0.1)),
+    ],
+    ids=["quick", "faster-and-clockwise", "its-own-time", "swing", "full"],
+)
+def test_a_quick_benchmark_moves_one_turn_unless_its_times_are_given(options, times):
+    options = bench_command._campaign(BenchOptions(**options))
+    assert (options.ramp_time, options.hold_time) == pytest.approx(times)
+
+
 def test_the_command_asks_for_the_same():
     assert command_line("bench", CHOICE) == COMMAND
     assert command_line("bench", BenchOptions()) == "linkproof bench"
