@@ -183,12 +183,10 @@ def series(records: Iterable[BenchRecord]) -> tuple[Series, ...]:
 
 @dataclass(frozen=True)
 class MeasuredCost:
-    """One reduction of a linkage in one engine, or one query put to the closed form by one path of ``evaluate``.
+    """One reduction of a linkage in one engine.
 
-    ``solver`` is the engine, the reference's control where ``is_control``, or the path; ``about`` is what is recorded
-    or requested. ``seconds`` are of every repeat, s:
-    whole runs, of which ``stepping`` is the engine's own share, or evaluations at so many crank ``angles``; an engine
-    has none of these.
+    ``solver`` is the engine, the reference's control where ``is_control``; ``about`` is what is recorded. ``seconds``
+    are of every repeat, s: whole runs, of which ``stepping`` is the engine's own share.
     """
 
     mechanism: str
@@ -196,7 +194,6 @@ class MeasuredCost:
     solver: str
     reduction: str
     about: str
-    angles: int = 0
     outcome: str = Outcome.FINISHED.value
     reason: str = ""
     seconds: Annotated[tuple[float, ...], Field(min_length=1)] = ()

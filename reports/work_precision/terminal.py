@@ -13,7 +13,7 @@ from reports.document.parts import Paragraph, Table
 from reports.document.templates import plain
 from reports.document.terminal import Printed, Printout
 from reports.work_precision import words
-from reports.work_precision.costs import cost_tables
+from reports.work_precision.costs import cost_table
 from reports.work_precision.words import engine_label, label_of
 
 CHOICES = ("engine", "to get", "time", "by")
@@ -30,8 +30,8 @@ def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
     for place in places(bench):
         for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
             blocks += _block(place, name, words.noise_share(bench))
-    for costs in cost_tables(bench.costs):
-        blocks += [costs, ""]
+    if bench.costs:
+        blocks += [cost_table(bench.costs), ""]
     return Printout(blocks, [words.noise_note(bench)], [_points(bench), ""])
 
 
