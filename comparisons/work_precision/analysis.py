@@ -45,7 +45,7 @@ class PointChoice:
 
 
 @dataclass(frozen=True)
-class Standing:
+class SettingComparison:
     """A setting against the methods' front: ``ratio`` of its time to the cheapest method's at the setting's error.
 
     ``best`` is held against all methods, every other setting against those of a single run.
@@ -157,7 +157,7 @@ def _reaching(records: Sequence[BenchRecord], limit: float) -> Iterator[BenchRec
             yield sweep.records[place]
 
 
-def standings(records: Sequence[BenchRecord]) -> tuple[Standing, ...]:
+def compare_settings(records: Sequence[BenchRecord]) -> tuple[SettingComparison, ...]:
     """How far off the methods' front each setting is, among one engine's records of one quantity."""
     sweeps = series(records)
     results = []
@@ -168,9 +168,9 @@ def standings(records: Sequence[BenchRecord]) -> tuple[Standing, ...]:
             met = [(cost, sweep) for cost, sweep in prices if cost is not None]
             cheapest = min(met, key=lambda pair: pair[0], default=None)
             if cheapest is None:
-                results.append(Standing(record, None, None))
+                results.append(SettingComparison(record, None, None))
             else:
                 place = sustained(cheapest[1].errors, _error(record))
                 assert place is not None
-                results.append(Standing(record, cheapest[1].records[place], cheapest[0]))
+                results.append(SettingComparison(record, cheapest[1].records[place], cheapest[0]))
     return tuple(results)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from comparisons.judging.records import Verdict
 from comparisons.runs.failures import Failure
-from comparisons.work_precision.measure import Taken
+from comparisons.work_precision.measure import Measurement
 from comparisons.work_precision.step_sweep import still_improves
 from engines.contract import Method, Outcome, Setting
 
@@ -84,7 +84,7 @@ class Point:
 
 
 @dataclass
-class Track:
+class Sweep:
     """A sweep under way: the points still to come, coarse to fine, and what came of those done.
 
     ``ended`` says why it went no further, once it has ended.
@@ -92,33 +92,33 @@ class Track:
 
     points: Sequence[Point]
     budget: float
-    taken: list[Taken] = field(default_factory=list)
+    measurements: list[Measurement] = field(default_factory=list)
     ended: str = ""
 
     def next(self) -> Point | None:
         """The point to measure next; None when the sweep has ended."""
         if not self.ended:
             self.ended = self._end()
-        return None if self.ended else self.points[len(self.taken)]
+        return None if self.ended else self.points[len(self.measurements)]
 
-    def take(self, taken: Taken | None) -> None:
+    def add(self, measurement: Measurement | None) -> None:
         """Note what the next point came to; None where there was no time left for it."""
-        if taken is None:
+        if measurement is None:
             self.ended = OUT_OF_TIME
         else:
-            self.taken.append(taken)
+            self.measurements.append(measurement)
 
     def _end(self) -> str:
-        done = self.taken
+        done = self.measurements
         if done and done[-1].outcome != Outcome.FINISHED:
             return self._end_by_failure()
         if len(done) == len(self.points):
             return "the sweep ends here"
         if len(done) < FEWEST:
             return ""
-        finished = [taken for taken in done if taken.outcome == Outcome.FINISHED]
+        finished = [each for each in done if each.outcome == Outcome.FINISHED]
         names = finished[0].errors if finished else ()
-        if not any(still_improves([taken.errors[name].error_max for taken in finished]) for name in names):
+        if not any(still_improves([each.errors[name].error_max for each in finished]) for name in names):
             return "two refinements in a row improved nothing"
         price = self._price(self.points[len(done)])
         if price > self.budget:
@@ -127,34 +127,34 @@ class Track:
 
     def _price(self, point: Point) -> float:
         """What a point will cost by the cheapest set-up and step so far, s: a slow spell is not the engine's."""
-        pairs = zip(self.points, self.taken, strict=False)
-        each = [taken.seconds / done.steps_per_turn for done, taken in pairs if done.steps_per_turn and taken.seconds]
-        setup = min((taken.setup for taken in self.taken), default=0.0)
-        return setup + min(each, default=0.0) * (point.steps_per_turn or 0.0)
+        pairs = zip(self.points, self.measurements, strict=False)
+        rates = [one.seconds / done.steps_per_turn for done, one in pairs if done.steps_per_turn and one.seconds]
+        setup = min((one.setup for one in self.measurements), default=0.0)
+        return setup + min(rates, default=0.0) * (point.steps_per_turn or 0.0)
 
     def _end_by_failure(self) -> str:
         """Failures end a sweep that worked before, and one that never did after three."""
-        last = self.taken[-1]
+        last = self.measurements[-1]
         lasting = last.outcome in LASTING
-        worked = any(taken.outcome == Outcome.FINISHED for taken in self.taken)
-        if lasting or worked or len(self.taken) in (FAILURES, len(self.points)):
+        worked = any(each.outcome == Outcome.FINISHED for each in self.measurements)
+        if lasting or worked or len(self.measurements) in (FAILURES, len(self.points)):
             return f"{last.outcome}: {last.reason}"
         return ""
 
 
-def tracks(
+def planned_sweeps(
     case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent, *, efforts: bool
-) -> list[Track]:
+) -> list[Sweep]:
     """The sweeps of one engine on one case: its settings, its methods, and these at other solver efforts if asked."""
     if extent.fronts_only:
         settings = [setting for setting in settings if setting is not Setting.BEST]
         methods = [*_last(methods, extrapolated=False), *_last(methods, extrapolated=True)]
-    sweeps = [Track([Point(case, engine, setting)], math.inf) for setting in settings]
+    sweeps = [Sweep([Point(case, engine, setting)], math.inf) for setting in settings]
     for method in methods:
-        sweeps.append(_track(case, engine, method, extent.steps_per_turn, extent))
+        sweeps.append(_sweep(case, engine, method, extent.steps_per_turn, extent))
         if efforts and extent.effort_stride:
             steps = extent.steps_per_turn[:: extent.effort_stride]
-            sweeps += [_track(case, engine, other, steps, extent) for other in _other_efforts(method)]
+            sweeps += [_sweep(case, engine, other, steps, extent) for other in _other_efforts(method)]
     return sweeps
 
 
@@ -163,8 +163,8 @@ def _last(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
     return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
 
 
-def _track(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> Track:
-    return Track([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
+def _sweep(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> Sweep:
+    return Sweep([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
 
 
 def _other_efforts(method: Method) -> list[Method]:

@@ -21,7 +21,7 @@ from comparisons.runs.study import Announce
 from comparisons.runs.timing import Noise
 from comparisons.runs.workers import ONE_BY_ONE, Pool
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
+from comparisons.work_precision.points import FULL, Extent, Point, Sweep, planned_sweeps
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
 from comparisons.work_precision.rounds import Rounds, records
 from engines.contract import Method, Setting, StudiedEngine
@@ -82,20 +82,20 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
     for turn in _turns(request.cases, sweeps):
         begun = time.monotonic()
         if rounds.left() < longest:  # some points of a curve would show nothing
-            for track in turn:
-                track.take(None)
-        while batch := [(track, point) for track in turn if (point := track.next()) is not None]:
+            for sweep in turn:
+                sweep.add(None)
+        while batch := [(sweep, point) for sweep in turn if (point := sweep.next()) is not None]:
             rounds.run(0, [point for _, point in batch])
-            for track, point in batch:
-                track.take(rounds.taken(0, point))
-        done = [point for track in turn for point in track.points[: len(track.taken)]]
+            for sweep, point in batch:
+                sweep.add(rounds.measurement(0, point))
+        done = [point for sweep in turn for point in sweep.points[: len(sweep.measurements)]]
         for number in range(1, request.extent.repeats):
             rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
         longest = max(longest, time.monotonic() - begun)
     return Measured(judged(_records(request, sweeps, rounds)), request.quantities, Noise(rounds.calibrations))
 
 
-def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
+def method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
     """What the engines say of their methods, once each."""
     methods: dict[tuple[str, str], Mapping[str, Any]] = {}
     for case in request.cases:
@@ -117,7 +117,7 @@ def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
     return [method for method in offered if not request.methods or method.name in request.methods]
 
 
-def _sweeps(request: BenchRequest) -> Iterator[Track]:
+def _sweeps(request: BenchRequest) -> Iterator[Sweep]:
     """All sweeps of the request; an engine that is not installed has one point that says so."""
     known: set[tuple[str, str]] = set()
     for number, case in enumerate(request.cases):
@@ -126,13 +126,13 @@ def _sweeps(request: BenchRequest) -> Iterator[Track]:
         known.add((linkage.name, linkage.variant))
         for name in request.engines:
             if why_unavailable(engine(name)) is not None:
-                yield Track([Point(number, name)], 0.0)
+                yield Sweep([Point(number, name)], 0.0)
             else:
                 methods = _methods(request, case, name)
-                yield from tracks(number, name, methods, request.settings, request.extent, efforts=first)
+                yield from planned_sweeps(number, name, methods, request.settings, request.extent, efforts=first)
 
 
-def _turns(cases: Sequence[Case], sweeps: Sequence[Track]) -> list[list[Track]]:
+def _turns(cases: Sequence[Case], sweeps: Sequence[Sweep]) -> list[list[Sweep]]:
     """Sweeps that are measured to their ends and repeated, one group after the other: those of a case at a time.
 
     Where the time ends first, a linkage of each structure has whole curves, rather than every linkage a point: the
@@ -145,15 +145,15 @@ def _turns(cases: Sequence[Case], sweeps: Sequence[Track]) -> list[list[Track]]:
         repeated.append(kinds in known)
         known.add(kinds)
 
-    def place(track: Track) -> tuple[bool, bool, int]:
-        point = track.points[0]
+    def place(sweep: Sweep) -> tuple[bool, bool, int]:
+        point = sweep.points[0]
         return repeated[point.case], point.method is not None and point.method.runs > 1, point.case
 
     return [list(group) for _, group in groupby(sorted(sweeps, key=place), place)]
 
 
-def _records(request: BenchRequest, sweeps: Sequence[Track], rounds: Rounds) -> list[PointRecord]:
+def _records(request: BenchRequest, sweeps: Sequence[Sweep], rounds: Rounds) -> list[PointRecord]:
     """All records, by case and engine in the requested order, then as measured."""
     places = {name: place for place, name in enumerate(request.engines)}
-    ordered = sorted(sweeps, key=lambda track: (track.points[0].case, places[track.points[0].engine]))
-    return [one for track in ordered for one in records(request.cases[track.points[0].case], track, rounds)]
+    ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].engine]))
+    return [one for sweep in ordered for one in records(request.cases[sweep.points[0].case], sweep, rounds)]

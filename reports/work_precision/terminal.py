@@ -58,9 +58,9 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
     if measured:
         yield from (_methods(place, quantity), "", _choices(place, quantity), "")
     for facts in engines if measured else ():
-        for one in facts.standings:
+        for one in facts.setting_comparisons:
             told = f"{error(one.record.error_max)} in {seconds(one.record.total_seconds)}"
-            yield f"{facts.engine} {one.record.setting}: {told}{words.standing_words(one, facts, noise)}"
+            yield f"{facts.engine} {one.record.setting}: {told}{words.comparison_words(one, facts, noise)}"
     for facts in engines:
         for reason in words.failed_methods(facts):
             yield Paragraph(f"{label_of(facts)} {reason}", colour="yellow")

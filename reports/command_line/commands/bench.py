@@ -22,7 +22,7 @@ from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK
 from comparisons.work_precision.records import FILE, FORMAT, Bench, rows, save
-from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, methods_told
+from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, method_descriptions
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
 from reports.command_line.interruption import interruptible, journal
@@ -122,7 +122,7 @@ def _document(options: BenchOptions, command: str, wanted: BenchRequest, measure
         "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
         "first_use": _first_uses(wanted, 1 if options.quick else 3),
         "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
-        "methods": methods_told(wanted),
+        "methods": method_descriptions(wanted),
         "costs": _costs(list(linkages.values()), wanted.engines) if options.costs else [],
         "quantities": list(measured.quantities),
         "records": rows(measured.points),

@@ -2,7 +2,16 @@
 
 import pytest
 
-from comparisons.work_precision.analysis import WANTED, apart, by_engine, choices, findings, judged, on_front, standings
+from comparisons.work_precision.analysis import (
+    WANTED,
+    apart,
+    by_engine,
+    choices,
+    compare_settings,
+    findings,
+    judged,
+    on_front,
+)
 from comparisons.work_precision.floor import Cause
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
@@ -84,12 +93,12 @@ def test_single_runs_and_extrapolated_ones_have_fronts_of_their_own():
 def test_a_setting_is_held_against_the_price_of_its_own_error():
     # Both methods reach it exactly at a measured point: the second order at 64 times its first cost, the fourth at 8.
     tuned, best = (setting_row(name, 0.1 / 16**3, 0.128) for name in ("tuned", "best"))
-    found, other = standings([*SECOND, *FOURTH, tuned, best])
+    found, other = compare_settings([*SECOND, *FOURTH, tuned, best])
     assert found.rival_seconds == pytest.approx(64 * 1e-3)  # a single run is not held against several extrapolated
     assert found.ratio == pytest.approx(2.0)
     assert other.rival_seconds == pytest.approx(8 * 4e-3)
     assert other.rival.setting == "fourth"
-    (beyond,) = standings([*SECOND, setting_row("best", 1e-12, 1.0)])
+    (beyond,) = compare_settings([*SECOND, setting_row("best", 1e-12, 1.0)])
     assert (beyond.ratio, beyond.rival) == (None, None)
 
 

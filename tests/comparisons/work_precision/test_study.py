@@ -18,9 +18,9 @@ from comparisons.work_precision import measure, rounds
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import findings
 from comparisons.work_precision.floor import Cause
-from comparisons.work_precision.points import OUT_OF_TIME, Extent, tracks
+from comparisons.work_precision.points import OUT_OF_TIME, Extent, planned_sweeps
 from comparisons.work_precision.records import METHOD, SETTING
-from comparisons.work_precision.study import BenchRequest, bench, methods_told
+from comparisons.work_precision.study import BenchRequest, bench, method_descriptions
 from engines.contract import Outcome, Run, Setting
 from tests.comparisons.bench_engine import METHODS, KnownEngine
 from tests.comparisons.faults import PATIENCE
@@ -171,7 +171,7 @@ def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkey
     (one,) = bench(REQUEST).records
     assert (one.outcome, one.engine_version) == ("unavailable", "")
     assert "is not installed" in one.detail
-    assert methods_told(REQUEST) == []
+    assert method_descriptions(REQUEST) == []
 
 
 def test_an_engine_that_cannot_hold_a_scene_says_so(known, monkeypatch):
@@ -202,7 +202,7 @@ def test_an_engine_without_methods_to_study_has_its_settings(known, monkeypatch)
     monkeypatch.setattr(known, "is_control", True)
     found = bench(REQUEST).records
     assert [(one.setting, one.finished, one.is_control) for one in found] == [(s, True, True) for s in Setting]
-    assert methods_told(REQUEST) == []
+    assert method_descriptions(REQUEST) == []
 
 
 def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that_says_why(known, monkeypatch):
@@ -219,7 +219,7 @@ def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that
 def test_methods_can_be_asked_for_by_name(known):
     only = dataclasses.replace(REQUEST, methods=("first",), settings=())
     assert {one.setting for one in bench(only).records} == {"first"}
-    assert [told["name"] for told in methods_told(only)] == ["first"]
+    assert [told["name"] for told in method_descriptions(only)] == ["first"]
 
 
 def _cases(*names):
@@ -228,8 +228,8 @@ def _cases(*names):
 
 def test_a_linkage_of_each_structure_is_measured_before_those_that_repeat_one_single_runs_first(known):
     cases = _cases("fork-takeup", "two-crank-takeup", "juki-mf7923d", "rimoldi-164", "slotted-takeup")
-    sweeps = [one for place in range(5) for one in tracks(place, "known", METHODS, (), EXTENT, efforts=False)]
-    turns = [{(track.points[0].case, track.points[0].method.runs > 1) for track in turn}
+    sweeps = [one for place in range(5) for one in planned_sweeps(place, "known", METHODS, (), EXTENT, efforts=False)]
+    turns = [{(sweep.points[0].case, sweep.points[0].method.runs > 1) for sweep in turn}
              for turn in benchmark._turns(cases, sweeps)]  # fmt: skip
     structures = [0, 2, 3, 4]
     single, extrapolated = [{(place, False)} for place in structures], [{(place, True)} for place in structures]
