@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from comparisons.work_precision.analysis import (
+    MethodSweep,
     PointChoice,
     SettingComparison,
-    SweepFinding,
     choices,
     compare_settings,
-    findings,
+    method_sweeps,
 )
 from comparisons.work_precision.records import Bench, BenchRecord
 
@@ -31,12 +31,12 @@ class EngineFacts:
     own_efforts: Efforts
 
     @cached_property
-    def sweeps(self) -> tuple[SweepFinding, ...]:
+    def sweeps(self) -> tuple[MethodSweep, ...]:
         """Order and floor of every method at every effort."""
-        return findings(self.records)
+        return method_sweeps(self.records)
 
     @cached_property
-    def methods(self) -> tuple[SweepFinding, ...]:
+    def methods(self) -> tuple[MethodSweep, ...]:
         """Those at the effort a method comes with."""
         return tuple(one for one in self.sweeps if self.is_own(one.first))
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from comparisons.work_precision.analysis import SweepFinding, apart, on_front
+from comparisons.work_precision.analysis import MethodSweep, apart, on_front
 from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
 from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
 from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
@@ -61,21 +61,21 @@ def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
     return Panel(tuple(curves), *names, notes=tuple(notes), scale="loglog", title=title)
 
 
-def _note(sweep: SweepFinding) -> Note:
+def _note(sweep: MethodSweep) -> Note:
     """The observed order, at the least error of a method."""
     (x,), (y,) = _least(sweep)
     return Note(x, y, f"{sweep.order:.0f}")
 
 
-def _least(sweep: SweepFinding) -> tuple[Array, Array]:
+def _least(sweep: MethodSweep) -> tuple[Array, Array]:
     """The point of a sweep's least error."""
-    return _places([sweep.points.records[sweep.points.numbers.best]])
+    return _places([sweep.least])
 
 
 def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
     for sweep in facts.methods:
         line = LINES[sweep.first.is_extrapolated]
-        yield Curve(*_places(sweep.points.records), ink=ink, line=line, width=0.6, marker=".")
+        yield Curve(*_places(sweep.records), ink=ink, line=line, width=0.6, marker=".")
         if sweep.floor.cause.is_floor:
             yield Curve(*_least(sweep), ink=ink, line="", marker="_", size=11.0)
     fronts = _fronts(facts.records)

@@ -72,7 +72,7 @@ def _methods(place: PlaceFacts, quantity: str) -> Table:
     """Order, least error with the step and the time there, and what limits it."""
     rows = []
     for facts, sweep in [(one, sweep) for one in place.engines(quantity) for sweep in one.methods]:
-        least, floor = sweep.points.records[sweep.points.numbers.best], sweep.floor
+        least, floor = sweep.least, sweep.floor
         order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
         found = (error(floor.error), words.per_turn(least), seconds(least.total_seconds), floor.cause.value)
         rows.append((label_of(facts), words.way(facts, sweep.first), order, *found))

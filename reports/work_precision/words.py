@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from comparisons.work_precision.analysis import SettingComparison, SweepFinding
+from comparisons.work_precision.analysis import MethodSweep, SettingComparison
 from comparisons.work_precision.places import EngineFacts, Regimes
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
@@ -64,7 +64,7 @@ def per_turn(record: BenchRecord) -> str:
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
 
 
-def limit_words(sweep: SweepFinding) -> str:
+def limit_words(sweep: MethodSweep) -> str:
     """The least error of a sweep, called a floor where a finer step does not lower it, and what limits it."""
     least, cause = error(sweep.floor.error), sweep.floor.cause
     return f"floor {least}: {cause.value}" if cause.is_floor else f"{least}, {cause.value}"

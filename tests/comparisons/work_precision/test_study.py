@@ -16,7 +16,7 @@ from comparisons.runs.journal import Journal
 from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure, rounds
 from comparisons.work_precision import study as benchmark
-from comparisons.work_precision.analysis import findings
+from comparisons.work_precision.analysis import method_sweeps
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.points import OUT_OF_TIME, Extent, planned_sweeps
 from comparisons.work_precision.records import METHOD, SETTING
@@ -64,7 +64,7 @@ def runs(whole):
 
 
 def test_orders_and_causes_of_the_known_engine_are_found(measured):
-    found = {(one.first.setting, one.first.effort): one for one in findings(measured.records)}
+    found = {(one.first.setting, one.first.effort): one for one in method_sweeps(measured.records)}
     assert found["first", None].order == pytest.approx(1.0, abs=0.05)
     assert found["second", 30.0].order == pytest.approx(2.0, abs=0.1)
     assert found["fourth", None].order == pytest.approx(4.0, abs=0.1)
