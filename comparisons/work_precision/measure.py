@@ -32,7 +32,8 @@ class Measurement:
     """One measurement of a point: times of its parts, s, what the engine did, and its errors by quantity if requested.
 
     ``runs`` of the engine make its motion, 0 where it gave none. ``calibration`` is what the fixed work took just
-    before, s. ``readout`` is the wall time of the call less stepping and set-up. ``left_out`` and ``host`` are as in
+    before, s. ``readout`` is the wall time of the call less stepping and set-up. ``first_use`` is what the first run of
+    the engine in its process took more than the second, s, 0 of any later run. ``left_out`` and ``host`` are as in
     ``PointRecord``.
     """
 
@@ -46,6 +47,7 @@ class Measurement:
     runs: int = 0
     used: str = ""
     calibration: float = 0.0
+    first_use: float = 0.0
     errors: Mapping[str, PointError] = field(default_factory=dict)
     left_out: Mapping[str, str] = field(default_factory=dict)
     host: str = ""
@@ -93,11 +95,11 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     with blamed_on(adapter):
         if isinstance(way, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
-        _warm_up(adapter, scene, longest_step(case, WARM))
+        first_use = _warm_up(adapter, scene, longest_step(case, WARM))
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, way, step))
         run = checked(run, scene, name)
-    measured = _measurement(run, wall, steady)
+    measured = replace(_measurement(run, wall, steady), first_use=first_use)
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return measured
     try:
@@ -159,15 +161,21 @@ def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
     return "computed by the adapter" if quantity.origin(motion) is Origin.COMPUTED else ""
 
 
-def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
-    """Run an engine that this process has not run before: the first run imports, and is thrown away.
+def _warm_up(adapter: Engine, scene: Scene, step: float) -> float:
+    """Run an engine that this process has not run before, twice: what the first run took more, s, as it imports.
 
     What it raises is not told: the run that it is made for need not raise it.
     """
-    if adapter.name not in _WARM:
-        _WARM.add(adapter.name)
-        with suppress(Exception):
-            if isinstance(adapter, StudiedEngine):
-                adapter.run_method(scene, adapter.methods(scene)[0], step)
-            else:
-                adapter.run(scene, Setting.TUNED)
+    if adapter.name in _WARM:
+        return 0.0
+    _WARM.add(adapter.name)
+
+    def run() -> Run:
+        if isinstance(adapter, StudiedEngine):
+            return adapter.run_method(scene, adapter.methods(scene)[0], step)
+        return adapter.run(scene, Setting.TUNED)
+
+    with suppress(Exception):
+        (_, first), (_, second) = timed(run), timed(run)
+        return max(0.0, first - second)
+    return 0.0

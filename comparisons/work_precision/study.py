@@ -50,11 +50,12 @@ class BenchRequest:
 
 @dataclass(frozen=True)
 class Measured:
-    """A finished benchmark: its records, judged, and the machine's noise."""
+    """A finished benchmark: its records, judged, the machine's noise, and what each engine's first uses cost, s."""
 
     points: tuple[PointRecord, ...]
     quantities: tuple[str, ...]
     noise: Noise
+    first_uses: Mapping[str, tuple[float, ...]]
 
     @property
     def records(self) -> tuple[BenchRecord, ...]:
@@ -92,7 +93,14 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
         for number in range(1, request.extent.repeats):
             rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
         longest = max(longest, time.monotonic() - begun)
-    return Measured(judged(_records(request, sweeps, rounds)), request.quantities, Noise(rounds.calibrations))
+    noise, uses = Noise(rounds.calibrations), {name: _first_uses(sweeps, name) for name in request.engines}
+    return Measured(judged(_records(request, sweeps, rounds)), request.quantities, noise, uses)
+
+
+def _first_uses(sweeps: Sequence[Sweep], engine: str) -> tuple[float, ...]:
+    """What the first runs of an engine took beyond the second, s: one in every process that measured it."""
+    mine = (one for sweep in sweeps if sweep.points[0].engine == engine for one in sweep.measurements)
+    return tuple(one.first_use for one in mine if one.first_use > 0.0)
 
 
 def method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:

@@ -15,9 +15,8 @@ from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
 from comparisons.runs.cluster.connecting import check_scheduler, opened
 from comparisons.runs.environment import environment
-from comparisons.runs.failures import Lost
-from comparisons.runs.timing import WORK, first_use_seconds
-from comparisons.runs.workers import LastingPool, LocalPool
+from comparisons.runs.timing import WORK
+from comparisons.runs.workers import LastingPool
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK
@@ -120,22 +119,13 @@ def _document(options: BenchOptions, command: str, wanted: BenchRequest, measure
         "environment": {**environment(wanted.engines), **wanted.pool.place},
         "extent": extent,
         "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
-        "first_use": _first_uses(wanted, 1 if options.quick else 3),
+        "first_use": [{"engine": name, "seconds": times} for name, times in measured.first_uses.items()],
         "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
         "methods": method_descriptions(wanted),
         "costs": _costs(list(linkages.values()), wanted.engines) if options.costs else [],
         "quantities": list(measured.quantities),
         "records": rows(measured.points),
     }
-
-
-def _first_uses(wanted: BenchRequest, repeats: int) -> list[dict[str, Any]]:
-    """What the first use of every engine costs where the points were measured."""
-    jobs = [(name, repeats) for name in wanted.engines]
-    pool = wanted.pool if wanted.pool.place else LocalPool(0)
-    found = dict(pool.run(first_use_seconds, jobs))
-    told = [() if isinstance(found[number], Lost) else found[number] for number in range(len(jobs))]
-    return [{"engine": name, "seconds": seconds} for name, seconds in zip(wanted.engines, told, strict=True)]
 
 
 def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:

@@ -97,3 +97,12 @@ def test_a_released_crank_has_no_torque_to_judge_and_a_phase_instead():
     linkage = load("slotted-takeup")
     case = own_case(Mechanism(linkage), next(one for one in linkage.regimes if one.name == "free"))
     assert set(chosen(case, FOUR)) == {"Jeq", "phi", "joint_force"}
+
+
+def test_a_first_use_is_timed_once_in_a_process(monkeypatch):
+    monkeypatch.setattr(point, "_WARM", set())
+    costs = iter([(None, 3.0), (None, 0.5)])
+    real = point.timed
+    monkeypatch.setattr(point, "timed", lambda work: next(costs, None) or real(work))
+    first, second = (measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=False) for _ in range(2))
+    assert (first.first_use, second.first_use) == (2.5, 0.0)

@@ -88,7 +88,7 @@ def test_errors_are_those_the_engine_has(whole):
 def test_every_point_is_repeated_round_after_round(measured, runs):
     counts = Counter(run for run in runs if isinstance(run, tuple) and run[0] != "broken")
     warm = runs[0]
-    assert set((counts - Counter([warm])).values()) == {EXTENT.repeats}
+    assert set((counts - Counter([warm, warm])).values()) == {EXTENT.repeats}
     rounds = [run for run in runs if run[0] == "first" and run != warm]
     assert rounds[:9] == rounds[9:18] == rounds[18:]
     finished = [one for one in measured.records if one.finished]
@@ -96,8 +96,11 @@ def test_every_point_is_repeated_round_after_round(measured, runs):
     assert len(measured.noise.samples) >= len(finished) * 3
 
 
-def test_the_run_that_warms_up_is_in_no_record(measured, runs):
+def test_the_runs_that_warm_up_are_in_no_record_and_tell_what_a_first_use_costs(measured, runs):
     assert runs[0][:2] == ("first", None)
+    assert runs[1] == runs[0]
+    assert set(measured.first_uses) == {"known"}
+    assert all(seconds > 0.0 for seconds in measured.first_uses["known"])
     steps = {one.step for one in measured.records if one.setting == "first"}
     assert runs[0][2] not in steps
 
@@ -147,7 +150,7 @@ def test_what_an_interrupted_benchmark_has_is_not_measured_again(known, tmp_path
     before = Counter(known.runs)
     found = bench(REQUEST, journal=Journal(tmp_path, "this one"))
     finished = {
-        run: count for run, count in (Counter(known.runs) - Counter([known.runs[0]])).items() if run[0] != "broken"
+        run: count for run, count in (Counter(known.runs) - Counter(known.runs[:2])).items() if run[0] != "broken"
     }
     assert sum(before.values()) >= 20
     assert set(finished.values()) == {EXTENT.repeats}
@@ -252,6 +255,6 @@ def test_a_turn_that_takes_longer_than_there_is_time_for_is_not_begun(known, mon
 
 def test_steps_are_taken_by_all_sweeps_of_a_case_in_turn_coarse_ones_first(runs):
     """So that a slow spell of the machine hits all alike."""
-    begun = [run for run in dict.fromkeys(runs[1:]) if not isinstance(run, Setting) and run[0] in ("first", "wrong")]
+    begun = [run for run in dict.fromkeys(runs[2:]) if not isinstance(run, Setting) and run[0] in ("first", "wrong")]
     assert [run[0] for run in begun[:6]] == ["first", "wrong"] * 3
     assert [run[2] for run in begun] == sorted((run[2] for run in begun), reverse=True)

@@ -25,9 +25,8 @@ COMMAND = "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct 
 
 @pytest.fixture
 def short(monkeypatch):
-    """A benchmark of seconds: a short run-up, three steps, no interpreter started to time its imports."""
+    """A benchmark of seconds: a short run-up, three steps."""
     monkeypatch.setattr(bench_command, "QUICK", SHORT)
-    monkeypatch.setattr(bench_command, "first_use_seconds", lambda name, repeats: (0.1,) * repeats)
     hurried = RunsOptions(
         mechanisms=("juki-mf7923d",), regime=("run-up-quintic",), engine=("direct",), ramp_time=0.1, hold_time=0.0
     )
