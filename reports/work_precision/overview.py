@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
@@ -41,7 +42,7 @@ def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, .
 def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink]) -> Chart:
     """Work and precision of one regime over its mechanisms, in the quantity each is judged by."""
     panels = tuple(_panel(place, colours) for place in places)
-    columns = min(COLUMNS, len(panels))
+    columns = min(COLUMNS, math.ceil(math.sqrt(len(panels))))
     return Chart(panels, height=PANEL * -(-len(panels) // columns), columns=columns, wide=True)
 
 
