@@ -13,6 +13,7 @@ import sys
 import threading
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Final, NoReturn
 
@@ -64,6 +65,12 @@ class Unusable:
 
 def announced() -> dict[str, list[EntryPoint]]:
     """Entry points by engine name, more than one where several packages have the same name; nothing is imported."""
+    return _announced(tuple(sys.path))
+
+
+@cache
+def _announced(_: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
+    """Read once for a search path: reading takes longer than many a run."""
     found: dict[str, list[EntryPoint]] = {}
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value)):
         same = found.setdefault(entry.name, [])

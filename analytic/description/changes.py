@@ -10,14 +10,14 @@ published figures are no numbers in this sense. The linkage given is never alter
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 
 from analytic.description.law import Law, LawOfNumbers
-from analytic.description.linkage import GROUND, Guide, Link, Linkage, RotaryDamper, Slot, Spring, Vector, unit
+from analytic.description.linkage import GROUND, Guide, Link, Linkage, RotaryDamper, Spring, Vector, unit
 from analytic.errors import UnknownNameError
 
 Kind = Literal[
@@ -173,19 +173,6 @@ def without(linkage: Linkage, *parts: str) -> Linkage:
             raise UnknownNameError("part", part, NOTHING)
     nothing = {part: NOTHING[part] for part in parts}
     return replace(linkage, **nothing)  # type: ignore[arg-type]  # the table holds each part's own type
-
-
-def with_bare_slots(linkage: Linkage, sliders: Collection[str]) -> Linkage:
-    """The linkage with a pin in a slot in place of each of these sliders."""
-    pins = [replace(pin, links=tuple(name for name in pin.links if name not in sliders)) for pin in linkage.pins]
-    slots = [Slot(slider.point, slider.guide) for slider in linkage.sliders if slider.link in sliders]
-    return replace(
-        linkage,
-        links={name: link for name, link in linkage.links.items() if name not in sliders},
-        pins=tuple(pin for pin in pins if len(pin.links) > 1),
-        sliders=tuple(slider for slider in linkage.sliders if slider.link not in sliders),
-        slots=(*linkage.slots, *slots),
-    )
 
 
 class _Walk:

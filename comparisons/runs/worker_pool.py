@@ -165,11 +165,10 @@ class WorkerPool:
             self._start(left)
             yield from found
 
-    def do(self, job: tuple[Any, ...], seconds: float) -> object:
-        """The result of one job, which may take so many seconds, from the worker of an earlier one if it lives."""
-        self.jobs, self.bounds = [job], replace(self.bounds, seconds=seconds)
-        ((_, result),) = self.results()
-        return result
+    def take_up(self, jobs: Iterable[tuple[Any, ...]], seconds: float) -> Iterator[tuple[int, Any]]:
+        """Results of further jobs, each of which may take so many seconds; workers of earlier ones make them."""
+        self.jobs, self.bounds = jobs, replace(self.bounds, seconds=seconds)
+        return self.results()
 
     def close(self) -> None:
         """Kill all workers, busy or not, and forget their jobs."""

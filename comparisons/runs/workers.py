@@ -13,8 +13,8 @@ from comparisons.runs.failures import Lost, lost
 from comparisons.runs.worker_pool import DEFAULT_BOUNDS, Bounds, WorkerPool
 
 __all__ = [
-    "DEFAULT_BOUNDS", "EVERY_CORE", "ONE_BY_ONE", "Bounds", "LocalPool", "Pool", "PoolLostError", "run_jobs",
-    "usual_processes",
+    "DEFAULT_BOUNDS", "EVERY_CORE", "ONE_BY_ONE", "Bounds", "LastingPool", "LocalPool", "Pool", "PoolLostError",
+    "run_jobs", "usual_processes",
 ]  # fmt: skip
 
 R = TypeVar("R")
@@ -71,6 +71,42 @@ class LocalPool:
 
 
 EVERY_CORE, ONE_BY_ONE = LocalPool(), LocalPool(1)
+
+
+class LastingPool:
+    """One worker process of this machine that outlives a list of jobs, so that it imports and warms up once.
+
+    A list whose results are not all taken ends the worker, and so does ``close``.
+    """
+
+    place: Mapping[str, str] = {}
+
+    def __init__(self) -> None:
+        self._pool: WorkerPool | None = None
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Iterable[tuple[Any, ...]],
+        bounds: Bounds = DEFAULT_BOUNDS,
+        begun: Callable[[int], object] = lambda _: None,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job, one after the other; bounds of memory are those of the first list."""
+        if self._pool is None or self._pool.function is not function:
+            self.close()
+            self._pool = WorkerPool(function, (), bounds, 1)
+        self._pool.begun = begun
+        try:
+            yield from self._pool.take_up(jobs, bounds.seconds)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """End the worker, busy or not."""
+        if self._pool is not None:
+            self._pool.close()
+            self._pool = None
 
 
 def run_jobs(

@@ -7,12 +7,13 @@ fast because it builds for long is not cheap.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from operator import attrgetter
 
 from comparisons.work_precision.floor import Floor, floor
-from comparisons.work_precision.records import SETTING, BenchRecord, PointRecord, Series, by_quantity, series
-from comparisons.work_precision.step_sweep import observed_order, pareto, price, sustained
+from comparisons.work_precision.records import METHOD, SETTING, BenchRecord, PointRecord, by_quantity
+from comparisons.work_precision.step_sweep import StepSweep, observed_order, pareto, price, sustained
 from engines.contract import Setting
 
 # Largest errors, over the peak, that somebody may want.
@@ -20,17 +21,46 @@ WANTED = tuple(10.0**-k for k in range(2, 9))
 
 
 @dataclass(frozen=True)
-class SweepFinding:
-    """What one method at one solver effort comes to in one quantity; ``points`` were measured, coarse to fine."""
+class MethodSweep:
+    """One method at one solver effort in one quantity: its points that finished, coarse to fine.
 
-    points: Series
-    order: float | None
-    floor: Floor
+    ``others`` are the same method's sweeps at other efforts, which tell why it gets no nearer to the truth.
+    """
+
+    records: tuple[BenchRecord, ...]
+    others: Sequence[MethodSweep] = field(default=(), compare=False, repr=False)
 
     @property
     def first(self) -> BenchRecord:
-        """The coarsest point, for all the points share."""
-        return self.points.first
+        """The coarsest point, for all that the points share."""
+        return self.records[0]
+
+    @property
+    def least(self) -> BenchRecord:
+        """The point of the smallest error."""
+        return self.records[self.numbers.best]
+
+    @cached_property
+    def seconds(self) -> tuple[float, ...]:
+        """Shortest time of each point, set-up and stepping, s."""
+        return tuple(record.total_seconds for record in self.records)
+
+    @cached_property
+    def numbers(self) -> StepSweep:
+        """Steps, largest errors over the peak and the solver's effort as bare numbers."""
+        steps, finest = tuple(record.step or 0.0 for record in self.records), self.records[-1]
+        work = finest.solver_work / finest.steps if finest.steps else 0.0
+        return StepSweep(steps, tuple(map(_error, self.records)), finest.effort, finest.effort_unit, work)
+
+    @cached_property
+    def order(self) -> float | None:
+        """The order observed; None where no three points share one."""
+        return observed_order(self.numbers)
+
+    @cached_property
+    def floor(self) -> Floor:
+        """The smallest error, and why it is not smaller."""
+        return floor(self.numbers, [other.numbers for other in self.others])
 
 
 @dataclass(frozen=True)
@@ -45,7 +75,7 @@ class PointChoice:
 
 
 @dataclass(frozen=True)
-class Standing:
+class SettingComparison:
     """A setting against the methods' front: ``ratio`` of its time to the cheapest method's at the setting's error.
 
     ``best`` is held against all methods, every other setting against those of a single run.
@@ -63,27 +93,30 @@ class Standing:
         return None if self.rival_seconds is None else self.record.total_seconds / self.rival_seconds
 
 
-def findings(records: Iterable[BenchRecord]) -> tuple[SweepFinding, ...]:
-    """Order and floor of every sweep, each beside the same method's sweeps at other efforts."""
-    sweeps = series(records)
-    kin: dict[tuple[object, ...], list[Series]] = {}
+def method_sweeps(records: Iterable[BenchRecord]) -> tuple[MethodSweep, ...]:
+    """The methods' sweeps among these records, in the order they appear, each beside those at other efforts."""
+    groups: dict[tuple[object, ...], list[BenchRecord]] = {}
+    for record in records:
+        if record.kind == METHOD and record.finished:
+            groups.setdefault(record.sweep, []).append(record)
+    sweeps = [MethodSweep(tuple(sorted(group, key=lambda record: -(record.step or 0.0)))) for group in groups.values()]
+    methods: dict[tuple[object, ...], list[MethodSweep]] = {}
     for sweep in sweeps:
-        kin.setdefault(_without_effort(sweep.first), []).append(sweep)
-    results = []
-    for sweep in sweeps:
-        others = [other.numbers for other in kin[_without_effort(sweep.first)] if other is not sweep]
-        results.append(SweepFinding(sweep, observed_order(sweep.numbers), floor(sweep.numbers, others)))
-    return tuple(results)
+        methods.setdefault(_method(sweep.first), []).append(sweep)
+    return tuple(
+        replace(sweep, others=[other for other in methods[_method(sweep.first)] if other is not sweep])
+        for sweep in sweeps
+    )
 
 
-def _without_effort(record: BenchRecord) -> tuple[object, ...]:
+def _method(record: BenchRecord) -> tuple[object, ...]:
     return (*record.place, record.engine, record.setting, record.quantity)
 
 
 def judged(points: Sequence[PointRecord]) -> tuple[PointRecord, ...]:
     """The same points with their orders and their places on their engine's fronts filled in."""
     records = by_quantity(points, ())
-    orders = {_seen(record): finding.order for finding in findings(records) for record in finding.points.records}
+    orders = {_seen(record): sweep.order for sweep in method_sweeps(records) for record in sweep.records}
     groups = [part for group in by_engine(records).values() for part in apart(group)]
     front = {_seen(record) for group in groups for record in on_front(group)}
     completed = []
@@ -151,26 +184,26 @@ def choices(records: Sequence[BenchRecord], limits: Sequence[float] = WANTED) ->
 def _reaching(records: Sequence[BenchRecord], limit: float) -> Iterator[BenchRecord]:
     """Settings at or below an error, and of every sweep its coarsest step that holds it."""
     yield from (record for record in records if record.kind == SETTING and _error(record) <= limit)
-    for sweep in series(records):
-        place = sustained(sweep.errors, limit)
+    for sweep in method_sweeps(records):
+        place = sustained(sweep.numbers.errors, limit)
         if place is not None:
             yield sweep.records[place]
 
 
-def standings(records: Sequence[BenchRecord]) -> tuple[Standing, ...]:
+def compare_settings(records: Sequence[BenchRecord]) -> tuple[SettingComparison, ...]:
     """How far off the methods' front each setting is, among one engine's records of one quantity."""
-    sweeps = series(records)
+    sweeps = method_sweeps(records)
     results = []
     for record in records:
         if record.kind == SETTING and record.finished:
             rivals = [one for one in sweeps if record.setting == Setting.BEST or not one.first.is_extrapolated]
-            prices = [(price(sweep.seconds, sweep.errors, _error(record)), sweep) for sweep in rivals]
+            prices = [(price(sweep.seconds, sweep.numbers.errors, _error(record)), sweep) for sweep in rivals]
             met = [(cost, sweep) for cost, sweep in prices if cost is not None]
             cheapest = min(met, key=lambda pair: pair[0], default=None)
             if cheapest is None:
-                results.append(Standing(record, None, None))
+                results.append(SettingComparison(record, None, None))
             else:
-                place = sustained(cheapest[1].errors, _error(record))
+                place = sustained(cheapest[1].numbers.errors, _error(record))
                 assert place is not None
-                results.append(Standing(record, cheapest[1].records[place], cheapest[0]))
+                results.append(SettingComparison(record, cheapest[1].records[place], cheapest[0]))
     return tuple(results)

@@ -28,6 +28,11 @@ class Cause(StrEnum):
     MODEL = "read-out or model"
     UNSETTLED = "undecided"
 
+    @property
+    def is_floor(self) -> bool:
+        """Whether finer steps do not lower the error."""
+        return self not in (Cause.FALLING, Cause.UNSETTLED)
+
 
 @dataclass(frozen=True)
 class Floor:

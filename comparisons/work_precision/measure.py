@@ -28,11 +28,12 @@ _WARM: set[str] = set()  # the engines this process has run
 
 
 @dataclass(frozen=True)
-class Taken:
+class Measurement:
     """One measurement of a point: times of its parts, s, what the engine did, and its errors by quantity if requested.
 
     ``runs`` of the engine make its motion, 0 where it gave none. ``calibration`` is what the fixed work took just
-    before, s. ``readout`` is the wall time of the call less stepping and set-up. ``left_out`` and ``host`` are as in
+    before, s. ``readout`` is the wall time of the call less stepping and set-up. ``first_use`` is what the first run of
+    the engine in its process took more than the second, s, 0 of any later run. ``left_out`` and ``host`` are as in
     ``PointRecord``.
     """
 
@@ -46,6 +47,7 @@ class Taken:
     runs: int = 0
     used: str = ""
     calibration: float = 0.0
+    first_use: float = 0.0
     errors: Mapping[str, PointError] = field(default_factory=dict)
     left_out: Mapping[str, str] = field(default_factory=dict)
     host: str = ""
@@ -78,7 +80,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     steps_per_turn: float | None,
     quantities: Sequence[str],
     with_errors: bool,
-) -> Taken:
+) -> Measurement:
     """Run a pickled case once in an engine, by a setting or by a method at a step.
 
     Raises AdapterError for every exception of the adapter but MemoryError.
@@ -93,32 +95,28 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     with blamed_on(adapter):
         if isinstance(way, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
-        _warm_up(adapter, scene, longest_step(case, WARM))
+        first_use = _warm_up(adapter, scene, longest_step(case, WARM))
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, way, step))
         run = checked(run, scene, name)
-    taken = _taken(run, wall, steady)
+    measured = replace(_measurement(run, wall, steady), first_use=first_use)
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
-        return taken
-    return _with_errors(taken, case, families, ObservedMotion(scene, run.history))
-
-
-def _with_errors(taken: Taken, case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> Taken:
-    """The same with the errors of its motion; they have to be numbers."""
+        return measured
     try:
-        errors, left_out = _errors(case, families, motion)
+        errors, left_out = _errors(case, families, ObservedMotion(scene, run.history))
     except NoSampleError as error:
-        return replace(taken, outcome=Verdict.UNDEFINED.value, reason=str(error))
+        return replace(measured, outcome=Verdict.UNDEFINED.value, reason=str(error))
     endless = [name for name, error in errors.items() if not math.isfinite(error.error_max)]
     if endless:
-        return replace(taken, outcome=Outcome.DIVERGED.value, reason=f"{endless[0]} is not finite")
-    taken = replace(taken, errors=errors, left_out=left_out)
-    return taken if errors else replace(taken, outcome=Verdict.NOT_PROVIDED.value, reason="; ".join(left_out.values()))
+        return replace(measured, outcome=Outcome.DIVERGED.value, reason=f"{endless[0]} is not finite")
+    if not errors:
+        measured = replace(measured, outcome=Verdict.NOT_PROVIDED.value, reason="; ".join(left_out.values()))
+    return replace(measured, errors=errors, left_out=left_out)
 
 
-def _taken(run: Run, wall: float, steady: float) -> Taken:
+def _measurement(run: Run, wall: float, steady: float) -> Measurement:
     used = ", ".join(f"{name.replace('_', ' ')} {_short(value)}" for name, value in run.details.items())
-    return Taken(
+    return Measurement(
         outcome=run.outcome.value,
         reason=run.reason,
         seconds=run.seconds,
@@ -144,10 +142,10 @@ def _errors(
     alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
     errors, left_out = {}, {}
     for name, family in families.items():
-        untold = {quantity.name: reason for quantity in family if (reason := _untold(quantity, motion))}
-        if untold:
-            left_out[name] = f"{', '.join(untold)} {' or '.join(dict.fromkeys(untold.values()))}"
-        deviations = [(deviation(alone, one, motion), one.unit) for one in family if one.name not in untold]
+        reasons = {quantity.name: reason for quantity in family if (reason := _why_not_measured(quantity, motion))}
+        if reasons:
+            left_out[name] = f"{', '.join(reasons)} {' or '.join(dict.fromkeys(reasons.values()))}"
+        deviations = [(deviation(alone, one, motion), one.unit) for one in family if one.name not in reasons]
         if not deviations:
             continue
         worst, unit = max(deviations, key=lambda pair: pair[0].error_max)
@@ -156,22 +154,28 @@ def _errors(
     return errors, left_out
 
 
-def _untold(quantity: Quantity, motion: ObservedMotion) -> str:
+def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
     """Why a quantity is not the engine's word; empty where it is."""
     if quantity.lacking(motion):
         return "not offered"
     return "computed by the adapter" if quantity.origin(motion) is Origin.COMPUTED else ""
 
 
-def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
-    """Run an engine that this process has not run before: the first run imports, and is thrown away.
+def _warm_up(adapter: Engine, scene: Scene, step: float) -> float:
+    """Run an engine that this process has not run before, twice: what the first run took more, s, as it imports.
 
     What it raises is not told: the run that it is made for need not raise it.
     """
-    if adapter.name not in _WARM:
-        _WARM.add(adapter.name)
-        with suppress(Exception):
-            if isinstance(adapter, StudiedEngine):
-                adapter.run_method(scene, adapter.methods(scene)[0], step)
-            else:
-                adapter.run(scene, Setting.TUNED)
+    if adapter.name in _WARM:
+        return 0.0
+    _WARM.add(adapter.name)
+
+    def run() -> Run:
+        if isinstance(adapter, StudiedEngine):
+            return adapter.run_method(scene, adapter.methods(scene)[0], step)
+        return adapter.run(scene, Setting.TUNED)
+
+    with suppress(Exception):
+        (_, first), (_, second) = timed(run), timed(run)
+        return max(0.0, first - second)
+    return 0.0

@@ -6,7 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from comparisons.work_precision.analysis import PointChoice, Standing, SweepFinding, choices, findings, standings
+from comparisons.work_precision.analysis import (
+    MethodSweep,
+    PointChoice,
+    SettingComparison,
+    choices,
+    compare_settings,
+    method_sweeps,
+)
 from comparisons.work_precision.records import Bench, BenchRecord
 
 # The quantity a place is judged by, where the user names none: the first of these that it has.
@@ -24,12 +31,12 @@ class EngineFacts:
     own_efforts: Efforts
 
     @cached_property
-    def sweeps(self) -> tuple[SweepFinding, ...]:
+    def sweeps(self) -> tuple[MethodSweep, ...]:
         """Order and floor of every method at every effort."""
-        return findings(self.records)
+        return method_sweeps(self.records)
 
     @cached_property
-    def methods(self) -> tuple[SweepFinding, ...]:
+    def methods(self) -> tuple[MethodSweep, ...]:
         """Those at the effort a method comes with."""
         return tuple(one for one in self.sweeps if self.is_own(one.first))
 
@@ -44,9 +51,9 @@ class EngineFacts:
         return choices(self.records)
 
     @cached_property
-    def standings(self) -> tuple[Standing, ...]:
+    def setting_comparisons(self) -> tuple[SettingComparison, ...]:
         """The settings against the methods' front; the control has none."""
-        return () if self.is_control else standings(self.records)
+        return () if self.is_control else compare_settings(self.records)
 
     def is_own(self, record: BenchRecord) -> bool:
         """Whether a point is a method's at the effort it comes with."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from comparisons.judging.records import Verdict
 from comparisons.runs.failures import Failure
-from comparisons.work_precision.measure import Taken
+from comparisons.work_precision.measure import Measurement
 from comparisons.work_precision.step_sweep import still_improves
 from engines.contract import Method, Outcome, Setting
 
@@ -19,6 +19,8 @@ EFFORTS: Mapping[str, tuple[float, ...]] = {
 }
 # A step too long for an engine may be cured by a shorter one, but not for ever.
 FAILURES = 3
+# Steps that every sweep takes, whatever they cost and gain: fewer are no curve, and show neither order nor floor.
+FEWEST = 6
 LASTING = (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE, Verdict.NOT_PROVIDED)  # whatever the step
 
 
@@ -26,10 +28,11 @@ LASTING = (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE, Verdict.
 class Extent:
     """How far a benchmark goes.
 
-    ``steps_per_turn`` of the crank's peak speed, coarse to fine; a sweep ends before a point whose stepping would take
-    longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s, in all.
-    ``effort_stride`` is the stride through the steps in sweeps at other solver efforts; 0 leaves these out. No run is
-    begun after ``deadline``, s from the start.
+    ``steps_per_turn`` of the crank's peak speed, coarse to fine; after ``FEWEST`` a sweep ends before a point that
+    would take longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s,
+    in all; both count set-up and stepping. ``effort_stride`` is the stride through the steps in sweeps at other solver
+    efforts; 0 leaves these out. No run is begun after ``deadline``, s from the start. ``fronts_only`` measures of each
+    engine the most advanced method, of a single run and of several, and leaves out the best setting, which repeats one.
     """
 
     steps_per_turn: tuple[float, ...]
@@ -38,10 +41,13 @@ class Extent:
     patience: float
     effort_stride: int = 0
     deadline: float = math.inf
+    fronts_only: bool = False
 
 
 FULL = Extent(tuple(12.0 * 2.0**k for k in range(12)), budget=1.0, repeats=5, patience=0.6, effort_stride=2)
-QUICK = Extent(tuple(16.0 * 2.0**k for k in range(8)), budget=0.3, repeats=2, patience=0.1, deadline=45.0)
+QUICK = Extent(
+    tuple(6.0 * 2.0**k for k in range(8)), budget=0.3, repeats=2, patience=0.1, deadline=45.0, fronts_only=True
+)
 OUT_OF_TIME = "the time for the whole benchmark was up"
 
 
@@ -78,7 +84,7 @@ class Point:
 
 
 @dataclass
-class Track:
+class Sweep:
     """A sweep under way: the points still to come, coarse to fine, and what came of those done.
 
     ``ended`` says why it went no further, once it has ended.
@@ -86,68 +92,79 @@ class Track:
 
     points: Sequence[Point]
     budget: float
-    taken: list[Taken] = field(default_factory=list)
+    measurements: list[Measurement] = field(default_factory=list)
     ended: str = ""
 
     def next(self) -> Point | None:
         """The point to measure next; None when the sweep has ended."""
         if not self.ended:
             self.ended = self._end()
-        return None if self.ended else self.points[len(self.taken)]
+        return None if self.ended else self.points[len(self.measurements)]
 
-    def take(self, taken: Taken | None) -> None:
+    def add(self, measurement: Measurement | None) -> None:
         """Note what the next point came to; None where there was no time left for it."""
-        if taken is None:
+        if measurement is None:
             self.ended = OUT_OF_TIME
         else:
-            self.taken.append(taken)
+            self.measurements.append(measurement)
 
     def _end(self) -> str:
-        done = self.taken
+        done = self.measurements
         if done and done[-1].outcome != Outcome.FINISHED:
             return self._end_by_failure()
-        finished = [taken for taken in done if taken.outcome == Outcome.FINISHED]
-        names = finished[0].errors if finished else ()
-        if finished and not any(still_improves([taken.errors[name].error_max for taken in finished]) for name in names):
-            return "two refinements in a row improved nothing"
         if len(done) == len(self.points):
             return "the sweep ends here"
+        if len(done) < FEWEST:
+            return ""
+        finished = [each for each in done if each.outcome == Outcome.FINISHED]
+        names = finished[0].errors if finished else ()
+        if not any(still_improves([each.errors[name].error_max for each in finished]) for name in names):
+            return "two refinements in a row improved nothing"
         price = self._price(self.points[len(done)])
         if price > self.budget:
             return f"the next step would take about {price:.2g} s, over {self.budget:g} s"
         return ""
 
     def _price(self, point: Point) -> float:
-        """What a point will cost by the cheapest step so far, s: a slow spell of the machine is not the engine's."""
-        pairs = zip(self.points, self.taken, strict=False)
-        each = [taken.seconds / done.steps_per_turn for done, taken in pairs if done.steps_per_turn and taken.seconds]
-        return min(each, default=0.0) * (point.steps_per_turn or 0.0)
+        """What a point will cost by the cheapest set-up and step so far, s: a slow spell is not the engine's."""
+        pairs = zip(self.points, self.measurements, strict=False)
+        rates = [one.seconds / done.steps_per_turn for done, one in pairs if done.steps_per_turn and one.seconds]
+        setup = min((one.setup for one in self.measurements), default=0.0)
+        return setup + min(rates, default=0.0) * (point.steps_per_turn or 0.0)
 
     def _end_by_failure(self) -> str:
         """Failures end a sweep that worked before, and one that never did after three."""
-        last = self.taken[-1]
+        last = self.measurements[-1]
         lasting = last.outcome in LASTING
-        worked = any(taken.outcome == Outcome.FINISHED for taken in self.taken)
-        if lasting or worked or len(self.taken) in (FAILURES, len(self.points)):
+        worked = any(each.outcome == Outcome.FINISHED for each in self.measurements)
+        if lasting or worked or len(self.measurements) in (FAILURES, len(self.points)):
             return f"{last.outcome}: {last.reason}"
         return ""
 
 
-def tracks(
+def planned_sweeps(
     case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent, *, efforts: bool
-) -> list[Track]:
+) -> list[Sweep]:
     """The sweeps of one engine on one case: its settings, its methods, and these at other solver efforts if asked."""
-    sweeps = [Track([Point(case, engine, setting)], math.inf) for setting in settings]
+    if extent.fronts_only:
+        settings = [setting for setting in settings if setting is not Setting.BEST]
+        methods = [*_last(methods, extrapolated=False), *_last(methods, extrapolated=True)]
+    sweeps = [Sweep([Point(case, engine, setting)], math.inf) for setting in settings]
     for method in methods:
-        sweeps.append(_track(case, engine, method, extent.steps_per_turn, extent))
+        sweeps.append(_sweep(case, engine, method, extent.steps_per_turn, extent))
         if efforts and extent.effort_stride:
             steps = extent.steps_per_turn[:: extent.effort_stride]
-            sweeps += [_track(case, engine, other, steps, extent) for other in _other_efforts(method)]
+            sweeps += [_sweep(case, engine, other, steps, extent) for other in _other_efforts(method)]
     return sweeps
 
 
-def _track(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> Track:
-    return Track([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
+def _last(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
+    """The most advanced method of a single run, or of several extrapolated: an engine names its simplest first."""
+    return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
+
+
+def _sweep(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> Sweep:
+    return Sweep([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
 
 
 def _other_efforts(method: Method) -> list[Method]:

@@ -14,7 +14,6 @@ from typing_extensions import TypedDict
 from comparisons.judging.records import Verdict
 from comparisons.runs.study_folder import load_study, save_study, usable
 from comparisons.runs.timing import Noise
-from comparisons.work_precision.step_sweep import StepSweep
 from engines.contract import Outcome
 
 KIND: Final = "bench"
@@ -138,52 +137,11 @@ def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tup
 
 
 @dataclass(frozen=True)
-class Series:
-    """The points of one sweep that finished, coarse to fine."""
-
-    records: tuple[BenchRecord, ...]
-
-    @property
-    def first(self) -> BenchRecord:
-        """The coarsest point."""
-        return self.records[0]
-
-    @cached_property
-    def errors(self) -> tuple[float, ...]:
-        """Largest error of each point, over the peak."""
-        return tuple(record.error_max for record in self.records if record.error_max is not None)
-
-    @cached_property
-    def seconds(self) -> tuple[float, ...]:
-        """Shortest time of each point, set-up and stepping, s."""
-        return tuple(record.total_seconds for record in self.records)
-
-    @cached_property
-    def numbers(self) -> StepSweep:
-        """The same as bare numbers."""
-        steps = tuple(record.step or 0.0 for record in self.records)
-        finest = self.records[-1]
-        work = finest.solver_work / finest.steps if finest.steps else 0.0
-        return StepSweep(steps, self.errors, self.first.effort, self.first.effort_unit, work)
-
-
-def series(records: Iterable[BenchRecord]) -> tuple[Series, ...]:
-    """The methods' sweeps among these records, in the order they appear; points that did not finish are left out."""
-    groups: dict[tuple[object, ...], list[BenchRecord]] = {}
-    for record in records:
-        if record.kind == METHOD and record.finished:
-            groups.setdefault(record.sweep, []).append(record)
-    return tuple(Series(tuple(sorted(group, key=lambda record: -(record.step or 0.0)))) for group in groups.values())
-
-
-@dataclass(frozen=True)
 class MeasuredCost:
-    """One reduction of a linkage in one engine, or one query put to the closed form by one path of ``evaluate``.
+    """One reduction of a linkage in one engine.
 
-    ``solver`` is the engine, the reference's control where ``is_control``, or the path; ``about`` is what is recorded
-    or requested. ``seconds`` are of every repeat, s:
-    whole runs, of which ``stepping`` is the engine's own share, or evaluations at so many crank ``angles``; an engine
-    has none of these.
+    ``solver`` is the engine, the reference's control where ``is_control``; ``about`` is what is recorded. ``seconds``
+    are of every repeat, s: whole runs, of which ``stepping`` is the engine's own share.
     """
 
     mechanism: str
@@ -191,7 +149,6 @@ class MeasuredCost:
     solver: str
     reduction: str
     about: str
-    angles: int = 0
     outcome: str = Outcome.FINISHED.value
     reason: str = ""
     seconds: Annotated[tuple[float, ...], Field(min_length=1)] = ()

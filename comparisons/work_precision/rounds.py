@@ -19,8 +19,8 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.study import Announce, Study, Task, Written
 from comparisons.runs.timing import smallest_and_median
 from comparisons.runs.workers import Bounds, Pool
-from comparisons.work_precision.measure import Taken, longest_step, measure
-from comparisons.work_precision.points import Extent, Point, Track
+from comparisons.work_precision.measure import Measurement, longest_step, measure
+from comparisons.work_precision.points import Extent, Point, Sweep
 from comparisons.work_precision.records import METHOD, SETTING, PointRecord
 from engines.contract import Outcome, StudiedEngine
 from engines.registry import why_unavailable
@@ -48,38 +48,38 @@ class Rounds:
         self.cases, self.quantities, self.extent = cases, quantities, extent
         self.pickled = [pickle.dumps(case) for case in cases]
         self.ends = time.monotonic() + extent.deadline
-        self.study: Study[Taken] = Study(measure, self._lost, _written, _read, journal, announce, pool)
+        self.study: Study[Measurement] = Study(measure, self._lost, _written, _read, journal, announce, pool)
 
     def run(self, number: int, points: Sequence[Point]) -> None:
         """Measure points in a round, as long as there is time."""
         tasks = [self._task(number, point) for point in points if point.is_run]
         self.study.expect(tasks)
-        bounds = Bounds(seconds=min(HANGS + 20.0 * self.extent.budget, max(1.0, self._left())))
+        bounds = Bounds(seconds=min(HANGS + 20.0 * self.extent.budget, max(1.0, self.left())))
         with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
-            while self._left() > 0.0 and next(ended, None) is not None:
+            while self.left() > 0.0 and next(ended, None) is not None:
                 pass
 
-    def taken(self, number: int, point: Point) -> Taken | None:
+    def measurement(self, number: int, point: Point) -> Measurement | None:
         """What a point took in a round; None where it was not measured."""
         if not point.is_run:
-            return Taken(Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
+            return Measurement(Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
         key = _key(number, point)
         return self.study.result(key) if self.study.has(key) else None
 
-    def repeats(self, point: Point, rounds: int) -> list[Taken]:
+    def repeats(self, point: Point, rounds: int) -> list[Measurement]:
         """What a point took, round by round, where it finished, on the machine that made the first."""
-        every = [taken for number in range(rounds) if (taken := self.taken(number, point)) is not None]
-        return [taken for taken in every if taken.outcome == Outcome.FINISHED and taken.host == every[0].host]
+        every = [one for number in range(rounds) if (one := self.measurement(number, point)) is not None]
+        return [one for one in every if one.outcome == Outcome.FINISHED and one.host == every[0].host]
 
     def is_worth_repeating(self, point: Point, number: int) -> bool:
         """Whether a point takes part in a later round: while it has not taken too long."""
         before = self.repeats(point, number)
-        return bool(before) and sum(taken.seconds for taken in before) < self.extent.patience
+        return bool(before) and sum(one.setup + one.seconds for one in before) < self.extent.patience
 
     @property
     def calibrations(self) -> tuple[float, ...]:
         """How long the fixed work took beside every run, s."""
-        return tuple(taken.calibration for taken in self.study.results() if taken.calibration > 0.0)
+        return tuple(one.calibration for one in self.study.results() if one.calibration > 0.0)
 
     def _task(self, number: int, point: Point) -> Task:
         case = self.cases[point.case]
@@ -90,46 +90,53 @@ class Rounds:
             label=f"round {number + 1}: {case.mechanism.linkage.name}, {case.motion.regime}, {run}",
         )
 
-    def _lost(self, lost: Lost, *_: object) -> Taken | None:
+    def _lost(self, lost: Lost, *_: object) -> Measurement | None:
         """A run that gave no result; None where it was ended by our own deadline, not by the engine's fault."""
-        return Taken(lost.outcome.value, lost.reason, host=lost.host) if self._left() > 0.0 else None
+        return Measurement(lost.outcome.value, lost.reason, host=lost.host) if self.left() > 0.0 else None
 
-    def _left(self) -> float:
+    def left(self) -> float:
+        """Time until the deadline, s."""
         return self.ends - time.monotonic()
 
 
-_TAKEN: Final = TypeAdapter(Taken)
+_MEASUREMENT: Final = TypeAdapter(Measurement)
 
 
 def _key(number: int, point: Point) -> str:
     return f"{number} {point.key}"
 
 
-def _written(taken: Taken) -> Written:
-    return asdict(taken), {}
+def _written(measurement: Measurement) -> Written:
+    return asdict(measurement), {}
 
 
-def _read(row: Mapping[str, Any], _: object) -> Taken:
-    return _TAKEN.validate_python(row)
+def _read(row: Mapping[str, Any], _: object) -> Measurement:
+    return _MEASUREMENT.validate_python(row)
 
 
-def records(case: Case, track: Track, rounds: Rounds) -> Iterator[PointRecord]:
+def records(case: Case, sweep: Sweep, rounds: Rounds) -> Iterator[PointRecord]:
     """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
-    adapter = engine(track.points[0].engine)
+    adapter = engine(sweep.points[0].engine)
     unit = adapter.work_unit if isinstance(adapter, StudiedEngine) else ""
     blank = partial(
         PointRecord,
         engine_version=adapter.version() or "",
         is_control=adapter.is_control,
         work_unit=unit,
-        ended=track.ended,
+        ended=sweep.ended,
     )
-    for point, taken in zip(track.points, track.taken or [Taken(Failure.TIMED_OUT.value, track.ended)], strict=False):
-        yield _record(blank, case, point, taken, rounds.repeats(point, rounds.extent.repeats))
+    for point, measurement in zip(
+        sweep.points, sweep.measurements or [Measurement(Failure.TIMED_OUT.value, sweep.ended)], strict=False
+    ):
+        yield _record(blank, case, point, measurement, rounds.repeats(point, rounds.extent.repeats))
 
 
 def _record(
-    blank: Callable[..., PointRecord], case: Case, point: Point, taken: Taken, repeats: Sequence[Taken]
+    blank: Callable[..., PointRecord],
+    case: Case,
+    point: Point,
+    measurement: Measurement,
+    repeats: Sequence[Measurement],
 ) -> PointRecord:
     linkage, method = case.mechanism.linkage, point.method
     least, median = smallest_and_median([run.seconds for run in repeats])
@@ -141,22 +148,22 @@ def _record(
         engine=point.engine,
         kind=METHOD if method else SETTING,
         setting=method.name if method else str(point.setting or ""),
-        runs=taken.runs,
+        runs=measurement.runs,
         effort=method.effort if method else None,
         effort_unit=method.effort_unit if method else "",
         step=longest_step(case, steps) if steps else None,
         steps_per_turn=steps,
-        errors=taken.errors,
-        left_out=taken.left_out,
+        errors=measurement.errors,
+        left_out=measurement.left_out,
         seconds_min=least,
         seconds_median=median,
         repeats=tuple(run.seconds for run in repeats),
         setup_seconds=min((run.setup for run in repeats), default=None),
         readout_seconds=min((run.readout for run in repeats), default=None),
-        steps=taken.steps,
-        solver_work=taken.solver_work,
-        outcome=taken.outcome,
-        detail=taken.reason,
-        used=taken.used,
-        host=taken.host,
+        steps=measurement.steps,
+        solver_work=measurement.solver_work,
+        outcome=measurement.outcome,
+        detail=measurement.reason,
+        used=measurement.used,
+        host=measurement.host,
     )

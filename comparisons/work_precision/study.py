@@ -1,14 +1,16 @@
 """Work-precision: every engine, method and step measured on every case, round after round, one run at a time.
 
-The first round goes down one sweep of every engine on a case at once, coarse steps first, then the next of each,
-and takes the errors; the rounds after it repeat every point for its time alone. Each round visits all points in turn,
-so that a slow spell of the machine hits all alike.
+The first round goes down all sweeps of a case at once, coarse steps first, and takes the errors; the rounds after it
+repeat every point of the case for its time alone. Each round visits all points in turn, so that a slow spell of the
+machine hits all alike.
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import groupby
 from typing import Any
 
 from analytic.errors import UnknownNameError
@@ -19,7 +21,7 @@ from comparisons.runs.study import Announce
 from comparisons.runs.timing import Noise
 from comparisons.runs.workers import ONE_BY_ONE, Pool
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
+from comparisons.work_precision.points import FULL, Extent, Point, Sweep, planned_sweeps
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
 from comparisons.work_precision.rounds import Rounds, records
 from engines.contract import Method, Setting, StudiedEngine
@@ -48,11 +50,12 @@ class BenchRequest:
 
 @dataclass(frozen=True)
 class Measured:
-    """A finished benchmark: its records, judged, and the machine's noise."""
+    """A finished benchmark: its records, judged, the machine's noise, and what each engine's first uses cost, s."""
 
     points: tuple[PointRecord, ...]
     quantities: tuple[str, ...]
     noise: Noise
+    first_uses: Mapping[str, tuple[float, ...]]
 
     @property
     def records(self) -> tuple[BenchRecord, ...]:
@@ -76,19 +79,31 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
         journal=journal,
         pool=request.pool,
     )
-    turns = _turns(sweeps)
-    for turn in turns:
-        while batch := [(track, point) for track in turn if (point := track.next()) is not None]:
+    longest = 0.0
+    for turn in _turns(request.cases, sweeps):
+        begun = time.monotonic()
+        if rounds.left() < longest:  # some points of a curve would show nothing
+            for sweep in turn:
+                sweep.add(None)
+        while batch := [(sweep, point) for sweep in turn if (point := sweep.next()) is not None]:
             rounds.run(0, [point for _, point in batch])
-            for track, point in batch:
-                track.take(rounds.taken(0, point))
-    done = [point for turn in turns for track in turn for point in track.points[: len(track.taken)]]
-    for number in range(1, request.extent.repeats):
-        rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
-    return Measured(judged(_records(request, sweeps, rounds)), request.quantities, Noise(rounds.calibrations))
+            for sweep, point in batch:
+                sweep.add(rounds.measurement(0, point))
+        done = [point for sweep in turn for point in sweep.points[: len(sweep.measurements)]]
+        for number in range(1, request.extent.repeats):
+            rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
+        longest = max(longest, time.monotonic() - begun)
+    noise, uses = Noise(rounds.calibrations), {name: _first_uses(sweeps, name) for name in request.engines}
+    return Measured(judged(_records(request, sweeps, rounds)), request.quantities, noise, uses)
 
 
-def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
+def _first_uses(sweeps: Sequence[Sweep], engine: str) -> tuple[float, ...]:
+    """What the first runs of an engine took beyond the second, s: one in every process that measured it."""
+    mine = (one for sweep in sweeps if sweep.points[0].engine == engine for one in sweep.measurements)
+    return tuple(one.first_use for one in mine if one.first_use > 0.0)
+
+
+def method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
     """What the engines say of their methods, once each."""
     methods: dict[tuple[str, str], Mapping[str, Any]] = {}
     for case in request.cases:
@@ -110,7 +125,7 @@ def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
     return [method for method in offered if not request.methods or method.name in request.methods]
 
 
-def _sweeps(request: BenchRequest) -> Iterator[Track]:
+def _sweeps(request: BenchRequest) -> Iterator[Sweep]:
     """All sweeps of the request; an engine that is not installed has one point that says so."""
     known: set[tuple[str, str]] = set()
     for number, case in enumerate(request.cases):
@@ -119,42 +134,34 @@ def _sweeps(request: BenchRequest) -> Iterator[Track]:
         known.add((linkage.name, linkage.variant))
         for name in request.engines:
             if why_unavailable(engine(name)) is not None:
-                yield Track([Point(number, name)], 0.0)
+                yield Sweep([Point(number, name)], 0.0)
             else:
                 methods = _methods(request, case, name)
-                yield from tracks(number, name, methods, request.settings, request.extent, efforts=first)
+                yield from planned_sweeps(number, name, methods, request.settings, request.extent, efforts=first)
 
 
-def _turns(sweeps: Sequence[Track]) -> list[list[Track]]:
-    """Sweeps that are measured to their ends one turn after the other: one of every engine on a case at a time.
+def _turns(cases: Sequence[Case], sweeps: Sequence[Sweep]) -> list[list[Sweep]]:
+    """Sweeps that are measured to their ends and repeated, one group after the other: those of a case at a time.
 
-    Where the time ends first, few cases have whole curves, rather than many a point each: case by case come the
-    settings and each engine's most advanced method. The other methods follow; extrapolated ones and the best setting,
-    which is mostly one of them, come last.
+    Where the time ends first, a linkage of each structure has whole curves, rather than every linkage a point: the
+    first case of a structure comes before all that repeat one, single runs before extrapolated ones.
     """
-    groups: dict[tuple[int, str], list[Track]] = {}
-    for track in sweeps:
-        groups.setdefault((track.points[0].case, track.points[0].engine), []).append(track)
-    ordered = {place: sorted(enumerate(group), key=_rank) for place, group in groups.items()}
-    turns: dict[tuple[int, int, int], list[Track]] = {}
-    for (case, _), group in ordered.items():
-        first = sum(_rank(one)[0] == 0 for one in group)  # number of settings that come before the first method
-        for number, (_, track) in enumerate(group):
-            place = (0, case, number) if number <= first else (1, number, case)
-            turns.setdefault(place, []).append(track)
-    return [turns[place] for place in sorted(turns)]
+    known: set[frozenset[str]] = set()
+    repeated = []
+    for case in cases:
+        kinds = frozenset(group.kind for group in case.mechanism.structure.groups)
+        repeated.append(kinds in known)
+        known.add(kinds)
+
+    def place(sweep: Sweep) -> tuple[bool, bool, int]:
+        point = sweep.points[0]
+        return repeated[point.case], point.method is not None and point.method.runs > 1, point.case
+
+    return [list(group) for _, group in groupby(sorted(sweeps, key=place), place)]
 
 
-def _rank(numbered: tuple[int, Track]) -> tuple[int, int]:
-    number, track = numbered
-    point = track.points[0]
-    if point.method is None:
-        return (3 if point.setting is Setting.BEST else 0), number
-    return (1 if point.method.runs == 1 else 2), -number
-
-
-def _records(request: BenchRequest, sweeps: Sequence[Track], rounds: Rounds) -> list[PointRecord]:
+def _records(request: BenchRequest, sweeps: Sequence[Sweep], rounds: Rounds) -> list[PointRecord]:
     """All records, by case and engine in the requested order, then as measured."""
     places = {name: place for place, name in enumerate(request.engines)}
-    ordered = sorted(sweeps, key=lambda track: (track.points[0].case, places[track.points[0].engine]))
-    return [one for track in ordered for one in records(request.cases[track.points[0].case], track, rounds)]
+    ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].engine]))
+    return [one for sweep in ordered for one in records(request.cases[sweep.points[0].case], sweep, rounds)]

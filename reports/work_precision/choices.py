@@ -15,7 +15,7 @@ from reports.document.templates import sentence
 from reports.work_precision.words import judged_by, label_of, once, way_words
 
 # Errors that the page begins with, by their places among those wanted.
-NAMED = (1, 4, 6)
+NAMED = (0, 1, 4)
 Found = tuple[EngineFacts, BenchRecord]
 
 
@@ -23,9 +23,14 @@ def verdicts(regimes: Regimes) -> tuple[Paragraph, ...]:
     """The cheapest engines for a few errors, in a sentence for every regime."""
     return tuple(
         Paragraph(sentence("bench_verdict", regime=name, judged=judged_by({name: places}), count=len(places),
-                           wins=[(bound(WANTED[column]), _winners(places, column)) for column in NAMED]), "verdict")
+                           wins=[(_share(WANTED[column]), _winners(places, column)) for column in NAMED]), "verdict")
         for name, places in regimes.items()
     )  # fmt: skip
+
+
+def _share(error: float) -> str:
+    """An error over the peak as a reader says it."""
+    return f"{100.0 * error:g} %" if error >= 0.01 else bound(error)
 
 
 def _winners(places: Sequence[PlaceFacts], column: int) -> list[tuple[str, str, int]]:

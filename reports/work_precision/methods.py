@@ -9,7 +9,7 @@ from comparisons.work_precision.places import EngineFacts, Regimes
 from reports.document.numbers import ABSENT, error, seconds
 from reports.document.parts import Fold, Section, Table, TableCell
 from reports.document.templates import sentence
-from reports.work_precision.words import judged_by, label_of, limit_words, once, standing_words, way
+from reports.work_precision.words import comparison_words, judged_by, label_of, limit_words, once, way
 
 # Of one engine in one place: a row's head and its cell there.
 Rows = Callable[[EngineFacts], Iterator[tuple[TableCell, TableCell]]]
@@ -23,8 +23,8 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
     about = {(one["engine"], one["name"]): one["about"] for one in methods}
 
     def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
-        for one in facts.standings:
-            told = standing_words(one, facts, noise).lstrip(":; ") if facts.sweeps else ""
+        for one in facts.setting_comparisons:
+            told = comparison_words(one, facts, noise).lstrip(":; ") if facts.sweeps else ""
             words = f"{error(one.record.error_max)} in {seconds(one.record.total_seconds)}"
             yield (
                 TableCell(one.record.setting),

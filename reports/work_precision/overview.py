@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from comparisons.work_precision.analysis import apart, on_front
+from comparisons.work_precision.analysis import MethodSweep, apart, on_front
 from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
-from comparisons.work_precision.records import SETTING, BenchRecord
-from reports.document.chart import Array, Chart, Curve, Ink, Panel
+from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
+from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
 from reports.document.parts import PageFigure
 from reports.document.templates import plain, sentence
 
@@ -41,7 +42,7 @@ def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, .
 def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink]) -> Chart:
     """Work and precision of one regime over its mechanisms, in the quantity each is judged by."""
     panels = tuple(_panel(place, colours) for place in places)
-    columns = min(COLUMNS, len(panels))
+    columns = min(COLUMNS, math.ceil(math.sqrt(len(panels))))
     return Chart(panels, height=PANEL * -(-len(panels) // columns), columns=columns, wide=True)
 
 
@@ -53,16 +54,31 @@ def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
         for (x, y), line in fronts
         if len(x)
     ]
+    notes = []
     for facts in place.engines(place.foremost):
         curves += _engine(facts, colours[facts.engine])
-    title = f"{place.mechanism}: {plain(place.foremost)}"
-    return Panel(tuple(curves), "set-up and stepping, s", "largest |error| / peak", scale="loglog", title=title)
+        notes += [_note(sweep) for sweep in facts.methods if sweep.order]
+    title, names = f"{place.mechanism}: {plain(place.foremost)}", ("set-up and stepping, s", "largest |error| / peak")
+    return Panel(tuple(curves), *names, notes=tuple(notes), scale="loglog", title=title)
+
+
+def _note(sweep: MethodSweep) -> Note:
+    """The observed order, at the least error of a method."""
+    (x,), (y,) = _least(sweep)
+    return Note(x, y, f"{sweep.order:.0f}")
+
+
+def _least(sweep: MethodSweep) -> tuple[Array, Array]:
+    """The point of a sweep's least error."""
+    return _places([sweep.least])
 
 
 def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
     for sweep in facts.methods:
         line = LINES[sweep.first.is_extrapolated]
-        yield Curve(*_places(sweep.points.records), ink=ink, line=line, width=0.6, marker=".")
+        yield Curve(*_places(sweep.records), ink=ink, line=line, width=0.6, marker=".")
+        if sweep.floor.cause.is_floor:
+            yield Curve(*_least(sweep), ink=ink, line="", marker="_", size=11.0)
     fronts = _fronts(facts.records)
     lowest = min((y[-1] for _, y in fronts if len(y)), default=0.0)
     for (x, y), line in zip(fronts, LINES, strict=True):
@@ -75,8 +91,8 @@ def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
 
 
 def _fronts(records: Sequence[BenchRecord]) -> list[tuple[Array, Array]]:
-    """The front of single runs, and that of several extrapolated."""
-    return [_places(on_front(part)) for part in apart(records)]
+    """The front of methods' single runs, and that of several extrapolated; a setting alone is no front."""
+    return [_places(on_front(part)) for part in apart(record for record in records if record.kind == METHOD)]
 
 
 def _places(records: Sequence[BenchRecord]) -> tuple[Array, Array]:

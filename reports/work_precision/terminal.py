@@ -13,7 +13,7 @@ from reports.document.parts import Paragraph, Table
 from reports.document.templates import plain
 from reports.document.terminal import Printed, Printout
 from reports.work_precision import words
-from reports.work_precision.costs import cost_tables
+from reports.work_precision.costs import cost_table
 from reports.work_precision.words import engine_label, label_of
 
 CHOICES = ("engine", "to get", "time", "by")
@@ -30,8 +30,8 @@ def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
     for place in places(bench):
         for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
             blocks += _block(place, name, words.noise_share(bench))
-    for costs in cost_tables(bench.costs):
-        blocks += [costs, ""]
+    if bench.costs:
+        blocks += [cost_table(bench.costs), ""]
     return Printout(blocks, [words.noise_note(bench)], [_points(bench), ""])
 
 
@@ -58,9 +58,9 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
     if measured:
         yield from (_methods(place, quantity), "", _choices(place, quantity), "")
     for facts in engines if measured else ():
-        for one in facts.standings:
+        for one in facts.setting_comparisons:
             told = f"{error(one.record.error_max)} in {seconds(one.record.total_seconds)}"
-            yield f"{facts.engine} {one.record.setting}: {told}{words.standing_words(one, facts, noise)}"
+            yield f"{facts.engine} {one.record.setting}: {told}{words.comparison_words(one, facts, noise)}"
     for facts in engines:
         for reason in words.failed_methods(facts):
             yield Paragraph(f"{label_of(facts)} {reason}", colour="yellow")
@@ -72,7 +72,7 @@ def _methods(place: PlaceFacts, quantity: str) -> Table:
     """Order, least error with the step and the time there, and what limits it."""
     rows = []
     for facts, sweep in [(one, sweep) for one in place.engines(quantity) for sweep in one.methods]:
-        least, floor = sweep.points.records[sweep.points.numbers.best], sweep.floor
+        least, floor = sweep.least, sweep.floor
         order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
         found = (error(floor.error), words.per_turn(least), seconds(least.total_seconds), floor.cause.value)
         rows.append((label_of(facts), words.way(facts, sweep.first), order, *found))

@@ -1,11 +1,10 @@
-"""Orders, steps and standings of a benchmark in words."""
+"""Orders, steps and comparisons of settings in words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from comparisons.work_precision.analysis import Standing, SweepFinding
-from comparisons.work_precision.floor import Cause
+from comparisons.work_precision.analysis import MethodSweep, SettingComparison
 from comparisons.work_precision.places import EngineFacts, Regimes
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
@@ -18,19 +17,19 @@ from reports.document.templates import plain, sentence
 LEAST_NOISE = 0.05
 
 
-def standing_words(standing: Standing, facts: EngineFacts, noise: float) -> str:
+def comparison_words(comparison: SettingComparison, facts: EngineFacts, noise: float) -> str:
     """How far off the methods' front a setting is, as the end of a sentence.
 
     ``best`` is held against all methods, the others against those of a single run; a share ``noise`` of its time is
     nothing.
     """
-    record, ratio, whole = standing.record, standing.ratio, standing.record.setting == Setting.BEST
+    record, ratio, whole = comparison.record, comparison.ratio, comparison.record.setting == Setting.BEST
     if (record.error_max or 0.0) > SATURATED:
         return ": no solution"
-    if ratio is None or standing.rival is None or standing.rival_seconds is None:
+    if ratio is None or comparison.rival is None or comparison.rival_seconds is None:
         return f"; no {'method' if whole else 'single run'} measured gets there"
     front = "the front" if whole else "the front of single runs"
-    beside = f"{way(facts, standing.rival)} takes {seconds(standing.rival_seconds)} to the same error"
+    beside = f"{way(facts, comparison.rival)} takes {seconds(comparison.rival_seconds)} to the same error"
     if ratio <= 1.0 / (1.0 + noise):
         return f"; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
     return f"; {'on' if ratio <= 1.0 + noise else f'{figure(ratio, 2)} ×'} {front}: {beside}"
@@ -65,11 +64,10 @@ def per_turn(record: BenchRecord) -> str:
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
 
 
-def limit_words(sweep: SweepFinding) -> str:
+def limit_words(sweep: MethodSweep) -> str:
     """The least error of a sweep, called a floor where a finer step does not lower it, and what limits it."""
     least, cause = error(sweep.floor.error), sweep.floor.cause
-    open_end = cause in (Cause.FALLING, Cause.UNSETTLED)
-    return f"{least}, {cause.value}" if open_end else f"floor {least}: {cause.value}"
+    return f"floor {least}: {cause.value}" if cause.is_floor else f"{least}, {cause.value}"
 
 
 def noise_share(bench: Bench) -> float:

@@ -158,9 +158,14 @@ def spoil(value):
     return value
 
 
+def sign(path):
+    """Leave its process number in a file."""
+    Path(path).write_text(str(os.getpid()))
+
+
 def sign_and_sleep(path):
     """Leave its process number in a file, and hang."""
-    Path(path).write_text(str(os.getpid()))
+    sign(path)
     time.sleep(LONG)
 
 
@@ -191,6 +196,7 @@ JOBS = {
         large,
         hang_up,
         interrupt_itself,
+        sign,
         sign_and_sleep,
         fork_and_sleep,
         spoil,

@@ -11,7 +11,6 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
-from comparisons.work_precision.reductions import without_gravity, without_loads, without_slot_masses
 from engines.contract import Outcome, Setting
 from engines.direct_adapter import solution
 from engines.direct_adapter.adapter import DirectEngine
@@ -23,6 +22,7 @@ from engines.pymunk_adapter.recording import Recording
 from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism
 from tests.counting import calls
+from tests.engines.lighter import with_bare_slots, without_gravity, without_loads
 
 MOTION = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02, start_angle=0.3)
 EVERYTHING = frozenset(Channel)
@@ -45,6 +45,10 @@ def _finished(engine, model):
     run = engine.run(model, Setting.TUNED)
     assert run.outcome is Outcome.FINISHED, run.reason
     return run.history
+
+
+def _slot_without_mass(linkage):
+    return with_bare_slots(linkage, {"slot_slider"})
 
 
 def _weightless_and_unloaded(linkage):
@@ -125,7 +129,7 @@ def test_exudyn_builds_a_body_per_link_and_no_rotation_where_nothing_turns(build
 
 
 def test_exudyn_builds_no_body_for_a_slot_without_a_slider(build):
-    slotted, bare = build(SLOTTED, JEQ), build(SLOTTED, JEQ, without_slot_masses)
+    slotted, bare = build(SLOTTED, JEQ), build(SLOTTED, JEQ, _slot_without_mass)
     assert slotted.objects - bare.objects == {"RigidBody2D": 1, "JointRevolute2D": 1, "ConnectorCoordinate": 1}
     assert not bare.objects - slotted.objects
 
@@ -152,7 +156,7 @@ def test_exudyn_takes_no_more_steps_for_a_mass_in_a_slot_than_for_a_bare_pin():
     pytest.importorskip("exudyn")
     motion = crank_motion("constant-speed", ramp_time=0.1, hold_time=0.0)
     steps = []
-    for rest in (_whole, without_slot_masses):
+    for rest in (_whole, _slot_without_mass):
         model = scene(Mechanism(rest(mechanism(SLOTTED).linkage)), Prescribed(motion), NO_FORCES)
         steps.append(ExudynEngine().run(model, Setting.TUNED).steps)
     assert steps[0] == steps[1] > 0
@@ -233,7 +237,7 @@ def test_pymunk_builds_no_spring_where_the_scene_has_neither_springs_nor_weights
 
 def test_pymunk_makes_no_more_of_a_slot_without_a_slider_than_of_one_with_it(worlds):
     """A groove is right only for a body centred on it, so pymunk has a part at the pin whatever the scene has there."""
-    slotted, bare = (list(worlds(SLOTTED, JEQ, rest).values())[-1] for rest in (_whole, without_slot_masses))
+    slotted, bare = (list(worlds(SLOTTED, JEQ, rest).values())[-1] for rest in (_whole, _slot_without_mass))
     assert bare == slotted
 
 
@@ -331,7 +335,7 @@ def test_direct_works_out_joint_forces_only_where_they_are_asked_for(monkeypatch
 
 
 def test_direct_has_equations_for_what_moves_alone():
-    slotted, bare = (Equations(_scene(SLOTTED, rest=rest)) for rest in (_whole, without_slot_masses))
+    slotted, bare = (Equations(_scene(SLOTTED, rest=rest)) for rest in (_whole, _slot_without_mass))
     assert (slotted.size - bare.size, slotted.rows - bare.rows) == (2, 2)  # a mass at a pin has no angle
     bar = next(k for k, body in enumerate(bare.scene.bodies) if body.inertia is None)
     assert bare.column[bar, 2] == bare.size  # nor has what slides on the ground

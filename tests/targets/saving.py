@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from comparisons.reference.case import Case
 from comparisons.runs.study import Announce
-from comparisons.work_precision.analysis import by_engine, findings
+from comparisons.work_precision.analysis import by_engine, method_sweeps
 from comparisons.work_precision.points import Extent
 from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
 from comparisons.work_precision.step_sweep import price, short
@@ -82,22 +82,19 @@ def saving(records: Sequence[BenchRecord], setting: str, wanted: float) -> Savin
         if one.kind == SETTING and one.setting == setting and one.finished and (one.error_max or 0.0) <= wanted
     ]
     first = next((one.sweep for one in records if one.kind == METHOD), None)
-    plain = next((one for one in findings(records) if one.first.sweep == first), None)
+    plain = next((one for one in method_sweeps(records) if one.first.sweep == first), None)
     if not held or plain is None:
         return None
-    points = plain.points
-    least = points.numbers.best
+    errors = plain.numbers.errors
     return Saving(
         wanted=wanted,
         record=held[0],
         plain=plain.first.setting,
-        seconds=price(points.seconds, points.errors, wanted),
-        least_error=points.errors[least],
-        spent=points.seconds[least],
+        seconds=price(plain.seconds, errors, wanted),
+        least_error=min(errors),
+        spent=plain.least.total_seconds,
         why=f"{plain.floor.cause} ({plain.floor.evidence})",
-        projected=_projected(
-            points.seconds[-1], points.errors[-1], wanted, plain.order if points.numbers.is_falling else None
-        ),
+        projected=_projected(plain.seconds[-1], errors[-1], wanted, plain.order if plain.numbers.is_falling else None),
     )
 
 

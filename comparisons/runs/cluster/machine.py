@@ -53,7 +53,7 @@ def work(function: bytes, job: bytes, bounds: Bounds) -> bytes:
     pool = _process(function, bounds)
     pool.check = _check()
     try:
-        result = pool.do(pickle.loads(job), bounds.seconds)
+        ((_, result),) = pool.take_up([pickle.loads(job)], bounds.seconds)
     except BaseException:
         pool.close()
         raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import closing
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -14,14 +15,13 @@ from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
 from comparisons.runs.cluster.connecting import check_scheduler, opened
 from comparisons.runs.environment import environment
-from comparisons.runs.failures import Lost
-from comparisons.runs.timing import WORK, first_use_seconds
-from comparisons.runs.workers import ONE_BY_ONE, LocalPool
+from comparisons.runs.timing import WORK
+from comparisons.runs.workers import LastingPool
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK
 from comparisons.work_precision.records import KIND, Bench, rows, save
-from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, methods_told
+from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, method_descriptions
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
 from reports.command_line.interruption import interruptible, journal
@@ -29,6 +29,7 @@ from reports.requests.campaign import installed, request
 from reports.requests.exit_codes import bench_exit_code
 from reports.requests.options.campaign import BenchOptions, RunsOptions
 from reports.requests.options.declaring import command_line
+from reports.requests.options.motion import MotionOptions
 from reports.requests.standard import of_project
 from reports.work_precision.terminal import printout
 
@@ -50,7 +51,11 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
     asked = request(_campaign(options))
     wanted = _request(options, asked)
-    with opened(scheduler, ONE_BY_ONE, alone=True) as pool, interruptible(out) as counting:
+    with (
+        closing(LastingPool()) as here,
+        opened(scheduler, here, alone=True) as pool,
+        interruptible(out) as counting,
+    ):
         kept = journal(out, command, asked.engines, asked.linkages, resume=destination.resume) if out else None
         wanted = replace(wanted, pool=pool)
         with destination.progress() as announce:
@@ -67,9 +72,18 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
 
 
 def _campaign(options: BenchOptions) -> RunsOptions:
-    """What is run, in motions of its own where none is named, and of every quantity."""
+    """What is run, in motions of its own where none is named, and of every quantity.
+
+    A quick benchmark runs up over half a turn and turns half a turn more: as much to see as in many turns, for less.
+    """
     usual = () if options.swings else QUICK_REGIMES if options.quick else REGIMES
-    return replace(options, regime=options.regime or usual, quantity=())
+    options = replace(options, regime=options.regime or usual, quantity=())
+    default = MotionOptions()
+    times = (options.ramp_time, options.hold_time) == (default.ramp_time, default.hold_time)
+    if options.quick and times and options.rpm and not options.swings:
+        turn = 60.0 / abs(options.rpm)
+        options = replace(options, ramp_time=turn, hold_time=0.5 * turn)
+    return options
 
 
 def _request(options: BenchOptions, asked: CampaignRequest) -> BenchRequest:
@@ -104,22 +118,13 @@ def _document(options: BenchOptions, command: str, wanted: BenchRequest, measure
         "environment": {**environment(wanted.engines), **wanted.pool.place},
         "extent": extent,
         "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
-        "first_use": _first_uses(wanted, 1 if options.quick else 3),
+        "first_use": [{"engine": name, "seconds": times} for name, times in measured.first_uses.items()],
         "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
-        "methods": methods_told(wanted),
+        "methods": method_descriptions(wanted),
         "costs": _costs(list(linkages.values()), wanted.engines) if options.costs else [],
         "quantities": list(measured.quantities),
         "records": rows(measured.points),
     }
-
-
-def _first_uses(wanted: BenchRequest, repeats: int) -> list[dict[str, Any]]:
-    """What the first use of every engine costs where the points were measured."""
-    jobs = [(name, repeats) for name in wanted.engines]
-    pool = wanted.pool if wanted.pool.place else LocalPool(0)
-    found = dict(pool.run(first_use_seconds, jobs))
-    told = [() if isinstance(found[number], Lost) else found[number] for number in range(len(jobs))]
-    return [{"engine": name, "seconds": seconds} for name, seconds in zip(wanted.engines, told, strict=True)]
 
 
 def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:

@@ -61,7 +61,7 @@ class CompareOptions(RunsOptions):
 class BenchOptions(RunsOptions):
     """The runs of ``linkproof bench``, which has settings and methods of its own."""
 
-    quick: Annotated[bool, Option("Run a coarser sweep of one regime, under a minute.")] = False
+    quick: Annotated[bool, Option("Measure only the fronts, over one turn, in under a minute.")] = False
     costs: Annotated[bool, Option("Also measure the cost of each output and load.")] = False
 
 

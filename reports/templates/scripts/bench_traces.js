@@ -35,7 +35,7 @@ linkproof.bench = (() => {
   const line = (points, colour, style, more) => ({ type: "scatter", mode: "lines", hoverinfo: "skip",
     x: points.map((one) => one.x), y: points.map((one) => one.y), line: { color: colour, ...style }, ...more });
 
-  /* All traces of one engine, and its fronts of single runs and of several. */
+  /* All traces of one engine, and its methods' fronts of single runs and of several: no line joins settings. */
   function drawn(data, quantity, value, engine, efforts, colours) {
     const colour = colours.c[engine.ink.slice(1)] || colours.muted;
     const kinds = [[], []], found = [], visible = engine.isOn;
@@ -43,16 +43,20 @@ linkproof.bench = (() => {
       const points = sweep.points.filter((one) => one.errors[quantity[0]] && value(one) > 0)
         .map((one) => ({ x: value(one), y: one.errors[quantity[0]][0], text: told(sweep, one, quantity) }));
       const kind = Number(sweep.runs > 1), style = { width: 1, dash: sweep.own ? DASHES[kind] : "dot" };
-      kinds[kind].push(...points);
+      if (!isSetting(sweep)) kinds[kind].push(...points);
       if (!points.length || !(sweep.own || efforts)) return;
       const [symbol, size] = isSetting(sweep) ? MARKS[sweep.setting] || ["hexagon", 10] : [SYMBOLS[number % 8], 5];
       const edge = { color: symbol === "circle-open" ? colour : colours.ink, width: isSetting(sweep) ? 1.3 : 0 };
       found.push(line(points, colour, style, { visible, mode: "lines+markers", hoverinfo: "text", opacity: 0.85,
         hovertext: points.map((one) => one.text), marker: { color: colour, size, symbol, line: edge } }));
+      const [ends, order] = sweep.ends[quantity[0]] || [], least = points.reduce((a, b) => (b.y < a.y ? b : a));
+      const words = [order && `order ${order.toFixed(1)}`, ends?.startsWith("floor") && "floor"].filter(Boolean);
+      found.push(line([least], colour, {}, { visible, mode: "text", text: [words.join(", ")],
+        textposition: "bottom left", textfont: { color: colour, size: 12 } }));
     });
     const fronts = kinds.map(front);
     fronts.forEach((points, kind) => found.push(line(points, colour, { width: 3, dash: DASHES[kind] }, { visible })));
-    return { engine, colour, found, fronts, least: Math.min(...fronts.flat().map((one) => one.y)) };
+    return { engine, colour, found, fronts, least: Math.min(...found.flatMap((trace) => trace.y)) };
   }
 
   /* Names at the right edge, at the heights of the least errors and moved apart where they would touch. */

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from comparisons.runs import worker_pool
 from comparisons.runs.failures import GIB, SHOW_OUTPUT, Failure, Lost
 from comparisons.runs.worker_pool import WorkerPool
-from comparisons.runs.workers import Bounds, run_jobs
+from comparisons.runs.workers import Bounds, LastingPool, run_jobs
 from tests.comparisons.faults import PATIENCE, Clock, Counting, job, large, wait_for
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
@@ -187,6 +187,25 @@ def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
     assert left == Lost(Failure.CRASHED, "exited with code 3")
     with pytest.raises(KeyboardInterrupt):
         list(run_jobs(job, [("interrupt_itself", None)], processes=0))
+
+
+def test_a_lasting_worker_serves_list_after_list_until_one_is_left(tmp_path):
+    def signed(pool, name):
+        assert list(pool.run(job, [("sign", str(tmp_path / name))], BOUNDS)) == [(0, None)]
+        return int((tmp_path / name).read_text())
+
+    with closing(LastingPool()) as pool:
+        first = signed(pool, "first")
+        assert first == signed(pool, "second") != os.getpid()
+        assert runs(first)
+        left = pool.run(job, [("fine", 1), ("sign_and_sleep", str(tmp_path / "left"))], BOUNDS)
+        assert next(left) == (0, 1)
+        left.close()
+        assert not runs(first)
+        third = signed(pool, "third")
+        assert third != first
+        assert [lost.outcome for _, lost in pool.run(job, [("abort", None)], BOUNDS)] == [Failure.CRASHED]
+    assert not runs(third)
 
 
 def test_a_late_question_does_not_make_a_job_late(clock):

@@ -2,7 +2,16 @@
 
 import pytest
 
-from comparisons.work_precision.analysis import WANTED, apart, by_engine, choices, findings, judged, on_front, standings
+from comparisons.work_precision.analysis import (
+    WANTED,
+    apart,
+    by_engine,
+    choices,
+    compare_settings,
+    judged,
+    method_sweeps,
+    on_front,
+)
 from comparisons.work_precision.floor import Cause
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
@@ -11,7 +20,7 @@ FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3
 
 
 def test_order_and_floor_of_every_sweep_are_found_and_written_into_its_points():
-    found = {one.first.setting: one for one in findings([*SECOND, *FOURTH])}
+    found = {one.first.setting: one for one in method_sweeps([*SECOND, *FOURTH])}
     assert found["second"].order == pytest.approx(2.0)
     assert found["fourth"].order == pytest.approx(4.0)
     assert found["second"].floor.cause is Cause.FALLING
@@ -24,7 +33,7 @@ def test_efforts_of_one_method_explain_each_other_and_only_each_other():
     loose = sweep_rows([1e-2, 1e-4, 1e-4, 1e-4], effort=10.0, effort_unit="iterations", quantity="Jeq")
     tight = sweep_rows([1e-2, 1e-4, 1e-6, 1e-8], effort=300.0, effort_unit="iterations", quantity="Jeq")
     other = sweep_rows([1e-2, 1e-4, 1e-4, 1e-4], effort=10.0, effort_unit="iterations", setting="other", quantity="Jeq")
-    found = {(one.first.setting, one.first.effort): one.floor.cause for one in findings([*loose, *tight, *other])}
+    found = {(one.first.setting, one.first.effort): one.floor.cause for one in method_sweeps([*loose, *tight, *other])}
     assert found["plain", 10.0] is Cause.EFFORT
     assert found["other", 10.0] is Cause.MODEL
 
@@ -84,15 +93,24 @@ def test_single_runs_and_extrapolated_ones_have_fronts_of_their_own():
 def test_a_setting_is_held_against_the_price_of_its_own_error():
     # Both methods reach it exactly at a measured point: the second order at 64 times its first cost, the fourth at 8.
     tuned, best = (setting_row(name, 0.1 / 16**3, 0.128) for name in ("tuned", "best"))
-    found, other = standings([*SECOND, *FOURTH, tuned, best])
+    found, other = compare_settings([*SECOND, *FOURTH, tuned, best])
     assert found.rival_seconds == pytest.approx(64 * 1e-3)  # a single run is not held against several extrapolated
     assert found.ratio == pytest.approx(2.0)
     assert other.rival_seconds == pytest.approx(8 * 4e-3)
     assert other.rival.setting == "fourth"
-    (beyond,) = standings([*SECOND, setting_row("best", 1e-12, 1.0)])
+    (beyond,) = compare_settings([*SECOND, setting_row("best", 1e-12, 1.0)])
     assert (beyond.ratio, beyond.rival) == (None, None)
 
 
 def test_engines_quantities_and_places_are_kept_apart():
     records = [row(), row(engine="beta"), row(quantity="Jeq"), row(regime="run-up"), row()]
     assert [len(group) for group in by_engine(records).values()] == [2, 1, 1, 1]
+
+
+def test_sweeps_are_methods_that_finished_coarse_to_fine():
+    sweep = sweep_rows([1e-1, 1e-2, 1e-3])
+    failed = row(outcome="diverged", error_max=None, seconds_min=None, step=1e-9)
+    (found,) = method_sweeps([sweep[2], setting_row("best", 1e-9, 1.0), sweep[0], failed, sweep[1]])
+    assert found.numbers.errors == (1e-1, 1e-2, 1e-3)
+    assert list(found.numbers.steps) == sorted(found.numbers.steps, reverse=True)
+    assert found.numbers.work == pytest.approx(3.0)

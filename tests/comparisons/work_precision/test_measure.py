@@ -23,13 +23,13 @@ FOUR = ("Mkr", "Jeq", "phi", "joint_force")
 
 
 def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
-    taken = measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=True)
-    assert taken.outcome == "finished"
-    assert set(taken.errors) == set(FOUR)
-    assert all(error.error_rms <= error.error_max < 1e-12 and error.peak > 0.0 for error in taken.errors.values())
-    assert taken.errors["Mkr"].unit == "N m"
-    assert min(taken.seconds, taken.steps, taken.calibration) > 0
-    assert min(taken.setup, taken.readout) >= 0.0
+    measurement = measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=True)
+    assert measurement.outcome == "finished"
+    assert set(measurement.errors) == set(FOUR)
+    assert all(error.error_rms <= error.error_max < 1e-12 and error.peak > 0.0 for error in measurement.errors.values())
+    assert measurement.errors["Mkr"].unit == "N m"
+    assert min(measurement.seconds, measurement.steps, measurement.calibration) > 0
+    assert min(measurement.setup, measurement.readout) >= 0.0
 
 
 class Altered:
@@ -56,8 +56,8 @@ def test_the_worst_joint_stands_for_all(monkeypatch):
         grown = {name: replace(one, values=one.values * (1.02 if name == "A" else 1.01)) for name, one in forces}
         return replace(history, joint_force=grown)
 
-    taken = _measured(monkeypatch, enlarged, FOUR)
-    assert taken.errors["joint_force"].error_max == pytest.approx(0.02, rel=1e-9)
+    measurement = _measured(monkeypatch, enlarged, FOUR)
+    assert measurement.errors["joint_force"].error_max == pytest.approx(0.02, rel=1e-9)
     assert [one.name for one in chosen(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
 
 
@@ -66,22 +66,22 @@ def test_what_an_engine_does_not_tell_costs_that_quantity_alone(monkeypatch):
         torque = replace(history.torque, origin=Origin.COMPUTED)
         return replace(history, torque=torque, joint_force={"A": history.joint_force["A"]})
 
-    taken = _measured(monkeypatch, partial, FOUR)
-    assert (taken.outcome, taken.runs) == ("finished", 2)
-    assert set(taken.errors) == {"Jeq", "phi", "joint_force"}
-    assert taken.left_out["Mkr"] == "Mkr computed by the adapter"
-    assert "joint_force:A" not in taken.left_out["joint_force"]
-    assert taken.left_out["joint_force"].endswith("not offered")
+    measurement = _measured(monkeypatch, partial, FOUR)
+    assert (measurement.outcome, measurement.runs) == ("finished", 2)
+    assert set(measurement.errors) == {"Jeq", "phi", "joint_force"}
+    assert measurement.left_out["Mkr"] == "Mkr computed by the adapter"
+    assert "joint_force:A" not in measurement.left_out["joint_force"]
+    assert measurement.left_out["joint_force"].endswith("not offered")
 
 
 def test_an_engine_that_tells_nothing_asked_for_gives_nothing(monkeypatch):
-    taken = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
-    assert (taken.outcome, taken.reason) == ("not-provided", "Jeq not offered; Mkr not offered")
+    measurement = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
+    assert (measurement.outcome, measurement.reason) == ("not-provided", "Jeq not offered; Mkr not offered")
 
 
 def test_a_repeat_takes_no_errors():
-    taken = measure(PICKLED, "direct", Setting.TUNED, None, FOUR, with_errors=False)
-    assert (taken.outcome, dict(taken.errors)) == ("finished", {})
+    measurement = measure(PICKLED, "direct", Setting.TUNED, None, FOUR, with_errors=False)
+    assert (measurement.outcome, dict(measurement.errors)) == ("finished", {})
 
 
 def test_what_an_engine_raises_is_told():
@@ -97,3 +97,12 @@ def test_a_released_crank_has_no_torque_to_judge_and_a_phase_instead():
     linkage = load("slotted-takeup")
     case = own_case(Mechanism(linkage), next(one for one in linkage.regimes if one.name == "free"))
     assert set(chosen(case, FOUR)) == {"Jeq", "phi", "joint_force"}
+
+
+def test_a_first_use_is_timed_once_in_a_process(monkeypatch):
+    monkeypatch.setattr(point, "_WARM", set())
+    costs = iter([(None, 3.0), (None, 0.5)])
+    real = point.timed
+    monkeypatch.setattr(point, "timed", lambda work: next(costs, None) or real(work))
+    first, second = (measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=False) for _ in range(2))
+    assert (first.first_use, second.first_use) == (2.5, 0.0)

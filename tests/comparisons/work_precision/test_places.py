@@ -40,5 +40,5 @@ def test_methods_are_sweeps_at_the_effort_a_method_comes_with():
 def test_an_engine_that_gave_nothing_is_there_with_nothing_to_choose():
     (place,) = places(nothing_finished())
     (gamma,) = place.engines(place.foremost)
-    assert place.quantities == gamma.choices == gamma.standings == ()
+    assert place.quantities == gamma.choices == gamma.setting_comparisons == ()
     assert by_regime([place]) == {}

@@ -5,8 +5,8 @@ import re
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.work_precision.records import Bench, by_quantity, load, rows, save, series
-from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
+from comparisons.work_precision.records import Bench, by_quantity, load, rows, save
+from tests.comparisons.bench_rows import points, row, setting_row
 
 KEYS = {
     "mechanism", "regime", "engine", "setting", "step", "errors", "seconds_min", "seconds_median", "steps", "outcome",
@@ -70,15 +70,6 @@ def test_a_quantity_that_an_engine_does_not_tell_is_not_provided_there_alone():
     (point,) = points([row(left_out={"Jeq": "Jeq not offered"})])
     told = {one.quantity: (one.outcome, one.detail, one.finished) for one in by_quantity([point], ("Mkr", "Jeq"))}
     assert told == {"Mkr": ("finished", "", True), "Jeq": ("not-provided", "Jeq not offered", False)}
-
-
-def test_series_are_methods_that_finished_coarse_to_fine():
-    sweep = sweep_rows([1e-1, 1e-2, 1e-3])
-    failed = row(outcome="diverged", error_max=None, seconds_min=None, step=1e-9)
-    (found,) = series([sweep[2], setting_row("best", 1e-9, 1.0), sweep[0], failed, sweep[1]])
-    assert found.errors == (1e-1, 1e-2, 1e-3)
-    assert list(found.numbers.steps) == sorted(found.numbers.steps, reverse=True)
-    assert found.numbers.work == pytest.approx(3.0)
 
 
 def test_a_record_without_error_or_time_has_not_finished():

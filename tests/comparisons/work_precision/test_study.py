@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections import Counter
-from itertools import groupby
+from itertools import count
 
 import pytest
 
@@ -16,11 +16,11 @@ from comparisons.runs.journal import Journal
 from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure, rounds
 from comparisons.work_precision import study as benchmark
-from comparisons.work_precision.analysis import findings
+from comparisons.work_precision.analysis import method_sweeps
 from comparisons.work_precision.floor import Cause
-from comparisons.work_precision.points import OUT_OF_TIME, Extent
+from comparisons.work_precision.points import OUT_OF_TIME, Extent, planned_sweeps
 from comparisons.work_precision.records import METHOD, SETTING
-from comparisons.work_precision.study import BenchRequest, bench, methods_told
+from comparisons.work_precision.study import BenchRequest, bench, method_descriptions
 from engines.contract import Outcome, Run, Setting
 from tests.comparisons.bench_engine import METHODS, KnownEngine
 from tests.comparisons.faults import PATIENCE
@@ -64,7 +64,7 @@ def runs(whole):
 
 
 def test_orders_and_causes_of_the_known_engine_are_found(measured):
-    found = {(one.first.setting, one.first.effort): one for one in findings(measured.records)}
+    found = {(one.first.setting, one.first.effort): one for one in method_sweeps(measured.records)}
     assert found["first", None].order == pytest.approx(1.0, abs=0.05)
     assert found["second", 30.0].order == pytest.approx(2.0, abs=0.1)
     assert found["fourth", None].order == pytest.approx(4.0, abs=0.1)
@@ -88,7 +88,7 @@ def test_errors_are_those_the_engine_has(whole):
 def test_every_point_is_repeated_round_after_round(measured, runs):
     counts = Counter(run for run in runs if isinstance(run, tuple) and run[0] != "broken")
     warm = runs[0]
-    assert set((counts - Counter([warm])).values()) == {EXTENT.repeats}
+    assert set((counts - Counter([warm, warm])).values()) == {EXTENT.repeats}
     rounds = [run for run in runs if run[0] == "first" and run != warm]
     assert rounds[:9] == rounds[9:18] == rounds[18:]
     finished = [one for one in measured.records if one.finished]
@@ -96,8 +96,11 @@ def test_every_point_is_repeated_round_after_round(measured, runs):
     assert len(measured.noise.samples) >= len(finished) * 3
 
 
-def test_the_run_that_warms_up_is_in_no_record(measured, runs):
+def test_the_runs_that_warm_up_are_in_no_record_and_tell_what_a_first_use_costs(measured, runs):
     assert runs[0][:2] == ("first", None)
+    assert runs[1] == runs[0]
+    assert set(measured.first_uses) == {"known"}
+    assert all(seconds > 0.0 for seconds in measured.first_uses["known"])
     steps = {one.step for one in measured.records if one.setting == "first"}
     assert runs[0][2] not in steps
 
@@ -147,7 +150,7 @@ def test_what_an_interrupted_benchmark_has_is_not_measured_again(known, tmp_path
     before = Counter(known.runs)
     found = bench(REQUEST, journal=Journal(tmp_path, "this one"))
     finished = {
-        run: count for run, count in (Counter(known.runs) - Counter([known.runs[0]])).items() if run[0] != "broken"
+        run: count for run, count in (Counter(known.runs) - Counter(known.runs[:2])).items() if run[0] != "broken"
     }
     assert sum(before.values()) >= 20
     assert set(finished.values()) == {EXTENT.repeats}
@@ -171,7 +174,7 @@ def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkey
     (one,) = bench(REQUEST).records
     assert (one.outcome, one.engine_version) == ("unavailable", "")
     assert "is not installed" in one.detail
-    assert methods_told(REQUEST) == []
+    assert method_descriptions(REQUEST) == []
 
 
 def test_an_engine_that_cannot_hold_a_scene_says_so(known, monkeypatch):
@@ -202,7 +205,7 @@ def test_an_engine_without_methods_to_study_has_its_settings(known, monkeypatch)
     monkeypatch.setattr(known, "is_control", True)
     found = bench(REQUEST).records
     assert [(one.setting, one.finished, one.is_control) for one in found] == [(s, True, True) for s in Setting]
-    assert methods_told(REQUEST) == []
+    assert method_descriptions(REQUEST) == []
 
 
 def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that_says_why(known, monkeypatch):
@@ -219,16 +222,39 @@ def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that
 def test_methods_can_be_asked_for_by_name(known):
     only = dataclasses.replace(REQUEST, methods=("first",), settings=())
     assert {one.setting for one in bench(only).records} == {"first"}
-    assert [told["name"] for told in methods_told(only)] == ["first"]
+    assert [told["name"] for told in method_descriptions(only)] == ["first"]
 
 
-def test_a_sweep_is_whole_before_the_next_begins_and_the_most_advanced_method_is_the_first(runs):
-    """Where the time ends, there are fronts, not a single point of every method."""
-    begun = list(dict.fromkeys(runs[runs.index(Setting.NAIVE) :]))  # the first round, after what warms up
-    settings = [run for run in begun if isinstance(run, Setting)]
-    assert begun[:2] == settings[:2] == [Setting.NAIVE, Setting.TUNED]
-    sweeps = [key for key, _ in groupby(run[:2] for run in begun if not isinstance(run, Setting))]
-    assert len(sweeps) == len(set(sweeps))
-    single = [method.name for method in METHODS if method.runs == 1]
-    names = list(dict.fromkeys(name for name, _ in sweeps if name in single))
-    assert names == single[::-1]
+def _cases(*names):
+    return tuple(dataclasses.replace(CASE, mechanism=Mechanism(load(name))) for name in names)
+
+
+def test_a_linkage_of_each_structure_is_measured_before_those_that_repeat_one_single_runs_first(known):
+    cases = _cases("fork-takeup", "two-crank-takeup", "juki-mf7923d", "rimoldi-164", "slotted-takeup")
+    sweeps = [one for place in range(5) for one in planned_sweeps(place, "known", METHODS, (), EXTENT, efforts=False)]
+    turns = [{(sweep.points[0].case, sweep.points[0].method.runs > 1) for sweep in turn}
+             for turn in benchmark._turns(cases, sweeps)]  # fmt: skip
+    structures = [0, 2, 3, 4]
+    single, extrapolated = [{(place, False)} for place in structures], [{(place, True)} for place in structures]
+    assert turns == [*single, *extrapolated, {(1, False)}, {(1, True)}]
+
+
+def test_a_turn_that_takes_longer_than_there_is_time_for_is_not_begun(known, monkeypatch):
+    """A few points of a curve would show nothing: the case is left to a benchmark of its own."""
+    ticks = count(0.0, 10.0)
+    monkeypatch.setattr(benchmark.time, "monotonic", lambda: next(ticks))
+    monkeypatch.setattr(rounds.Rounds, "left", lambda self: 8.0)
+    cases, short = _cases("fork-takeup", "juki-mf7923d"), dataclasses.replace(EXTENT, repeats=1)
+    request = dataclasses.replace(REQUEST, cases=cases, methods=("first",), settings=(), extent=short)
+    found = bench(request).points
+    assert {one.outcome for one in found if one.mechanism == "fork-takeup"} == {"finished"}
+    assert [(one.outcome, one.detail) for one in found if one.mechanism != "fork-takeup"] == [
+        ("timed-out", OUT_OF_TIME)
+    ]
+
+
+def test_steps_are_taken_by_all_sweeps_of_a_case_in_turn_coarse_ones_first(runs):
+    """So that a slow spell of the machine hits all alike."""
+    begun = [run for run in dict.fromkeys(runs[2:]) if not isinstance(run, Setting) and run[0] in ("first", "wrong")]
+    assert [run[0] for run in begun[:6]] == ["first", "wrong"] * 3
+    assert [run[2] for run in begun] == sorted((run[2] for run in begun), reverse=True)

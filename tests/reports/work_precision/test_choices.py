@@ -26,8 +26,9 @@ def test_the_winner_of_an_error_is_the_cheapest_engine_of_most_mechanisms():
     (told,) = verdicts(_regimes(*rows, mechanisms=("m", "n", "o")))
     assert told.role == "verdict"
     assert told.words == (
-        "Cheapest for Mkr in run-up-quintic: within 1e-3 of its peak alpha (1.00 s to 1.50 s, in 2 of 3) or "
-        "beta (4.00 s, in 1 of 3); within 1e-6 of its peak none; within 1e-8 of its peak none."
+        "The cheapest engine for Mkr in run-up-quintic: to within 1 % of the peak alpha (1.00 s to 1.50 s, on 2 of 3 "
+        "mechanisms) or beta (4.00 s, on 1 of 3 mechanisms); to within 1e-3 of the peak alpha (1.00 s to 1.50 s, on "
+        "2 of 3 mechanisms) or beta (4.00 s, on 1 of 3 mechanisms); to within 1e-6 of the peak none."
     )
 
 

@@ -54,7 +54,7 @@ def _section(made, key) -> Section:
 
 
 def test_costs_have_a_section_where_they_were_measured():
-    cost = MeasuredCost("made-up", "base", "numpy", "S", "S", 1000, seconds=(1e-4, 5e-5, 7.5e-5))
+    cost = MeasuredCost("made-up", "base", "alpha", "everything", "", seconds=(1.0, 0.5, 0.75))
     made = page(Bench({**BENCH.document, "costs": rows([cost])}))
     assert _section(made, "costs").heading == "What each output and load costs"
 

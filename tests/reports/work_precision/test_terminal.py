@@ -33,9 +33,9 @@ def test_an_engine_that_is_absent_says_so():
 
 
 def test_costs_stand_below_where_they_were_measured():
-    cost = MeasuredCost("made-up", "base", "numpy", "S <alone>", "S", 1000, seconds=(1e-4, 5e-5, 7.5e-5))
+    cost = MeasuredCost("made-up", "base", "alpha", "Jeq <alone>", "", seconds=(1.0, 0.5, 0.75))
     text = _text(Bench({**made_up_bench().document, "costs": rows([cost])}))
-    assert "S <alone> 50.0 ns 75.0 ns 100 %" in " ".join(text.split())
+    assert "Jeq <alone> 500 ms (100 %)" in " ".join(text.split())
 
 
 def test_details_have_a_row_for_every_point():

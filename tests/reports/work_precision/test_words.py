@@ -3,7 +3,7 @@
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.places import places
 from comparisons.work_precision.records import Bench
-from reports.work_precision.words import failed_methods, label_of, limit_words, once, standing_words, way_words
+from reports.work_precision.words import comparison_words, failed_methods, label_of, limit_words, once, way_words
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -48,7 +48,7 @@ def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
     (alpha, _) = places(BENCH)[0].engines("Mkr")
 
     def told(noise):
-        return {one.record.setting: standing_words(one, alpha, noise) for one in alpha.standings}
+        return {one.record.setting: comparison_words(one, alpha, noise) for one in alpha.setting_comparisons}
 
     assert told(0.1)["naive"] == ": no solution"
     assert told(0.1)["best"] == "; no method measured gets there"
@@ -63,4 +63,4 @@ def test_what_rows_share_is_said_once():
 def test_the_control_is_held_against_nothing():
     _, alpha = places(made_up_bench(control="alpha"))[0].engines("Mkr")
     assert label_of(alpha) == "alpha (control)"
-    assert alpha.standings == ()
+    assert alpha.setting_comparisons == ()

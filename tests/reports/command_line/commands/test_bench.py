@@ -25,9 +25,8 @@ COMMAND = "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct 
 
 @pytest.fixture
 def short(monkeypatch):
-    """A benchmark of seconds: a short run-up, three steps, no interpreter started to time its imports."""
+    """A benchmark of seconds: a short run-up, three steps."""
     monkeypatch.setattr(bench_command, "QUICK", SHORT)
-    monkeypatch.setattr(bench_command, "first_use_seconds", lambda name, repeats: (0.1,) * repeats)
     hurried = RunsOptions(
         mechanisms=("juki-mf7923d",), regime=("run-up-quintic",), engine=("direct",), ramp_time=0.1, hold_time=0.0
     )
@@ -39,6 +38,22 @@ def test_defaults_are_both_run_ups_and_a_quick_one_the_smooth_alone():
     assert regimes(BenchOptions()).regime == ("run-up-quintic", "run-up")
     assert regimes(BenchOptions(quick=True)).regime == ("run-up-quintic",)
     assert regimes(BenchOptions(regime=("own",), quick=True)).regime == ("own",)
+
+
+@pytest.mark.parametrize(
+    ("options", "times"),
+    [
+        ({"quick": True}, (0.06, 0.03)),
+        ({"quick": True, "speed": -3000.0}, (0.02, 0.01)),
+        ({"quick": True, "hold_time": 0.2}, (0.6, 0.2)),
+        ({"quick": True, "from_angle": 0.0, "to_angle": 90.0}, (0.6, 0.1)),
+        ({}, (0.6, 0.1)),
+    ],
+    ids=["quick", "faster-and-clockwise", "its-own-time", "swing", "full"],
+)
+def test_a_quick_benchmark_moves_one_turn_unless_its_times_are_given(options, times):
+    options = bench_command._campaign(BenchOptions(**options))
+    assert (options.ramp_time, options.hold_time) == pytest.approx(times)
 
 
 def test_the_command_asks_for_the_same():
@@ -59,12 +74,12 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
 
 
 def test_costs_are_measured_where_they_are_asked_for(short, monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(costs, "BUDGET", 0.0)
+    monkeypatch.setattr(costs, "ROUNDS", 1)
     asked = replace(CHOICE, costs=True)
     assert command_line("bench", asked) == f"{COMMAND} --costs"
     assert bench(asked, Destination(json=str(tmp_path / "r.json"))) == 0
     measured = load(tmp_path / "r.json").costs
-    assert {cost.solver for cost in measured} >= {"direct", "numpy"}
+    assert {cost.solver for cost in measured} >= {"direct"}
     assert "motion alone" in capsys.readouterr().out
 
 
