@@ -178,11 +178,11 @@ class ClusterPool:
         return ""
 
     def _answer(self, question: Callable[..., Any], *args: Any, **words: Any) -> Any:  # noqa: ANN401
-        """The answer of the scheduler; raises PoolLostError if it, or a worker that it asks, gives none in time."""
+        """The answer of the scheduler; raises PoolLostError if it gives none in time."""
         try:
             return self.client.sync(question, *args, callback_timeout=STARTUP_TIMEOUT, **words)
         except Exception as error:  # the end of a connection has many names
-            raise PoolLostError(f"the scheduler at {self.address}, or a worker, does not answer") from error
+            raise PoolLostError(f"the scheduler at {self.address} does not answer") from error
 
 
 @dataclass
