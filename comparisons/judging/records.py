@@ -36,6 +36,7 @@ class Verdict(StrEnum):
     SUITE_ERROR = "suite-error"  # the reference, the judging or a check raised: no fault of the engine
     UNDEFINED = "undefined"  # no sample to judge by
     NOT_PROVIDED = "not-provided"  # a channel that the engine does not offer
+    MEASURED = "measured"  # compared, and held against no limit
     COMPUTED = "computed"  # compared, but with a number of the adapter's own, not the engine's
 
     @property
@@ -84,6 +85,11 @@ class RunFacts:
     def run(self) -> tuple[str, str, str, str, str]:
         """What identifies the run within its study."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
+
+    @property
+    def key(self) -> str:
+        """The same in words."""
+        return "/".join(self.run)
 
 
 @dataclass(frozen=True)

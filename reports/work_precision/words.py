@@ -117,5 +117,5 @@ def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
     for name in dict.fromkeys(record.setting for record in facts.records):
         if name not in finished:
             names.setdefault(reasons[name], []).append(name or facts.engine)
-    left_out = dict.fromkeys(r.left_out[r.quantity] for r in facts.records if r.finished and r.quantity in r.left_out)
+    left_out = dict.fromkeys(r.error.detail for r in facts.records if r.finished and r.error and r.error.detail)
     return (*(f"{', '.join(same)}: {reason}" for reason, same in names.items()), *left_out)
