@@ -69,9 +69,7 @@ def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
 
 def setting_row(name, error, total, **changes):
     """A finished setting, of so many seconds in total."""
-    return row(
-        kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, **(times(total) | changes)
-    )
+    return row(kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, **(times(total) | changes))
 
 
 def points(records):
