@@ -28,8 +28,7 @@ from comparisons.imported.columns import (
 )  # fmt: skip
 from comparisons.imported.files.axes import check_curve, instants
 from comparisons.imported.files.result_files import SI_TOOLS, result_tables
-from comparisons.imported.headers.meaning import Meaning, Recognition
-from comparisons.imported.headers.said import NotJudgedError
+from comparisons.imported.headers.meaning import Meaning, NotJudgedError, Recognition
 from comparisons.imported.headers.units import Unit
 from comparisons.imported.mapping.agreement import Agreement
 from comparisons.imported.mapping.mapping_file import Mapping, read_mapping

@@ -10,10 +10,12 @@ from typing import Final
 
 import numpy as np
 
+from analytic.errors import LinkproofError, printable
 from comparisons.imported.columns import Column, ResultTable
 from comparisons.imported.files import adams_results
-from comparisons.imported.files.delimited import tables
-from comparisons.imported.files.text import ResultText, read_text
+from comparisons.imported.files.binary_files import matlab_columns, sheets
+from comparisons.imported.files.tables import tables
+from comparisons.imported.files.text import ResultText, check_file, read_text
 
 ADAMS: Final = "Adams"
 SOLIDWORKS: Final = "SolidWorks Motion"
@@ -25,26 +27,37 @@ SI_TOOLS: Final = (MODELICA, ROBOTRAN)
 
 def result_tables(path: Path) -> list[ResultTable]:
     """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
-    file = read_text(path)
-    if not file.text.strip():
-        raise file.fail(1, "expected a table of results, got an empty file; export it again")
-    if adams_results.is_adams(file.text):
-        number, columns = adams_results.columns(file)
-        return [ResultTable(file.name, number, ADAMS, tuple(columns))]
-    is_robotran = path.suffix.lower() == ".res"
-    found = []
-    for line, columns in tables(file, headless=path.stem if is_robotran else ""):
-        if is_robotran and not line.text:
-            columns[0] = replace(columns[0], header="time")
-        tool = ROBOTRAN if is_robotran else _tool(path, line.text, columns)
-        found += [ResultTable(file.name, line.number, tool, part) for part in _by_axis(columns, tool) if len(part) > 1]
+    check_file(path, "expected a file of results, such as a CSV")
+    kind, name = path.suffix.lower(), printable(str(path))
+    found: list[ResultTable] = []
+    if kind == ".mat":
+        is_trajectory, every = matlab_columns(path)
+        tool = MODELICA if is_trajectory else ""
+        found = [ResultTable(name, 1, tool, part) for part in map(_told_apart, every) if len(part) > 1]
+    else:
+        for file in sheets(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
+            found += _tables_of(file, path)
     if not found:
-        raise _one_column(file)
+        raise LinkproofError(
+            f"{name}:1: expected a column of time or crank angle and others beside it, got no two columns of one "
+            "length; export both"
+        )
     return found
 
 
-def _one_column(file: ResultText) -> Exception:
-    return file.fail(1, "expected a column of time or crank angle and others beside it, got one column; export both")
+def _tables_of(file: ResultText, path: Path) -> Iterator[ResultTable]:
+    """Every table of a text."""
+    if not file.text.strip():
+        raise file.fail(1, "expected a table of results, got an empty file; export it again")
+    if adams_results.is_adams(file.text):
+        yield ResultTable(file.name, 1, ADAMS, tuple(adams_results.columns(file)))
+        return
+    is_robotran = path.suffix.lower() == ".res"
+    for line, header, columns in tables(file, headless=path.stem if is_robotran else ""):
+        if is_robotran and not header:
+            columns[0] = replace(columns[0], header="time")
+        tool = ROBOTRAN if is_robotran else _tool(path, header, columns)
+        yield from (ResultTable(file.name, line, tool, part) for part in _by_axis(columns, tool) if len(part) > 1)
 
 
 def _tool(path: Path, header: str, columns: Sequence[Column]) -> str:

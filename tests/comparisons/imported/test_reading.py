@@ -54,7 +54,7 @@ def test_plots_of_solidworks_in_one_file_have_a_time_each(tmp_path):
     assert results.signals[1].taken == "its name has no link: taken as the crank's"
     ((column, reason),) = results.not_judged
     assert column.header == "Reaction Force3 (newton)"
-    assert "joints are A, D, O1, needle_bar on ground" in reason
+    assert "fits none of joint_force:A, joint_force:D, joint_force:O1, joint_force:needle_bar on ground" in reason
 
 
 def test_modelica_files_are_in_si_units_and_that_is_said(tmp_path):
