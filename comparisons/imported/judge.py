@@ -76,6 +76,20 @@ class ImportedJudgement:
         """Whether every signal is within the limit: one that the file leaves open has not passed."""
         return all(verdict.outcome is Verdict.PASSED for verdict in self.verdicts)
 
+    def without_cause(self, verdict: SignalVerdict) -> tuple[str, Array | None]:
+        """The likely cause of a signal's difference in words, and the file's values without it, (n,); "" for none.
+
+        They are nan at jumps of the crank's acceleration, where either value is accepted.
+        """
+        finding = next((one for one in self.explanation.findings if verdict.name in one.signals), None)
+        if finding is None:
+            return "", None
+        fault, numbers, correction = finding.likeliest.fault, finding.likeliest.numbers, finding.aligned
+        (wrong,) = fault.apply(self.model, numbers).predicted([verdict.samples])
+        right = correction.get(verdict.name, Correction())
+        values = right.sign * right.factor * verdict.samples.values + verdict.truth - wrong
+        return finding.likeliest.words, np.where(verdict.kept, values, np.nan)
+
 
 def judge(
     linkage: Linkage,
@@ -98,7 +112,7 @@ def judge(
         if other is not None:
             again = _compared(linkage, other.imported, None, limit, start_angle, gives_speed=gives_speed)
             if len(_differing(again)) < len(_differing(alike)):
-                explanation = _behind(other.fault, alike, again)
+                explanation = _behind(other, alike, again)
     return ImportedJudgement(
         alike.model,
         tuple(alike.verdicts),
@@ -162,7 +176,9 @@ def _differing(compared: _Compared) -> list[str]:
 class _OtherUnit:
     """The results with the crank's column in another unit than its header says."""
 
-    fault: Fault
+    words: str
+    name: str
+    factor: float
     imported: ImportedResults
 
 
@@ -180,7 +196,10 @@ def _in_another_unit(compared: _Compared, imported: ImportedResults, start: floa
         other = replace(imported, signals=tuple(changed if one is crank else one for one in imported.signals))
         left = _left(compared, compared.model.moving(_rescaled(compared.model.motion, crank, other, factor, start)))
         if left < least:
-            best, least = _OtherUnit(_unit_fault(crank, unit, factor), other), left
+            words = (
+                f"column '{crank.column.header}' is in {unit}{f', not in {was}' if (was := crank.column.unit) else ''}"
+            )
+            best, least = _OtherUnit(words, crank.name, factor, other), left
     return best
 
 
@@ -205,18 +224,16 @@ def _left(compared: _Compared, model: Simulation) -> float:
     return float(np.mean([r / size for r, size in zip(rest, sizes, strict=True)]))
 
 
-def _unit_fault(crank: ImportedSignal, unit: str, factor: float) -> Fault:
-    header = crank.column.header
-    words = f"the column '{header}' is in {unit}{f', not in {crank.column.unit}' if crank.column.unit else ''}"
-    cure = {crank.name: Correction(factor=factor)}
-    return Fault(
-        f"unit:{crank.name}", Kind.COLUMN, lambda simulation, _: simulation, lambda _: words, cure=lambda _: cure
-    )
-
-
-def _behind(fault: Fault, first: _Compared, again: _Compared) -> Explanation:
-    """A fault of the crank's column, and what else is wrong once it is corrected."""
+def _behind(other: _OtherUnit, first: _Compared, again: _Compared) -> Explanation:
+    """The unit of the crank's column, and what else is wrong once it is corrected."""
     cured, rest = [name for name in _differing(first) if name not in _differing(again)], _explained(again)
+    fault = Fault(
+        f"unit:{other.name}",
+        Kind.COLUMN,
+        lambda simulation, _: simulation.moving(again.model.motion),
+        lambda _: f"the {other.words}",
+        cure=lambda _: {other.name: Correction(factor=other.factor)},
+    )
     nothing = np.zeros(len(first.verdicts))
     left = max(one.error_max for one in again.verdicts if one.name in cured)
     finding = FaultFinding(tuple(cured), Fit(fault, np.zeros(0), nothing, nothing, 0), (), left, True)
