@@ -6,14 +6,16 @@ they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each nam
 
 from __future__ import annotations
 
+import io
 import math
+import subprocess
+import sys
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from scipy.io import loadmat, whosmat
 
 from analytic.errors import LinkproofError, printable
 from comparisons.imported.columns import Column
@@ -21,6 +23,16 @@ from comparisons.imported.files.text import ResultText
 
 LARGEST: Final = 1 << 26  # bytes of a workbook's parts, and numbers of a MATLAB file
 TRAJECTORY: Final = ("Aclass", "name", "dataInfo", "data_2")
+# SciPy's reader, in a process of its own: a damaged file may crash it. An archive of NumPy's arrays goes to stdout.
+READER: Final = """
+import math, sys, numpy
+from scipy.io import loadmat, whosmat
+if sum(math.prod(shape) for _, shape, _ in whosmat(sys.argv[1])) > int(sys.argv[2]):
+    raise ValueError("more numbers than can be read")
+found = {k: v for k, v in loadmat(sys.argv[1], chars_as_strings=False).items() if isinstance(v, numpy.ndarray)}
+numpy.savez(sys.stdout.buffer, **{f"_{k}": v for k, v in found.items() if v.ndim == 2 and v.dtype.kind in "fiuU"})
+"""
+LONGEST: Final = 60.0  # seconds that it may take
 
 
 def sheets(path: Path) -> Iterator[ResultText]:
@@ -64,9 +76,11 @@ def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
     Raises LinkproofError for one that cannot be read.
     """
     try:
-        if sum(math.prod(shape) for _, shape, _ in whosmat(str(path))) > LARGEST:
-            raise ValueError(f"more than {LARGEST >> 20} million numbers")
-        data = loadmat(str(path), chars_as_strings=False)
+        command = [sys.executable, "-c", READER, str(path), str(LARGEST)]
+        read = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False)
+        if read.returncode:
+            raise ValueError(read.stderr.decode(errors="replace").strip().rpartition("\n")[2] or "it is damaged")
+        data = {name[1:]: array for name, array in np.load(io.BytesIO(read.stdout)).items()}
         is_trajectory = all(name in data for name in TRAJECTORY)
         arrays = dict(_trajectory(data) if is_trajectory else _vectors(data))
     except Exception as error:  # what damaged files raise in decompression and matrices has no common class
@@ -93,7 +107,7 @@ def _trajectory(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 def _vectors(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Names and values of vectors and of the columns of matrices."""
     for name, array in data.items():
-        if isinstance(array, np.ndarray) and array.ndim == 2 and array.dtype.kind in "fiu" and array.size > 1:
+        if array.dtype.kind in "fiu" and array.size > 1:
             every = array.T if array.shape[0] == 1 else array
             every = every if every.dtype.kind == "f" else every.astype(float)
             for number in range(every.shape[1]):
