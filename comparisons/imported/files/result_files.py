@@ -21,6 +21,7 @@ ADAMS: Final = "Adams"
 SOLIDWORKS: Final = "SolidWorks Motion"
 ROBOTRAN: Final = "Robotran"
 MODELICA: Final = "Modelica"
+MOST_TABLES: Final = 1000  # of a file
 # Tools whose numbers are in SI units where a header says nothing else.
 SI_TOOLS: Final = (MODELICA, ROBOTRAN)
 
@@ -36,7 +37,10 @@ def result_tables(path: Path) -> list[ResultTable]:
         found = [ResultTable(name, 1, tool, part) for part in map(_told_apart, every) if len(part) > 1]
     else:
         for file in sheets(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
-            found += _tables_of(file, path)
+            for table in _tables_of(file, path):
+                found.append(table)
+                if len(found) > MOST_TABLES:
+                    raise file.fail(table.line, f"expected at most {MOST_TABLES} tables, got more; export fewer")
     if not found:
         raise LinkproofError(
             f"{name}:1: expected a column of time or crank angle and others beside it, got no two columns of one "

@@ -37,6 +37,8 @@ CHUNK: Final = 1 << 22  # characters parsed at a time
 DIGITS_OF: Final = 300  # rows of a chunk whose digits are counted
 LARGEST: Final = 1e100  # of a number: squares of larger ones are beyond all numbers
 LONGEST: Final = 60  # characters of a number
+MOST_COLUMNS: Final = 10_000
+LONGEST_ROW: Final = 1 << 18  # characters
 MOST_DIGITS: Final = 17  # of a double: more say nothing
 
 
@@ -218,10 +220,18 @@ def _parts(text: str) -> Iterator[_Part]:
 
 def _begin(file: ResultText, above: Sequence[_Part], rows: _Part, table: _Table | None, headless: str) -> _Table:
     """The table that rows belong to: one with a header above it, or the one before, which a comment interrupts."""
-    first = [row for row in rows.text[:CHUNK].split("\n") if row.strip()][:SAMPLE]
+    first = [row for row in rows.text[:LONGEST_ROW].rpartition("\n")[0].split("\n") if row.strip()][:SAMPLE]
+    first = first or [rows.text.strip("\n").partition("\n")[0]]
+    at = rows.line + rows.text[: rows.text.index(first[0])].count("\n")
+    if max(first[0].count(sign) for sign in ",;\t| ") > MOST_COLUMNS or len(first[0]) > LONGEST_ROW:
+        raise file.fail(at, f"expected at most {MOST_COLUMNS} columns, got more; export fewer, or a row an instant")
     is_same = table is not None and table.layout.width(first[0]) == len(table.names)
     layout = table.layout if table is not None and is_same else _layout(first)
-    row = layout.cells(first[0])
+    row, at = layout.cells(first[0]), rows.line + rows.text[: rows.text.index(first[0])].count("\n")
+    if len(row) > MOST_COLUMNS:
+        raise file.fail(
+            at, f"expected at most {MOST_COLUMNS} columns, got {len(row)}; export fewer, or a row an instant"
+        )
     found = _header(file, [one for one in above if not one.text.startswith("sep=")], layout, row)  # Excel's own line
     if found is not None:
         _refuse_rows(found, [one for one in above if one.line > found.line])
@@ -232,7 +242,6 @@ def _begin(file: ResultText, above: Sequence[_Part], rows: _Part, table: _Table 
             return table
     if headless and not above:
         return _Table(file, rows.line, [f"{headless} {n}" for n in range(len(row))], [""] * len(row), layout)
-    at = rows.line + rows.text[: rows.text.index(first[0])].count("\n")
     if any(cell and not is_number(cell) for cell in row):
         raise bad_cell(file, at, row)
     if not above:

@@ -200,6 +200,8 @@ def test_folders_and_missing_files_are_told(tmp_path):
         ),
         (f"Time [s],Torque [Nm]\n{ROWS}5,{'1' * 10**6}\n", "run.csv:6: expected a finite number in column 2, got '111"),
         (f"Time [s],{'Drehmoment' * 500}\n{ROWS}", "'DrehmomentDrehmoment"),
+        ("t [s],M [Nm]\n0,1\n" * 1001, "expected at most 1000 tables"),
+        ("t [s]" + ",M [Nm]" * 20_000 + "\n" + "0" + ",1" * 20_000, "run.csv:2: expected at most 10000 columns"),
     ],
 )
 def test_numbers_that_are_none_and_endless_words_are_refused_at_once(tmp_path, text, expected):
