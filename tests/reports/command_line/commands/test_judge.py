@@ -53,8 +53,8 @@ def test_a_right_file_passes_and_the_limit_is_said(run):
 def test_a_sign_is_named_offered_and_passes_once_the_mapping_agrees(run, tmp_path):
     code, text = run("--regime", "run-up", "--write-mapping", "mapping.toml", factor=-1.0)
     assert code == 1
-    assert text.splitlines()[2].startswith("Likeliest cause: Mkr has the other sign")
-    assert "  Mkr: sign = -1\n" in text
+    assert text.splitlines()[2].startswith("Likely cause of the difference in Mkr: Mkr has the other sign")
+    assert "accept it in the mapping: Mkr: sign = -1.\n" in text
     mapping = tmp_path / "mapping.toml"
     lines = mapping.read_text().splitlines()
     agreed = [line.removeprefix("# ") if "sign = -1" in line else line for line in lines]
