@@ -17,7 +17,6 @@ from comparisons.faults.ranking import Explanation, explain, proposals
 from comparisons.faults.settings import CrankColumn
 from comparisons.faults.simulation import Simulation, is_angle
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
-from comparisons.imported.judging.column_checks import ColumnCheck, column_checks
 from comparisons.imported.judging.crank_column import (
     ColumnMotion,
     motion_of_angles,
@@ -47,7 +46,6 @@ class ImportedJudgement:
     model: Simulation
     verdicts: tuple[SignalVerdict, ...]
     explanation: Explanation
-    checks: tuple[ColumnCheck, ...]
     not_judged: tuple[tuple[Column, str], ...]
     imported: ImportedResults
     motion_source: str
@@ -117,7 +115,6 @@ def judge(
         model,
         tuple(judged),
         explain(model, [one.evidence for one in judged], names(model.mechanism), column),
-        tuple(column_checks(model, signals, imported)),
         (*imported.not_judged, *((one.imported.column, "a single sample") for one in every if len(one.time) < FEWEST)),
         imported,
         source,

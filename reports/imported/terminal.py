@@ -43,9 +43,11 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
     head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
     rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
     parts += [Table("", head, rows, "lrrrrrrl"), *_notes(judgement)]
-    for part in (_checks(judgement), _not_judged(judgement)):
-        lines = list(part)
-        parts += ["", *lines] if lines else []
+    if judgement.not_judged:
+        parts += ["", "Not judged; if one is a signal, name it in a mapping (--write-mapping FILE writes one):"]
+        parts.append(
+            Table("", ("column", "why"), [(f"'{c.header}' ({c.place})", w) for c, w in judgement.not_judged], "l")
+        )
     return Printout(parts, [])
 
 
@@ -142,22 +144,3 @@ def _left(finding: FaultFinding) -> str:
     if finding.fully:
         return f"This explains the difference down to the file's rounding.{apart}"
     return f"This explains most of the difference; {share(finding.left)} of a peak is left.{apart}"
-
-
-def _checks(judgement: ImportedJudgement) -> Iterator[Printed]:
-    if judgement.checks:
-        yield "The columns among themselves:"
-        rows = []
-        for check in judgement.checks:
-            sign = RUNS[Verdict.PASSED.value if check.passed else Verdict.OVER_LIMIT.value]
-            rows.append(
-                (check.words, TableCell(f"{share(check.error)} {sign.symbol}", colour=sign.colour), share(check.floor))
-            )
-        yield Table("", ("check", "off by", "floor"), rows)
-
-
-def _not_judged(judgement: ImportedJudgement) -> Iterator[Printed]:
-    if judgement.not_judged:
-        yield "Not judged; if one is a signal, name it in a mapping (--write-mapping FILE writes one):"
-        rows = [(f"'{c.header}' ({c.place})", why) for c, why in judgement.not_judged]
-        yield Table("", ("column", "why"), rows, "l")

@@ -87,7 +87,7 @@ def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: st
     blank = replace(blank, steps=max(len(verdict.truth) for verdict in judgement.verdicts))
     result = RunResult(
         tuple(with_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
-        tuple(check.record(blank) for check in judgement.checks),
+        (),
         {verdict.name: verdict.deviation(motion) for verdict in judgement.verdicts},
         {f"cause {n}": finding.likeliest.words for n, finding in enumerate(judgement.explanation.findings, start=1)},
     )
