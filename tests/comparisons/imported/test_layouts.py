@@ -199,6 +199,42 @@ def test_no_bytes_end_in_a_traceback(tmp_path_factory, content, name):
     assert results.signals
 
 
+def _damaged(content, random):
+    """A file after one to three accidents: cut, bytes lost, repeated or overwritten, words that are none of its own."""
+    for _ in range(random.integers(1, 4)):
+        at, size = random.integers(len(content) + 1), random.integers(1, 40)
+        words = (b"9e299", b"1" * 5000, b"nan", b'"', b"\x00", b"\xff", "٣".encode(), b"A" * 5000, b";", b"\n\n", b"e")
+        content = (
+            content[:at],
+            content[:at] + content[at + size :],
+            content[:at] + content[max(0, at - size) :],
+            content[:at] + random.bytes(size) + content[at + size :],
+            content[:at] + words[random.integers(len(words))] + content[at:],
+        )[random.integers(5)]
+    return content
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_damaged_files_are_read_or_refused_in_a_sentence(tmp_path, seed):
+    random, time = np.random.default_rng(seed), np.linspace(0.0, 1.0, 30)
+    channels = [Channel("time", "s", time), Channel("MOTION_1.TZ", "N*m", np.cos(time))]
+    written = {
+        "a.csv": layouts.csv(channels, delimiter=";", decimal=","),
+        "b.csv": layouts.solidworks([("Motor Torque1", channels)]),
+        "a.tab": layouts.adams_table(channels),
+        "a.res": layouts.adams_results(channels),
+        "b.res": layouts.robotran(channels),
+    }
+    name = list(written)[seed % len(written)]
+    try:
+        said = read_results([_torque(tmp_path, name, _damaged(written[name].encode(), random))], JUKI).signals
+    except LinkproofError as refusal:
+        said = str(refusal)
+    assert said
+    assert "\n" not in said
+    assert len(said) <= 1500
+
+
 def test_a_fault_far_down_a_long_file_is_told_by_its_line(tmp_path):
     rows = "0.0001;-12.3456;1.25e-3\n" * 20_000
     text = "t;x;y\n" + rows + "not a number;1;2\n" * 2_000
