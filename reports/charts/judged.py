@@ -57,12 +57,12 @@ def judged_chart(curves: Sequence[JudgedCurve], head: tuple[str, ...] = ()) -> C
 def _panel(one: JudgedCurve, *, of_difference: bool) -> Panel:
     """The curves, or what they differ from the closed form by, with the worst place marked."""
     time, truth = np.array(one.time), np.array(one.truth)
-    found = {"closed form": truth, "file": np.array(one.file)}
+    shown = {"closed form": truth, "file": np.array(one.file)}
     if one.without is not None:
-        found["without the cause"] = np.array(one.without, dtype=float)
+        shown["without the cause"] = np.array(one.without, dtype=float)
     if of_difference:
-        found = {name: values - truth for name, values in found.items() if name != "closed form"}
-    curves = tuple(Curve(time, y, "", ink, line, width) for n, y in found.items() for ink, line, width in [LOOKS[n]])
+        shown = {name: values - truth for name, values in shown.items() if name != "closed form"}
+    curves = tuple(Curve(time, y, "", ink, line, width) for n, y in shown.items() for ink, line, width in [LOOKS[n]])
     mark = Mark(one.worst, name="" if of_difference else f"worst at {one.worst:.5g} s", ink="limit")
     title, what = ("", "difference") if of_difference else (one.name, one.name)
     return Panel(curves, "time, s", f"{what}, {one.unit}", (mark,), names="", title=title)

@@ -31,12 +31,12 @@ def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
     differences = [curve - verdict.truth for curve in curves.values() if curve is not None]
     shown = (verdict.truth, *(np.nan_to_num(one) for one in differences))
     few = np.unique(np.concatenate([*(extremes(one, STRETCHES) for one in shown), [verdict.worst]]))
-    found: dict[str, Any] = {
+    drawn: dict[str, Any] = {
         key: None if y is None else [None if np.isnan(v) else v for v in (y[few] / value).tolist()]
         for key, y in curves.items()
     }
     time, error = verdict.samples.time[few].tolist(), f"{share(verdict.error_max)} of the peak at most"
-    return JudgedCurve(verdict.name, unit, time, worst=verdict.worst_time, error=error, cause=cause, **found)
+    return JudgedCurve(verdict.name, unit, time, worst=verdict.worst_time, error=error, cause=cause, **drawn)
 
 
 def svg(judgement: ImportedJudgement, title: str) -> str:

@@ -33,11 +33,11 @@ def share(value: float) -> str:
 
 def printout(judgement: ImportedJudgement, title: str) -> Printout:
     """What ``judge`` prints; ``title`` names linkage and files."""
-    verdict, *found = sentences(judgement)
+    verdict, *others = sentences(judgement)
     over = _with(judgement, Verdict.OVER_LIMIT)
     style = "green" if judgement.passed else "red" if over else "yellow"
     limit = f"The limit is {share(judgement.limit)} of a signal's peak."
-    parts: list[Printed] = [Paragraph(title, colour="bold"), Paragraph(verdict, colour=style), *found, ""]
+    parts: list[Printed] = [Paragraph(title, colour="bold"), Paragraph(verdict, colour=style), *others, ""]
     parts += [f"The crank's motion is taken from {judgement.motion_source}. {limit}"]
     linkage = judgement.model.linkage
     head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
@@ -72,14 +72,14 @@ def sentence(judgement: ImportedJudgement) -> str:
 def sentences(judgement: ImportedJudgement) -> list[str]:
     """The verdict, why signals are open, the causes, what to accept in the mapping and what was accepted."""
     written, unexplained = judgement.imported.written, judgement.explanation.unexplained
-    found = [sentence(judgement), *_open(judgement)]
-    found += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
-    found += [f"No known cause explains the difference in {_few(unexplained)}."] if unexplained else []
+    lines = [sentence(judgement), *_open(judgement)]
+    lines += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
+    lines += [f"No known cause explains the difference in {_few(unexplained)}."] if unexplained else []
     for name, correction in judgement.proposals.items():
-        found.append(f"If this is intended, accept it in the mapping: {name}: {written(name, correction)}.")
+        lines.append(f"If this is intended, accept it in the mapping: {name}: {written(name, correction)}.")
     for name, agreed in judgement.imported.corrections.items():
-        found.append(f"Accepted in the mapping and applied: {name}: {written(name, agreed)}.")
-    return found
+        lines.append(f"Accepted in the mapping and applied: {name}: {written(name, agreed)}.")
+    return lines
 
 
 def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) -> str:

@@ -29,8 +29,8 @@ import math, sys, numpy
 from scipy.io import loadmat, whosmat
 if sum(math.prod(shape) for _, shape, _ in whosmat(sys.argv[1])) > int(sys.argv[2]):
     raise ValueError("more numbers than can be read")
-found = {k: v for k, v in loadmat(sys.argv[1], chars_as_strings=False).items() if isinstance(v, numpy.ndarray)}
-numpy.savez(sys.stdout.buffer, **{f"_{k}": v for k, v in found.items() if v.ndim == 2 and v.dtype.kind in "fiuU"})
+arrays = {k: v for k, v in loadmat(sys.argv[1], chars_as_strings=False).items() if isinstance(v, numpy.ndarray)}
+numpy.savez(sys.stdout.buffer, **{f"_{k}": v for k, v in arrays.items() if v.ndim == 2 and v.dtype.kind in "fiuU"})
 """
 LONGEST: Final = 60.0  # seconds that it may take
 

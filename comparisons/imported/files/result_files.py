@@ -30,23 +30,23 @@ def result_tables(path: Path) -> list[ResultTable]:
     """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
     check_file(path, "expected a file of results, such as a CSV")
     kind, name = path.suffix.lower(), printable(str(path))
-    found: list[ResultTable] = []
+    every: list[ResultTable] = []
     if kind == ".mat":
-        is_trajectory, every = matlab_columns(path)
+        is_trajectory, parts = matlab_columns(path)
         tool = MODELICA if is_trajectory else ""
-        found = [ResultTable(name, 1, tool, part) for part in map(_told_apart, every) if len(part) > 1]
+        every = [ResultTable(name, 1, tool, part) for part in map(_numbered, parts) if len(part) > 1]
     else:
         for file in sheets(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
             for table in _tables_of(file, path):
-                found.append(table)
-                if len(found) > MOST_TABLES:
+                every.append(table)
+                if len(every) > MOST_TABLES:
                     raise file.fail(table.line, f"expected at most {MOST_TABLES} tables, got more; export fewer")
-    if not found:
+    if not every:
         raise LinkproofError(
             f"{name}:1: expected a column of time or crank angle and others beside it, got no two columns of one "
             "length; export both"
         )
-    return found
+    return every
 
 
 def _tables_of(file: ResultText, path: Path) -> Iterator[ResultTable]:
@@ -85,14 +85,14 @@ def _by_axis(columns: Sequence[Column], tool: str) -> Iterator[tuple[Column, ...
     part: list[Column] = []
     for column in columns:
         if part and _is_again(column, columns[0], tool):
-            yield _told_apart(part)
+            yield _numbered(part)
             part = [replace(column, header=columns[0].header)]
         else:
             part.append(column)
-    yield _told_apart(part)
+    yield _numbered(part)
 
 
-def _told_apart(columns: Sequence[Column]) -> tuple[Column, ...]:
+def _numbered(columns: Sequence[Column]) -> tuple[Column, ...]:
     """Columns of which equal headers are numbered, so that a mapping can name each: ``Torque #2``."""
     counts: Counter[str] = Counter()
     result = []

@@ -1,4 +1,4 @@
-"""Tables of numbers in a text: titles, headers, rows of units and comments told from the rows of numbers themselves.
+"""Tables of numbers in a text: titles, headers, rows of units and comments, by what is a row of numbers.
 
 What stands between numbers and before decimals is what makes numbers of most rows; pandas reads them.
 """
@@ -131,15 +131,14 @@ class _Table:
             frame = pandas.read_csv(data, header=None, dtype=float, index_col=False, skipinitialspace=True, **signs)
         except (ValueError, OverflowError):  # of pandas' own, all of them
             raise self._bad_row(rows, line) from None
-        found = frame.to_numpy()
-        if len(found) != len(lines) or not (np.abs(found[~np.isnan(found)]) < LARGEST).all():
+        numbers = frame.to_numpy()
+        if len(numbers) != len(lines) or not (np.abs(numbers[~np.isnan(numbers)]) < LARGEST).all():
             raise self._bad_row(rows, line)
-        ended = np.isnan(self.values[-1][-1]) if self.values else np.zeros(found.shape[1], dtype=bool)
-        open_ = np.isnan(np.vstack([ended * np.nan, found]))
-        open_[0] = ended
-        if np.any(open_[:-1] & ~open_[1:]):  # a number below an empty cell
+        before = self.values[-1][-1:] if self.values else numbers[:1]
+        is_open = np.isnan(np.vstack([before, numbers]))
+        if (is_open[:-1] & ~is_open[1:]).any():  # a number below an empty cell
             raise self._bad_row(rows, line)
-        self.values.append(found)
+        self.values.append(numbers)
         self.words += [self.layout.cells(row) for row in lines[:: max(1, len(lines) // DIGITS_OF)]]
 
     def _bad_row(self, rows: str, line: int) -> LinkproofError:
@@ -193,10 +192,10 @@ def tables(file: ResultText, *, headless: str = "") -> Iterator[tuple[int, str, 
         if not part.is_rows:
             above.append(part)
             continue
-        found = _begin(file, above, part, table, headless)
-        if table is not None and found is not table:
+        current = _begin(file, above, part, table, headless)
+        if table is not None and current is not table:
             yield table.line, table.text, [*table.columns()]
-        table, above = found, []
+        table, above = current, []
         table.read(part.text, part.line)
     if table is None:
         raise _no_numbers(file, above)
@@ -232,10 +231,10 @@ def _begin(file: ResultText, above: Sequence[_Part], rows: _Part, table: _Table 
         raise file.fail(
             at, f"expected at most {MOST_COLUMNS} columns, got {len(row)}; export fewer, or a row an instant"
         )
-    found = _header(file, [one for one in above if not one.text.startswith("sep=")], layout, row)  # Excel's own line
-    if found is not None:
-        _refuse_rows(found, [one for one in above if one.line > found.line])
-        return found
+    new = _header(file, [one for one in above if not one.text.startswith("sep=")], layout, row)  # Excel's own line
+    if new is not None:
+        _refuse_rows(new, [one for one in above if one.line > new.line])
+        return new
     if table is not None:
         _refuse_rows(table, above)
         if all(COMMENT.match(one.text) for one in above):

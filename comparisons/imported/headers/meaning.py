@@ -167,54 +167,59 @@ class Recognition:
             if unit and not unit.measures(self.unit(name).dimension):
                 raise NotJudgedError(f"'{printed}' is no unit of {name}")
             return name, ""
-        found = list(words(name, self._names))
-        for word in found:
+        read = list(words(name, self._names))
+        for word in read:
             if not word.meanings:
                 raise NotJudgedError(
                     f"'{shortened(word.text)}' in its name is no link, point or joint, nor a known word"
                 )
-        fitting = self._fitting(found, unit)
+        fitting = self._fitting(read, unit)
         if not fitting:
-            others = self._fitting(found, None) if unit else {}
-            raise NotJudgedError(f"'{printed}' is no unit of {listed(others)}" if others else self._why(found, unit))
-        named = {name: sum(word.startswith(":") for word in said) for name, said in fitting.items()}
+            others = self._fitting(read, None) if unit else {}
+            raise NotJudgedError(f"'{printed}' is no unit of {listed(others)}" if others else self._why(read, unit))
+        named = {name: sum(word.startswith(":") for word in stated) for name, stated in fitting.items()}
         best = [name for name in fitting if named[name] == max(named.values())]
         best = [name for name in best if ":" not in name] or best
         if len(best) > 1:
             raise NotJudgedError(f"it may be {listed(best)}: add its unit, or the name and component that it lacks")
         return best[0], self._taken(best[0], fitting[best[0]], column)
 
-    def _fitting(self, found: list[Word], unit: Unit | None) -> dict[str, Words]:
+    def _fitting(self, read: list[Word], unit: Unit | None) -> dict[str, Words]:
         """The signals of which all words are true and that need no other, each with what the words say of it."""
         fitting = {}
         for name, true in self._true.items():
-            said = [word.meanings & true.words for word in found if word.meanings & COMPONENTS <= true.words]
-            every = Words().union(*said)
+            true_words = [word.meanings & true.words for word in read if word.meanings & COMPONENTS <= true.words]
+            every = Words().union(*true_words)
             is_place = name.startswith("point:") and name[-2] == ":"  # "D.x", without a word for it
             measured = every & self._quantities
             has_quantity = bool(measured & true.quantity) if measured else unit is not None or is_place
-            if len(said) == len(found) and all(said) and has_quantity and all(every & need for need in true.needs):
+            if (
+                len(true_words) == len(read)
+                and all(true_words)
+                and has_quantity
+                and all(every & need for need in true.needs)
+            ):
                 fitting[name] = every
-        return {n: said for n, said in fitting.items() if unit is None or unit.measures(self.unit(n).dimension)}
+        return {n: stated for n, stated in fitting.items() if unit is None or unit.measures(self.unit(n).dimension)}
 
-    def _why(self, found: list[Word], unit: Unit | None) -> str:
+    def _why(self, read: list[Word], unit: Unit | None) -> str:
         """Why words that are all known mean no signal: what there is of their kind."""
-        said = Words().union(*(word.meanings for word in found))
-        kind = [name for name, true in self._true.items() if said & true.quantity]
+        stated = Words().union(*(word.meanings for word in read))
+        kind = [name for name, true in self._true.items() if stated & true.quantity]
         kind = kind or [name for name in self._true if unit and unit.measures(self.unit(name).dimension)]
-        if "elsewhere" in said or not kind:
+        if "elsewhere" in stated or not kind:
             return "the closed form has no such quantity"
         return f"its name fits none of {listed(dict.fromkeys(one.rpartition(':')[0] or one for one in kind))}"
 
-    def _taken(self, signal: str, said: Words, column: Column) -> str:
+    def _taken(self, signal: str, stated: Words, column: Column) -> str:
         """What is taken for granted of a column that means a signal; raises NotJudgedError where its values differ."""
         output = self.linkage.output
-        if signal in OF_DRIVE and not said & {"drive", f":{self.linkage.crank}"}:
+        if signal in OF_DRIVE and not stated & {"drive", f":{self.linkage.crank}"}:
             return "its name has no link: taken as the crank's"
         if signal in ("S", "v", "a") and output is not None:
             return f"taken as the output's, {output.point} along [{output.along[0]:.4g}, {output.along[1]:.4g}]"
         if signal.endswith(signals.MAGNITUDE):
             if np.any(column.values < 0.0):
                 raise NotJudgedError("its name has no component, and it changes its sign, as no size of a force does")
-            return "" if "magnitude" in said else "its name has no component: taken as the size of the force"
+            return "" if "magnitude" in stated else "its name has no component: taken as the size of the force"
         return ""

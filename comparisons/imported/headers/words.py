@@ -76,12 +76,12 @@ def words(header: str, names: Table) -> Iterator[Word]:
     while at < len(every):
         for count in range(min(longest, len(every) - at), 0, -1):
             part = every[at : at + count]
-            found = names.get(_key(part), frozenset()) | WORDS.get(tuple(map(plain, part)), frozenset())
-            if found:
+            meanings = names.get(_key(part), frozenset()) | WORDS.get(tuple(map(plain, part)), frozenset())
+            if meanings:
                 break
         at += count
         text = " ".join(part)
-        together = [found] if found or text.isdigit() else known_parts(plain(text)) or [found]
+        together = [meanings] if meanings or text.isdigit() else known_parts(plain(text)) or [meanings]
         yield from (Word(text, one) for one in together if not text.isdigit() and one != {NOTHING})
 
 

@@ -95,8 +95,8 @@ def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: st
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
     from reports.imported.picture import judged_curves  # noqa: PLC0415 - matplotlib, where a picture is drawn
 
-    said = [*sentences(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
-    said += [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
+    lines = [*sentences(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
+    lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
     curves = [asdict(curve) for curve in judged_curves(judgement)]
-    told = {**saved_document(request, [result], command), "judgement": said, "judged_curves": curves}
+    told = {**saved_document(request, [result], command), "judgement": lines, "judged_curves": curves}
     save(folder, [result], told, [usual_sheet(linkage, motions, options.regime)])

@@ -227,12 +227,12 @@ def test_damaged_files_are_read_or_refused_in_a_sentence(tmp_path, seed):
     }
     name = list(written)[seed % len(written)]
     try:
-        said = read_results([_torque(tmp_path, name, _damaged(written[name].encode(), random))], JUKI).signals
+        outcome = read_results([_torque(tmp_path, name, _damaged(written[name].encode(), random))], JUKI).signals
     except LinkproofError as refusal:
-        said = str(refusal)
-    assert said
-    assert "\n" not in said
-    assert len(said) <= 1500
+        outcome = str(refusal)
+    assert outcome
+    assert "\n" not in outcome
+    assert len(outcome) <= 1500
 
 
 def test_a_fault_far_down_a_long_file_is_told_by_its_line(tmp_path):
