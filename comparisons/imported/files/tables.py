@@ -198,8 +198,15 @@ def tables(file: ResultText, *, headless: str = "") -> Iterator[tuple[int, str, 
         table, above = current, []
         table.read(part.text, part.line)
     if table is None:
-        raise _no_numbers(file, above)
-    _refuse_rows(table, above)
+        for delimiter in ",;\t":
+            _refuse_rows(file, above[:1000], Layout(delimiter, "."))
+        number, text, _ = above[-1] if above else _Part(1, "", False)
+        raise file.fail(
+            number,
+            f"expected rows of numbers below a header, got '{shortened(text.strip())}' and none; export the results "
+            "with their values",
+        )
+    _refuse_rows(file, above, table.layout, len(table.names))
     yield table.line, table.text, [*table.columns()]
 
 
@@ -233,10 +240,10 @@ def _begin(file: ResultText, above: Sequence[_Part], rows: _Part, table: _Table 
         )
     new = _header(file, [one for one in above if not one.text.startswith("sep=")], layout, row)  # Excel's own line
     if new is not None:
-        _refuse_rows(new, [one for one in above if one.line > new.line])
+        _refuse_rows(file, [one for one in above if one.line > new.line], layout, len(row))
         return new
     if table is not None:
-        _refuse_rows(table, above)
+        _refuse_rows(file, above, table.layout, len(table.names))
         if all(COMMENT.match(one.text) for one in above):
             return table
     if headless and not above:
@@ -291,27 +298,13 @@ def _without_empty_end(cells: Sequence[str]) -> Sequence[str]:
     return cells[: max((n for n, cell in enumerate(cells, start=1) if cell.strip()), default=0)]
 
 
-def _refuse_rows(table: _Table, lines: Sequence[_Part]) -> None:
-    """Refuse a row of a table in which a cell is no number: it is not a header, a title or a comment."""
+def _refuse_rows(file: ResultText, lines: Sequence[_Part], layout: Layout, width: int = 0) -> None:
+    """Refuse a row in which a cell is no number, of a table of some width: it is no header, title or comment."""
     for number, text, _ in lines:
-        cells = table.layout.cells(text)
+        cells = layout.cells(text)
         known = any(is_number(cell) or NOT_FINITE.fullmatch(cell) for cell in cells)
-        if len(cells) == len(table.names) and known and not COMMENT.match(text):
-            raise bad_cell(table.file, number, cells)
-
-
-def _no_numbers(file: ResultText, lines: Sequence[_Part]) -> LinkproofError:
-    """What is wrong with a text without rows of numbers."""
-    for number, text, _ in lines[:1000]:
-        for cells in _header_cells(text, Layout(",", ".")):
-            if len(cells) > 1 and any(map(is_number, cells)):
-                return bad_cell(file, number, cells)
-    number, text, _ = lines[-1] if lines else _Part(1, "", False)
-    return file.fail(
-        number,
-        f"expected rows of numbers below a header, got '{shortened(text.strip())}' and none; export the results "
-        "with their values",
-    )
+        if known and (len(cells) == width or len(cells) > 1 > width) and not COMMENT.match(text):
+            raise bad_cell(file, number, cells)
 
 
 def bad_cell(file: ResultText, line: int, cells: Sequence[str]) -> LinkproofError:
