@@ -37,6 +37,7 @@ CHUNK: Final = 1 << 22  # characters parsed at a time
 DIGITS_OF: Final = 300  # rows of a chunk whose digits are counted
 LARGEST: Final = 1e100  # of a number: squares of larger ones are beyond all numbers
 LONGEST: Final = 60  # characters of a number
+MOST_LINES: Final = 20_000  # of text before or behind a table
 MOST_COLUMNS: Final = 10_000
 LONGEST_ROW: Final = 1 << 18  # characters
 MOST_DIGITS: Final = 17  # of a double: more say nothing
@@ -191,6 +192,8 @@ def tables(file: ResultText, *, headless: str = "") -> Iterator[tuple[int, str, 
     for part in _parts(file.text):
         if not part.is_rows:
             above.append(part)
+            if len(above) > MOST_LINES:
+                raise file.fail(part.line, f"expected rows of numbers, got {MOST_LINES} lines of text; leave them out")
             continue
         current = _begin(file, above, part, table, headless)
         if table is not None and current is not table:
