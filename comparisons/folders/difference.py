@@ -198,10 +198,8 @@ def _runs(pairs: Iterable[tuple[Record, Record]]) -> tuple[RunPair, ...]:
 
 def _figures(results: Results, names: Mapping[Name, Name]) -> dict[tuple[str, str, str], dict[str, float]]:
     """Key figures by the names of the other folder; none of another tool's results."""
-    if "judgement" in results.document:
-        return {}
-    told = saved_figures(results, saved_cases(results) if "figures" not in results.document else {})
-    return {(*names[place[:2]], place[2]): figures for place, figures in told.items() if place[:2] in names}
+    found = saved_figures(results)
+    return {(*names[place[:2]], place[2]): figures for place, figures in found.items() if place[:2] in names}
 
 
 def _compared(results: Results, baseline: Baseline) -> list[KeyFigure]:

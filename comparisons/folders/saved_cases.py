@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases
-from comparisons.campaign.key_figures import key_figures
 from comparisons.campaign.results import Results
 from comparisons.campaign.standards import checksum
 from comparisons.judging.baseline import Baseline, regime_key
@@ -30,10 +29,8 @@ def saved_cases(results: Results) -> dict[Place, Case]:
     return {place: found[place] for place in asked}
 
 
-def saved_figures(results: Results, made: Mapping[Place, Case]) -> dict[Place, dict[str, float]]:
-    """The key figures that a folder tells, SI, by name; of one that tells none those of its cases."""
-    if "figures" not in results.document:
-        return {place: key_figures(case) for place, case in made.items()}
+def saved_figures(results: Results) -> dict[Place, dict[str, float]]:
+    """The key figures of a folder, SI, by name; another tool's results have none."""
     found: dict[Place, dict[str, float]] = {}
     for one in results.figures:
         if one.now is not None:

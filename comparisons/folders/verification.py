@@ -204,7 +204,6 @@ def _verdict(record: Record, fresh: Record) -> list[str]:
 
 def _figures(results: Results, cases: Mapping[Place, Case]) -> Iterator[VerificationFinding]:
     """Key figures that the folder's texts do not give."""
-    if results.document.get("figures"):
-        for figure in changes(cases.values(), as_baseline(results, saved_figures(results, cases))):
-            if figure.recorded is not None:  # earlier versions had fewer
-                yield VerificationFinding("key figures", figure.sentence)
+    for figure in changes(cases.values(), as_baseline(results, saved_figures(results))):
+        if figure.recorded is not None:  # earlier versions had fewer
+            yield VerificationFinding("key figures", figure.sentence)
