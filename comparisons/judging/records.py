@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
@@ -195,9 +196,17 @@ def _error(record: Record) -> QuantityRecord:
 
 def from_row(row: Mapping[str, Any], curves: Mapping[str, Array]) -> RunRecord:
     """A run back from its ``data``; raises KeyError, or ValueError where it is none."""
-    errors, invariants = (_ERRORS.validate_python(row[name]) for name in ("errors", "invariants"))
-    facts = vars(_FACTS.validate_python(row))
-    return RunRecord(**facts, errors=errors, invariants=invariants, details=dict(row["details"]), curves=curves)
+    errors, invariants = (
+        tuple(QuantityRecord(**_shared(one)) for one in _ERRORS.validate_python(row[name]))
+        for name in ("errors", "invariants")
+    )
+    facts = _shared(_FACTS.validate_python(row))
+    return RunRecord(**facts, errors=errors, invariants=invariants, details=row["details"], curves=curves)
+
+
+def _shared(record: object) -> dict[str, Any]:
+    """The fields of a record, their texts those of others of the same words: there may be millions."""
+    return {name: sys.intern(value) if type(value) is str else value for name, value in vars(record).items()}
 
 
 def blank_record(case: Case, setting: str, engine: str = "", version: str = "", host: str = "") -> Record:

@@ -52,13 +52,12 @@ class Stressed:
         return tuple(cell for cell in self.cells if cell.verdict is StressVerdict.MISSED)
 
     def document(self, command: str, *, quick: bool) -> dict[str, Any]:
-        """Everything as JSON-ready data."""
+        """All but the cells, as JSON-ready data."""
         return {
             "command": command,
             "environment": environment(list(summary(self.cells))),
             "quick": quick,
             "summary": summary(self.cells),
-            "cells": [part.document for part in self.cells],
             "borders": [part.document for part in self.borders],
         }
 

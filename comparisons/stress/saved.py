@@ -37,14 +37,19 @@ _BORDERS: Final = TypeAdapter(tuple[Border, ...])
 
 @dataclass(frozen=True)
 class Stress:
-    """A finished stress test: its document as saved, and what is in it."""
+    """A finished stress test: its document as saved, and what is in it.
+
+    ``made`` are its cells where they are at hand, so that they need not be in the document.
+    """
 
     document: Mapping[str, Any]
+    made: Sequence[CellResult] = ()
 
     @cached_property
     def results(self) -> tuple[CellResult, ...]:
         """Every cell in the order of the maps, whichever process was done first."""
-        return tuple(sorted((from_document(row) for row in self.document["cells"]), key=lambda one: _place(one.cell)))
+        found = self.made or map(from_document, self.document["cells"])
+        return tuple(sorted(found, key=lambda one: _place(one.cell)))
 
     @cached_property
     def borders(self) -> tuple[Border, ...]:
@@ -114,10 +119,10 @@ def _rank(names: Sequence[str], name: str) -> int:
     return names.index(name) if name in names else len(names)
 
 
-def save(folder: Path, document: Mapping[str, Any]) -> None:
+def save(folder: Path, stress: Stress) -> None:
     """Write a stress test into a folder."""
-    head = {name: value for name, value in document.items() if name != "cells"}
-    save_study(folder, KIND, head, ((f"{number}", row, {}) for number, row in enumerate(document["cells"])))
+    head = {name: value for name, value in stress.document.items() if name != "cells"}
+    save_study(folder, KIND, head, ((one.cell.key, one.document, {}) for one in stress.results))
 
 
 def load(folder: Path) -> Stress:

@@ -45,10 +45,11 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
         with destination.progress() as announce:
             found = stress(replace(wanted, pool=pool), counting(announce), kept)
         told = found.document(command, quick=options.quick)
-        maps = Stress({**told, "environment": {**told["environment"], **pool.place}})
-        destination.write_json(maps.document)
+        maps = Stress({**told, "environment": {**told["environment"], **pool.place}}, found.cells)
+        if destination.json:
+            destination.write_json({**maps.document, "cells": [cell.document for cell in maps.results]})
         if out:
-            save(out, maps.document)
+            save(out, maps)
             destination.write_pages()
         if kept:
             kept.clear()

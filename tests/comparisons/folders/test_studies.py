@@ -33,7 +33,7 @@ def saved(folder, edit=lambda bench, stress: None):
     bench, stress = copy.deepcopy(dict(BENCH)), copy.deepcopy(stress_document())
     edit(bench, stress)
     work_precision.save(folder, bench)
-    stress_test.save(folder, stress)
+    stress_test.save(folder, stress_test.Stress(stress))
     return folder
 
 

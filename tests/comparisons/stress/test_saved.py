@@ -3,9 +3,10 @@
 import pytest
 
 from analytic.errors import LinkproofError
+from comparisons.runs.study_folder import save_study
 from comparisons.stress.axes import axes
 from comparisons.stress.cell_result import StressVerdict
-from comparisons.stress.saved import Stress, load, save
+from comparisons.stress.saved import KIND, Stress, load, save
 from tests.reports.made_up_stress import made_up_cell, made_up_stress
 
 STRESS = made_up_stress()
@@ -14,7 +15,7 @@ CELL = made_up_cell(StressVerdict.OVER, axis="mass", value=1.0, **PLACE).documen
 
 
 def test_what_is_saved_is_read_back(tmp_path):
-    save(tmp_path, STRESS.document)
+    save(tmp_path, STRESS)
     found = load(tmp_path)
     assert found.results == STRESS.results
     assert found.borders == STRESS.borders
@@ -31,7 +32,8 @@ def test_what_is_saved_is_read_back(tmp_path):
     ],
 )
 def test_what_is_of_another_form_is_refused_with_the_cure(tmp_path, changes, words):
-    save(tmp_path, {**STRESS.document, **changes})
+    head = {**STRESS.document, **changes}
+    save_study(tmp_path, KIND, head, ((f"{number}", row, {}) for number, row in enumerate(head.pop("cells"))))
     with pytest.raises(LinkproofError, match=rf"{words}.*run stress with --out again"):
         load(tmp_path)
 

@@ -47,7 +47,7 @@ def saved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("saved")
     save_campaign(folder)
     save_bench(folder, made_up_bench().document)
-    save_stress(folder, made_up_stress().document)
+    save_stress(folder, made_up_stress())
     return folder
 
 
