@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import minimize_scalar
 
 from analytic.description.crank_motion import LAWS, RAMPS, CrankMotion, Segment, crank_motion, swing
 
@@ -24,8 +24,7 @@ TIMES: Final = 50  # from which the search of a family's time begins
 FEW: Final = 200  # samples by which a family is ruled out
 MOST: Final = 2000  # samples to which one is fitted; all are held against it
 NOTHING: Final = 1e-9  # of the duration: no dwell
-SMALL: Final = 1e-5  # of the time: a change by which its slope is measured
-ROUNDS: Final = 20  # of a fit
+SMALL, NEWTON = 1e-5, 3  # of the duration: a change of the time by which its slope is found; steps to rounding
 LEAST: Final = 0.02  # of the duration: the shortest time tried
 PARTS: Final = ("time", "values", "rounding")
 
@@ -84,14 +83,23 @@ class KnownColumn:
         if self.name == CONSTANT:
             return self._of(about)
         bounds = (max(about - self.duration / TIMES, 0.5 * LEAST * self.duration), about + self.duration / TIMES)
-        nearest = least_squares(
-            lambda time: self._of(float(time[0])).rest / self.rounding, about, bounds=bounds, jac="3-point",
-            diff_step=SMALL, x_scale=self.duration, xtol=1e-15, ftol=None, gtol=None, max_nfev=ROUNDS,
-        )  # fmt: skip
-        fits = [self._of(float(nearest.x[0]))]
+        options = {"xatol": 1e-12 * self.duration}
+        place = float(minimize_scalar(self._cost, bounds=bounds, method="bounded", options=options).x)
+        fits = [self._settled(place)]
         if self._longest < bounds[1]:
             fits.append(self._of(self._longest))
         return min(fits, key=lambda fit: float(np.max(np.abs(fit.rest / self.rounding))))
+
+    def _settled(self, time: float) -> KnownFit:
+        """The fit at a time to rounding: the least of a cost tells its place to the root of rounding only."""
+        fit, step = self._of(time), SMALL * self.duration
+        for _ in range(NEWTON):
+            slope = (self._of(fit.time + step).rest - self._of(fit.time - step).rest) / (2.0 * step * self.rounding)
+            change = float(slope @ (fit.rest / self.rounding)) / (float(slope @ slope) or 1.0)
+            if abs(change) > step:
+                break
+            fit = self._of(fit.time - change)
+        return fit
 
     def _cost(self, time: float) -> float:
         return float(np.sum((self._of(time).rest / self.rounding) ** 2))
