@@ -17,6 +17,7 @@ from comparisons.faults.simulation import Predict, Simulation, is_angle, is_plac
 from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
+Fill = Callable[[Array, Array, int, int], Array]
 
 RADIAN: Final = math.pi / 180.0
 # What one unit is of another that is printed in its place, either way round.
@@ -96,8 +97,9 @@ def column_faults(evidence: Evidence, simulation: Simulation, names: Sequence[st
     yield _delayed(evidence)
     for kind, widths, smooth in filters.kinds(len(evidence.time)):
         yield _smoothed(evidence, kind, widths, smooth)
-    for kind, fill in filters.FILLED.items():
-        yield _coarser(evidence, kind, fill)
+    strides = tuple(filters.every_kth(len(evidence.time)))  # none of a short curve
+    for kind, fill in filters.FILLED.items() if strides else ():
+        yield _coarser(evidence, kind, fill, strides)
     yield from _limited(evidence)
     yield from _single_samples(evidence)
     yield from _mistaken(evidence, simulation, names)
@@ -214,13 +216,13 @@ def _smoothed(evidence: Evidence, kind: str, widths: Sequence[float], smooth: Ca
     )  # fmt: skip
 
 
-def _coarser(evidence: Evidence, kind: str, fill: Callable[[Array, Array, int, int], Array]) -> Fault:
+def _coarser(evidence: Evidence, kind: str, fill: Fill, strides: tuple[tuple[float, float], ...]) -> Fault:
     """Every k-th sample alone is simulated, the rest filled in."""
     name = evidence.name
     return changed(
         f"sample rate, {kind}:{name}", Kind.NUMBER, (name,), lambda t, y, k: fill(t, y, int(k[0]), int(k[1])),
         lambda k: f"the sample rate of {name} is too low: one sample in {k[0]:.0f} is simulated, {kind}",
-        usual=tuple(filters.every_kth(len(evidence.time))),
+        usual=strides,
     )  # fmt: skip
 
 

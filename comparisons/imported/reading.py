@@ -85,7 +85,7 @@ def read_results(paths: Sequence[Path], linkage: Linkage, mapping: Path | None =
     for number, table in numbered:
         reading.columns += [_judged(agreement, table, number, column) for column in table.columns]
     axes = {id(table): _axis(reading, table) for _, table in numbered}
-    _refuse_twice(reading)
+    _refuse_twice(reading, axes)
     _ask_for_units(reading)
     signals = [signal for _, table in numbered for signal in _signals(reading, table, axes[id(table)])]
     if not signals:
@@ -141,12 +141,12 @@ def _axis(reading: _Reading, table: ResultTable) -> _Judged | None:
     return axis[0]
 
 
-def _refuse_twice(reading: _Reading) -> None:
-    """Refuse two columns for one signal; one that names it goes before one that was taken for it."""
+def _refuse_twice(reading: _Reading, axes: dict[int, _Judged | None]) -> None:
+    """Refuse two columns for one signal but an axis; one that names it goes before one that was taken for it."""
     seen: dict[str, _Judged] = {}
     for judged, meaning in list(reading.known):
         before = seen.get(meaning.signal)
-        if meaning.signal == TIME or _is_axis(reading, judged):
+        if meaning.signal == TIME or judged is axes[id(judged.table)]:
             continue
         if before is None or before.meaning is None:
             seen[meaning.signal] = judged
@@ -157,16 +157,6 @@ def _refuse_twice(reading: _Reading) -> None:
             weaker.meaning = None
             weaker.reason = f"'{shortened(stronger.column.header)}' names {meaning.signal}"
             seen[meaning.signal] = stronger
-
-
-def _is_axis(reading: _Reading, judged: _Judged) -> bool:
-    """Whether the crank angle is the axis of its table, which several tables have."""
-    others = reading.of(judged.table)
-    return (
-        judged.meaning is not None
-        and judged.meaning.signal == "phi"
-        and not any(meaning.signal == TIME for _, meaning in others)
-    )
 
 
 def _twice(one: _Judged, other: _Judged, name: str, text: str = "") -> LinkproofError:

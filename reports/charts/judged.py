@@ -64,5 +64,5 @@ def _panel(one: JudgedCurve, *, of_difference: bool) -> Panel:
         shown = {name: values - truth for name, values in shown.items() if name != "closed form"}
     curves = tuple(Curve(time, y, "", ink, line, width) for n, y in shown.items() for ink, line, width in [LOOKS[n]])
     mark = Mark(one.worst, name="" if of_difference else f"worst at {one.worst:.5g} s", ink="limit")
-    title, what = ("", "difference") if of_difference else (one.name, one.name)
-    return Panel(curves, "time, s", f"{what}, {one.unit}", (mark,), names="", title=title)
+    label, title = (f"difference, {one.unit}", "") if of_difference else (one.unit, one.name)
+    return Panel(curves, "time, s", label, (mark,), names="", title=title)

@@ -89,7 +89,7 @@ def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) ->
     others, more = finding.others[:MOST_OTHERS], len(finding.others) - MOST_OTHERS
     also = [f"one of {more} more"] if more > 0 else []
     words = "; or ".join([finding.likeliest.words, *(other.words for other in others), *also])
-    return f"Likely cause of the difference in {', '.join(finding.signals)}: {aligned}{words}. {_left(finding)}"
+    return f"Likely cause of the difference in {_few(finding.signals)}: {aligned}{words}. {_left(finding)}"
 
 
 def _with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:

@@ -53,9 +53,9 @@ class Mapping:
     def check(self, numbered: Sequence[tuple[int, ResultTable]]) -> None:
         """Refuse entries and headers that no column has."""
         columns = [(number, table, column) for number, table in numbered for column in table.columns]
-        headers = [column.header for _, _, column in columns]
+        headers = {printable(column.header).strip() for _, _, column in columns}
         for keys, header in self._headers():
-            if header.strip() not in {printable(known).strip() for known in headers}:
+            if header.strip() not in headers:
                 raise DescriptionError(f"{self.source.at(keys)}: {UnknownNameError('column', header, headers)}")
         for number, entry in enumerate(self.document.column):
             if not any(_means(entry, column, table, count) for count, table, column in columns):

@@ -214,6 +214,15 @@ def test_a_narrow_peak_between_few_samples_is_seen():
     assert dict(judgement.missed)["Mkr"] == pytest.approx(lost, rel=1e-3)
 
 
+@pytest.mark.parametrize("count", [4, 11, 14, 20])
+def test_a_short_curve_that_no_cause_explains_is_over_its_limit(count):
+    steady = crank_motion("constant-speed")
+    wrong = exported(
+        JUKI, steady, ("Mkr",), TIME[:count], change=lambda v, t: {"Mkr": v["Mkr"] + np.sin(1e4 * t) + 1.0}
+    )
+    assert judge(JUKI, wrong, steady).verdicts[0].outcome is Verdict.OVER_LIMIT
+
+
 def test_a_thousandth_is_taken_for_no_unit_of_another_ratio():
     steady = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
     time = np.linspace(0.0, 0.06, 241)

@@ -121,7 +121,7 @@ def test_the_picture_has_both_curves_what_the_cause_leaves_the_worst_place_and_a
     tag = root.tag.removesuffix("svg")
     words = ["".join(one.itertext()) for one in root.iter(f"{tag}text")]
     for part in ("juki-mf7923d (as-built) against run.csv", "Likely cause: Mkr has the other sign.", "closed form",
-                 "file", "without the cause", "Mkr, N m", "difference, N m", "time, s"):  # fmt: skip
+                 "file", "without the cause", "Mkr", "N m", "difference, N m", "time, s"):  # fmt: skip
         assert part in words
     (time,) = [float(one.split()[2]) for one in words if one.startswith("worst at")]
     rows = np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)
