@@ -17,8 +17,8 @@ DOCUMENTED := $(VENV)/.documented
 
 .PHONY: report pages docs pins test lint baseline speed targets clean
 
-report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
-	$(BIN)/linkproof bench $(EXTENT) --costs --out build/report
+report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
+	$(BIN)/linkproof bench $(EXTENT) --out build/report
 	$(BIN)/linkproof stress $(EXTENT) --out build/report
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report
 

@@ -71,11 +71,16 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     for name in request.engines:
         for setting in request.settings if case.is_prescribed else request.own_settings:
             yield Task(
-                key="/".join((linkage.name, linkage.variant, motion.regime, name, setting)),
+                key=run_key(linkage, motion.regime, name, setting),
                 job=(pickled, name, setting, names, request.with_invariants),
                 label=f"{linkage.name}, {motion.regime}: {name} {setting}",
                 weight=turned * len(linkage.links),
             )
+
+
+def run_key(linkage: Linkage, regime: str, name: str, setting: Setting) -> str:
+    """What tells a run from all others of a campaign."""
+    return "/".join((linkage.name, linkage.variant, regime, name, setting))
 
 
 def cases(request: CampaignRequest) -> list[Case]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import judged, lost, written
+from comparisons.campaign.campaign import judged, lost, run_key, written
 from comparisons.judging.records import RunRecord, from_row
 from comparisons.reference.case import Case, own_case
 from comparisons.reference.motion import Spin
@@ -88,7 +88,8 @@ def judge_errata(
 ) -> Iterator[ErratumRecord]:
     """Put every printed model of these linkages to every engine, tuned.
 
-    The engines run as ``comparisons.campaign.campaign.compare`` runs them.
+    The engines run as ``comparisons.campaign.campaign.compare`` runs them, and a run that its ``journal`` has is not
+    made again: it has to have the crank's speed.
     """
     trials = list(_trials(linkages))
     tasks = [_task(*trial, name) for trial in trials for name in engines]
@@ -104,7 +105,8 @@ def judge_errata(
 
 def _task(erratum: Erratum, case: Case, name: str) -> Task:
     """The run that a trial needs of an engine; trials of one linkage and regime share it."""
-    key = "/".join(("errata", case.mechanism.linkage.name, erratum.regime, name))
+    linkage = case.mechanism.linkage
+    key = run_key(linkage, erratum.regime, name, Setting.TUNED)
     return Task(key, (pickle.dumps(case), name, Setting.TUNED, (SPEED,), False))
 
 
@@ -122,13 +124,14 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
 def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> ErratumRecord:
     erratum, case = trial
     corrected, found = case.motion, result.curves.get(SPEED)
+    own = next(one for one in result.errors if one.quantity == SPEED)
     record = ErratumRecord(
         mechanism=case.mechanism.linkage.name,
         erratum=erratum.name,
         place=erratum.place,
         regime=erratum.regime,
         engine=name,
-        outcome=result.errors[0].outcome,
+        outcome=own.outcome,
         supports="neither",
         deviation_corrected=None,
         deviation_printed=None,
@@ -136,7 +139,7 @@ def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> Erratu
         mean_speed_corrected=_mean_speed(corrected, corrected.duration),
         mean_speed_printed=_mean_speed(printed, corrected.duration),
         note=erratum.note,
-        reason=result.errors[0].detail,
+        reason=own.detail,
     )
     if found is None:
         return record

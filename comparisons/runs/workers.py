@@ -74,14 +74,15 @@ EVERY_CORE, ONE_BY_ONE = LocalPool(), LocalPool(1)
 
 
 class LastingPool:
-    """One worker process of this machine that outlives a list of jobs, so that it imports and warms up once.
+    """Worker ``processes`` of this machine that outlive a list of jobs, so that they import and warm up once.
 
-    A list whose results are not all taken ends the worker, and so does ``close``.
+    A list whose results are not all taken ends the workers, and so do ``close`` and a list for another function.
     """
 
     place: Mapping[str, str] = {}
 
-    def __init__(self) -> None:
+    def __init__(self, processes: int = 1) -> None:
+        self.processes = processes
         self._pool: WorkerPool | None = None
 
     def run(
@@ -91,10 +92,10 @@ class LastingPool:
         bounds: Bounds = DEFAULT_BOUNDS,
         begun: Callable[[int], object] = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job, one after the other; bounds of memory are those of the first list."""
+        """Call ``function(*job)`` for every job in these workers; bounds of memory are those of the first list."""
         if self._pool is None or self._pool.function is not function:
             self.close()
-            self._pool = WorkerPool(function, (), bounds, 1)
+            self._pool = WorkerPool(function, (), bounds, self.processes)
         self._pool.begun = begun
         try:
             yield from self._pool.take_up(jobs, bounds.seconds)
@@ -103,7 +104,7 @@ class LastingPool:
             raise
 
     def close(self) -> None:
-        """End the worker, busy or not."""
+        """End the workers, busy or not."""
         if self._pool is not None:
             self._pool.close()
             self._pool = None

@@ -22,9 +22,9 @@ class Running:
     processes: int
     scheduler: object
 
-    def pool(self) -> AbstractContextManager[Pool]:
-        """Where runs are made; raises LinkproofError where they cannot be."""
-        return opened(self.scheduler, LocalPool(self.processes))
+    def pool(self, here: Pool | None = None) -> AbstractContextManager[Pool]:
+        """Where runs are made, on this machine ``here``; raises LinkproofError where they cannot be."""
+        return opened(self.scheduler, here or LocalPool(self.processes))
 
 
 def running(limits: RunLimits) -> Running:

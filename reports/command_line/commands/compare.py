@@ -11,7 +11,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import tasks
-from comparisons.campaign.errata import judge_errata
+from comparisons.campaign.errata import SPEED, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
 from comparisons.campaign.results import save, with_runs
 from comparisons.campaign.sheets import sheets
@@ -52,8 +52,10 @@ def compare(
         with destination.progress() as announce, destination.own_stdout():
             judged = wanted.compared(pool, announce=counting(announce), journal=kept)
             of_errata = linkages if (destination.json or out) and request.own_regimes else ()
+            has_speed = SPEED in (request.quantities or (SPEED,))  # so that its runs serve for printed models too
+            known = kept if has_speed else None
             errata = list(
-                judge_errata(of_errata, installed(engines), bounds=wanted.running.bounds, pool=pool, journal=kept)
+                judge_errata(of_errata, installed(engines), bounds=wanted.running.bounds, pool=pool, journal=known)
             )
         if destination.json or out:
             saved = wanted.document(judged, errata, is_saved=out is not None)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import replace
 
 from analytic.errors import LinkproofError
+from comparisons.runs.workers import LastingPool
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
@@ -40,7 +42,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     if cells:
         return _alone(options, cells, destination, where)
     wanted, out, command = _request(options), destination.out, command_line("stress", options)
-    with where.pool() as pool, interruptible(out) as counting:
+    with closing(LastingPool(where.processes)) as here, where.pool(here) as pool, interruptible(out) as counting:
         kept = journal(out, command, wanted.engines, resume=destination.resume) if out else None
         with destination.progress() as announce:
             found = stress(replace(wanted, pool=pool), counting(announce), kept)

@@ -4,7 +4,9 @@ import pytest
 
 from analytic.description.loading import load
 from comparisons.campaign import campaign, errata
+from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.errata import judge_errata
+from comparisons.runs.journal import Journal
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +40,14 @@ def test_sentences_name_engine_model_and_numbers(records):
     sentence = records["slotted-takeup", "k2 from moduli"].sentence
     for words in ("article 000", "direct supports the corrected model", "printed 24."):
         assert words in sentence
+
+
+def test_a_run_that_a_campaign_has_made_serves_again(tmp_path, monkeypatch, records):
+    linkage, journal = load("two-crank-takeup"), Journal(tmp_path, "a request")
+    compare(CampaignRequest((linkage,), (), "", ("direct",), own_regimes=("driven",)), journal=journal).make()
+    monkeypatch.setattr(campaign, "run_engine", None)
+    again = list(judge_errata([linkage], ["direct"], journal=journal))
+    assert again == [record for (name, _), record in records.items() if name == linkage.name]
 
 
 def test_other_variants_are_not_judged():

@@ -196,12 +196,13 @@ def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
         list(run_jobs(job, [("interrupt_itself", None)], processes=0))
 
 
-def test_a_lasting_worker_serves_list_after_list_until_one_is_left(tmp_path):
+@pytest.mark.parametrize("processes", [1, 2])
+def test_a_lasting_worker_serves_list_after_list_until_one_is_left(tmp_path, processes):
     def signed(pool, name):
         assert list(pool.run(job, [("sign", str(tmp_path / name))], BOUNDS)) == [(0, None)]
         return int((tmp_path / name).read_text())
 
-    with closing(LastingPool()) as pool:
+    with closing(LastingPool(processes)) as pool:
         first = signed(pool, "first")
         assert first == signed(pool, "second") != os.getpid()
         assert runs(first)
