@@ -14,7 +14,7 @@ from analytic.description.format.json_schema import json_schema
 from comparisons.judging.limits import LimitRow, shipped_limits
 from reports.document.markdown import table
 from reports.document.numbers import bound
-from reports.document.parts import Table
+from reports.document.parts import Mono, Table, Words
 
 ROOT = Path(__file__).parents[2]
 SHOWN = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md",
@@ -82,16 +82,21 @@ def _title(name: str) -> str:
 def _keys(part: Mapping[str, Any]) -> str:
     needed = part.get("required", ())
     rows = tuple(
-        (f"`{key}`", "needed" if key in needed else _default(value), value.get("description", ""))
+        (Mono(key), "needed" if key in needed else _default(value), _words(value.get("description", "")))
         for key, value in part["properties"].items()
     )
-    about = part.get("description", "").partition("\n\n")[0].replace("``", "`")
-    return table(Table(about, ("key", "default", "what is expected"), rows, align="l"))
+    about = part.get("description", "").partition("\n\n")[0]
+    return table(Table(_words(about), ("key", "default", "what is expected"), rows, align="l"))
 
 
-def _default(value: Mapping[str, Any]) -> str:
+def _default(value: Mapping[str, Any]) -> Words:
     default = value.get("default")
-    return "" if default in (None, "", [], {}) or isinstance(default, dict) else f"`{default}`"
+    return "" if default in (None, "", [], {}) or isinstance(default, dict) else Mono(str(default))
+
+
+def _words(text: str) -> Words:
+    """A text whose parts between double backticks are code."""
+    return tuple(Mono(part) if number % 2 else part for number, part in enumerate(text.split("``")))
 
 
 def reference() -> str:

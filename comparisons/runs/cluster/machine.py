@@ -10,8 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 
-import distributed
-
 from comparisons.runs.environment import environment, sources
 from comparisons.runs.failures import Lost
 from comparisons.runs.worker_pool import Bounds, WorkerPool
@@ -73,7 +71,9 @@ def _process(function: bytes, bounds: Bounds) -> WorkerPool:
 
 def _check() -> Callable[[], None]:
     """A function that raises NotWantedError once the present job is recalled, or its Dask worker closes."""
-    worker = distributed.get_worker()
+    from distributed import get_worker  # noqa: PLC0415  only where Dask is
+
+    worker = get_worker()
     key = worker.get_current_task()
 
     def check() -> None:

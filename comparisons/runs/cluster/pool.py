@@ -13,8 +13,6 @@ from itertools import islice
 from queue import Empty, SimpleQueue
 from typing import Any, Final, TypeVar
 
-from distributed import KilledWorker
-
 from analytic.errors import LinkproofError
 from comparisons.runs.cluster.machine import DASK, DaskMachine, this_machine, work
 from comparisons.runs.failures import Failure, Lost
@@ -201,6 +199,8 @@ class Dispatcher:
 
     def results(self) -> Iterator[tuple[int, Any]]:
         """The result of every job, as they arrive."""
+        from distributed import KilledWorker  # noqa: PLC0415  only where Dask is
+
         while True:
             if self.pool.refresh():
                 self._recall()
