@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,13 @@ from comparisons.stress.cells import SETTINGS
 from comparisons.stress.scenes import case as case_of
 from comparisons.stress.scenes import scene as scene_of
 from engines.contract import Engine, History, Setting
-from engines.export.script import ScriptFigure, script
+from engines.export import loop_script
+from engines.export.loop_script import ScriptFigure
+from engines.export.script import script
 from engines.registry import engine, why_unavailable
 from engines.scene import Channel, Free, Scene
 from engines.stepping.driver import UnsupportedError
+from engines.stepping.loop_engine import LoopEngine
 from engines.stepping.stepped_engine import Recipe, SteppedEngine
 
 Array = NDArray[np.float64]
@@ -36,6 +39,8 @@ UNITS = {
     Channel.VELOCITY: ("m/s", "rad/s"),
     Channel.ACCELERATION: ("m/s2", "rad/s2"),
 }
+AXES = ("x", "y", "angle")
+DRIVES = (("drive force", "N"), ("drive torque", "N m"))  # of a linear drive, of a crank
 
 
 def exported(case: Case, name: str, setting: Setting, command: str) -> str:
@@ -44,12 +49,12 @@ def exported(case: Case, name: str, setting: Setting, command: str) -> str:
     Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
     """
     adapter, scene = _stepped(engine(name)), case.scene(frozenset(Channel))
-    if scene.driver_kind is not DriverKind.CRANK:
+    if not isinstance(adapter, LoopEngine) and scene.driver_kind is not DriverKind.CRANK:
         raise LinkproofError(
             f"expected a linkage that a crank drives, got a {scene.driver_kind}, which scripts do not have: "
             "export another linkage"
         )
-    if isinstance(scene.drive, Free) and scene.drive.over_time is not None:
+    if not isinstance(adapter, LoopEngine) and isinstance(scene.drive, Free) and scene.drive.over_time is not None:
         raise LinkproofError(
             f"expected a crank torque that is constant or over the angle, got one over time in '{case.motion.regime}', "
             "which scripts do not have: export another regime"
@@ -91,6 +96,10 @@ def _script(adapter: SteppedEngine[object, Recipe], scene: Scene, case: Case, re
     about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {how}"
     with blamed_on(cast(Engine, adapter)):
         try:
+            if isinstance(adapter, LoopEngine):
+                return loop_script.script(
+                    adapter, scene, recipe, about, lambda history: worst_figures(case, scene, history)
+                )
             return script(adapter, scene, recipe, about, lambda history: worst_figures(case, scene, history))
         except UnsupportedError as error:
             reason = str(error)
@@ -102,55 +111,54 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigu
 
     A channel without a truth at some instant, as in a dead position, has none.
     """
-    found = []
+    figures = []
     for channel in Channel:
         with suppress(LinkproofError):
-            found += [_worst(case, curves) for curves in _by_kind(case, scene, history, channel)]
-    return found
+            figures += [_worst(case, curves) for curves in _by_kind(case, scene, history, channel)]
+    return figures
+
+
+class _Curve(NamedTuple):
+    """A figure without its instant; times, values and true values (n,), and the peak of its kind."""
+
+    figure: ScriptFigure
+    time: Array
+    values: Array
+    true: Array
+    peak: float
+
+    def error(self, case: Case) -> Array:
+        """Over the peak; none at jumps, where accelerations and forces have two values."""
+        error = np.abs(self.values - self.true) / (self.peak or 1.0)
+        is_smooth = self.figure.signal[0] in (Channel.POSITION, Channel.VELOCITY)
+        return error if is_smooth else np.where(at_jumps(self.time, case), 0.0, error)
 
 
 def _worst(case: Case, curves: list[_Curve]) -> ScriptFigure:
-    errors = [_error(case, curve) for curve in curves]
-    at = max(range(len(errors)), key=lambda number: float(errors[number].max()))
-    figure, time, read, true, _ = curves[at]
-    worst = int(np.argmax(errors[at]))
-    return replace(figure, time=float(time[worst]), read=float(read[worst]), true=float(true[worst]))
-
-
-# A figure without its instant; times, what was read, what is true (n,); the peak of its kind.
-_Curve = tuple[ScriptFigure, Array, Array, Array, float]
-
-
-def _error(case: Case, curve: _Curve) -> Array:
-    figure, time, read, true, peak = curve
-    error = np.abs(read - true) / (peak or 1.0)
-    return (
-        error if figure.channel in (Channel.POSITION, Channel.VELOCITY) else np.where(at_jumps(time, case), 0.0, error)
-    )
+    errors = [curve.error(case) for curve in curves]
+    number = max(range(len(errors)), key=lambda number: float(errors[number].max()))
+    curve, at = curves[number], int(np.argmax(errors[number]))
+    values = {name: float(getattr(curve, name)[at]) for name in ("time", "values", "true")}
+    return curve.figure._replace(time=values["time"], read=values["values"], true=values["true"])
 
 
 def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
-    if channel is Channel.JOINT_FORCE:
-        if history.joint_force:
-            yield list(_forces(case, history))
-        return
-    signal = getattr(history, channel.value)
+    signal = None if channel is Channel.JOINT_FORCE else getattr(history, channel.value)
+    if channel is Channel.JOINT_FORCE and history.joint_force:
+        yield list(_forces(case, history))
     if signal is None:
         return
     if channel is Channel.TORQUE:
-        true = truth(case, channel, "", signal.time)
-        yield [
-            (ScriptFigure("drive torque", "N m", channel), signal.time, signal.values, true, float(np.abs(true).max()))
-        ]
+        true, words = truth(case, channel, "", signal.time), DRIVES[scene.driver_kind is DriverKind.CRANK]
+        figure = ScriptFigure(*words, (channel.value,))
+        yield [_Curve(figure, signal.time, signal.values, true, float(np.abs(true).max()))]
         return
     true = np.stack([truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
     for columns, unit in zip(((0, 1), (2,)), UNITS[channel], strict=True):
         peak = float(np.abs(true[..., columns]).max())
         yield [
-            (
-                ScriptFigure(
-                    f"{channel} of {body.name}, {('x', 'y', 'angle')[column]}", unit, channel, (number, column)
-                ),
+            _Curve(
+                ScriptFigure(f"{channel} of {body.name}, {AXES[column]}", unit, (channel.value,), (number, column)),
                 signal.time, signal.values[:, number, column], true[:, number, column], peak,
             )
             for number, body in enumerate(scene.bodies) for column in columns
@@ -164,11 +172,12 @@ def _forces(case: Case, history: History) -> Iterator[_Curve]:
     sizes = {joint: np.hypot(*values.T) for joint, values in true.items()}
     faint = FAINT_FORCE * max(float(size.max()) for size in sizes.values())
     for joint, signal in signals.items():
-        peak = max(float(sizes[joint].max()), faint)
+        peak, path = max(float(sizes[joint].max()), faint), (Channel.JOINT_FORCE.value, joint)
         if signal.values.ndim == 1:
-            figure = ScriptFigure(f"force in {joint}, size", "N", Channel.JOINT_FORCE, (), joint)
-            yield figure, signal.time, signal.values, sizes[joint], peak
+            yield _Curve(
+                ScriptFigure(f"force in {joint}, size", "N", path), signal.time, signal.values, sizes[joint], peak
+            )
             continue
-        for axis, name in enumerate("xy"):
-            figure = ScriptFigure(f"force in {joint}, {name}", "N", Channel.JOINT_FORCE, (axis,), joint)
-            yield figure, signal.time, signal.values[:, axis], true[joint][:, axis], peak
+        for axis in range(2):
+            figure = ScriptFigure(f"force in {joint}, {AXES[axis]}", "N", path, (axis,))
+            yield _Curve(figure, signal.time, signal.values[:, axis], true[joint][:, axis], peak)

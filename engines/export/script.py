@@ -6,17 +6,19 @@ import sys
 import textwrap
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
+from analytic.description.linkage import DriverKind
 from engines.contract import History
 from engines.export.loads import AT_ANGLE
+from engines.export.loop_script import ScriptFigure
 from engines.export.transcript import Transcript, folded, literal
 from engines.installed import silenced, why_absent
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
-from engines.scene import Channel, Scene
+from engines.scene import Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError
 from engines.stepping.own_units import OwnUnits, restored
@@ -31,7 +33,6 @@ def keep(name, time, values):
         kept.extend(new)
 
 """
-ANGLE = 2  # number of the angle among a body's coordinates
 
 CLOSING = """
 # What {engine} says where it is furthest from the closed form, in SI units.
@@ -47,31 +48,12 @@ for what, unit, name, element, factor, at, exported, true in FIGURES:
 """
 
 
-@dataclass(frozen=True)
-class ScriptFigure:
-    """A figure of a run, SI: what it is, its channel, which element of a sample, and the joint it belongs to.
-
-    ``time`` is the sample's, s; ``read`` what the engine said then, ``true`` what is right.
-    """
-
-    what: str
-    unit: str
-    channel: Channel
-    element: tuple[int, ...] = ()
-    joint: str = ""
-    time: float = 0.0
-    read: float = 0.0
-    true: float = 0.0
-
-    def told(self, units: OwnUnits | None) -> str:
-        """The figure as a line of a script whose samples are in these units."""
-        is_angle = (
-            self.channel in (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION) and self.element[-1] == ANGLE
-        )
-        kind = "force" if self.joint else self.channel.value
-        factor = 1.0 if is_angle or units is None else units.unit(kind)
-        name = FORCE + self.joint if self.joint else self.channel.value
-        return row((self.what, self.unit, name, self.element, factor, self.time, self.read, self.true))
+def told(figure: ScriptFigure, units: OwnUnits | None) -> str:
+    """The figure as a line of a script whose samples are in these units."""
+    channel, *joint = figure.signal
+    name = FORCE + joint[0] if joint else channel
+    factor = figure.factor(units, DriverKind.CRANK)
+    return row((figure.what, figure.unit, name, figure.element, factor, figure.time, figure.read, figure.true))
 
 
 def row(values: object, key: str = "") -> str:
@@ -117,7 +99,7 @@ def script(
             text = writer.text(given, world, course, followed)
         _forget_imports(engine)
     if shown:
-        ending = CLOSING.format(engine=engine.name, rows="\n".join(figure.told(units) for figure in shown))
+        ending = CLOSING.format(engine=engine.name, rows="\n".join(told(figure, units) for figure in shown))
     imports, lines, rest = transcript.source(world, text)
     return "\n".join(
         [

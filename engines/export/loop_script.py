@@ -1,0 +1,147 @@
+"""A run of one pass as a script: the source of the engine's loop, its model and course as data, and their figures.
+
+Names of a linkage are data in it: every text is written by ``repr``.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import replace
+from importlib import import_module
+from pprint import pformat
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from analytic.description.linkage import DriverKind
+from engines.contract import History
+from engines.installed import silenced, why_absent
+from engines.mechanics.start_check import ability_obstacle, data_obstacle
+from engines.scene import Scene
+from engines.stepping.cost import Cost
+from engines.stepping.driver import DivergedError, UnsupportedError
+from engines.stepping.loop_engine import LoopEngine, plain, plain_course
+from engines.stepping.own_units import OwnUnits, restored
+
+WIDTH = 118
+OURS = {"linkproof", "analytic", "engines", "comparisons", "reports"}
+ANGLE = 2  # number of the angle among a body's coordinates
+RUN = """
+try:
+    samples = follow(build(MODEL), COURSE)
+except ArithmeticError as error:
+    raise SystemExit(str(error)) from error
+show_figures(ENGINE, samples, FIGURES)
+"""
+
+
+class ScriptFigure(NamedTuple):
+    """A figure of a run, SI: what it is, its unit, its channel and joint, and which element of a sample.
+
+    ``time`` is the sample's, s; ``read`` the engine's value then, ``true`` the closed form's.
+    """
+
+    what: str
+    unit: str
+    signal: tuple[str, ...]
+    element: tuple[int, ...] = ()
+    time: float = 0.0
+    read: float = 0.0
+    true: float = 0.0
+
+    def factor(self, units: OwnUnits | None, driver: DriverKind) -> float:
+        """Unit of the script's samples in SI."""
+        kind, *joint = self.signal
+        if units is None or (kind not in ("torque", "joint_force") and self.element[-1] == ANGLE):
+            return 1.0
+        return units.unit("force" if joint or (kind == "torque" and driver is not DriverKind.CRANK) else kind)
+
+
+def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, ...]]) -> None:
+    """Print where the engine is furthest from the closed form, in SI units."""
+    print(f"{'':44}{'time, s':>9}{engine:>20}{'when exported':>20}{'closed form':>20}{'difference':>12}")  # noqa: T201
+    for what, unit, (channel, *joint), element, at, exported, true, factor in figures:
+        time, values = map(np.asarray, samples[channel][joint[0]] if joint else samples[channel])
+        read = float(values[(np.argmin(np.abs(time - at)), *element)]) * factor
+        row = f"{what + ', ' + unit:44}{at:9.6f}{read:20.12g}{exported:20.12g}{true:20.12g}{read - true:12.1e}"
+        print(row)  # noqa: T201
+
+
+def script(
+    engine: LoopEngine[Any],
+    scene: Scene,
+    recipe: Any,  # noqa: ANN401 - the engine's
+    about: str,
+    figures: Callable[[History], Sequence[ScriptFigure]],
+) -> str:
+    """The script of one run; ``about`` says what it is, ``figures`` what of its history it shows at its end.
+
+    Raises UnsupportedError in a sentence for what cannot be exported.
+    """
+    reason = (
+        why_absent(engine.package, engine.name, engine.oldest)
+        or ability_obstacle(scene, engine.abilities)
+        or data_obstacle(scene, massless=engine.abilities.massless)
+        or engine.refusal(scene)
+    )
+    if reason is not None:
+        raise UnsupportedError(reason)
+    given, units, (course, *more) = engine.planned(scene, recipe, Cost())
+    if more:
+        raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
+    docstring, source = _alone(engine.loop)
+    shown: Sequence[ScriptFigure] = ()
+    with silenced() if engine.chatters else nullcontext():
+        world = engine.build(given, recipe)
+        try:
+            history = engine.follow(world, replace(course, cost=Cost()))
+            shown = figures(restored(history, units, scene.driver_kind) if units else history)
+        except DivergedError as error:
+            about += f"\nIt does not get to its end: {error}"
+    data = {
+        "ENGINE": engine.name,
+        "MODEL": engine.model(given, recipe),
+        "COURSE": plain_course(course),
+        "FIGURES": [(*figure, figure.factor(units, scene.driver_kind)) for figure in shown],
+    }
+    written = [
+        f"{name} = {pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)}" for name, value in data.items()
+    ]
+    parts = [pformat(f"{about}\n\n{docstring}"), source, *written, "", _bare(inspect.getsource(show_figures)), RUN]
+    return "\n".join(parts)
+
+
+def _alone(loop: str) -> tuple[str, str]:
+    """Docstring and source of a loop, which has to do without linkproof."""
+    source = inspect.getsource(import_module(loop))
+    module = ast.parse(source)
+    for node in ast.walk(module):
+        if not isinstance(node, (ast.Import, ast.ImportFrom)):
+            continue
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
+        if getattr(node, "level", 0) or OURS & {name.partition(".")[0] for name in names}:
+            raise UnsupportedError(
+                f"line {node.lineno} of its loop '{loop}' imports a part of linkproof or of its own package, "
+                "which a script does not have"
+            )
+    docstring = ast.get_docstring(module)
+    rest = source.splitlines()[module.body[0].end_lineno or 0 :] if docstring else source.splitlines()
+    return docstring or "", _bare("\n".join(rest))
+
+
+def _bare(source: str) -> str:
+    """A source without remarks for linters."""
+    return re.sub(r"  # noqa.*", "", source)
+
+
+def _units_in_words(units: OwnUnits | None) -> str:
+    if units is None:
+        return "Units: m, kg, s, rad and what follows from them."
+    return (
+        f"Units: the length is {units.length!r} m, the mass {units.mass!r} kg; s and rad. So a force is "
+        f"{units.unit('force')!r} N, a torque or a moment of inertia {units.unit('torque')!r} N m or kg m2."
+    )
