@@ -77,7 +77,7 @@ class World:
             name: readers[name]() if name in readers else self.kinematics(KINEMATICS.index(name)) for name in channels
         }
 
-    def control(self, segment: tuple[float, tuple[float, ...]] | None) -> Callable[[Any, Any], None] | None:
+    def control(self, segment: tuple[float, list[float]] | None) -> Callable[[Any, Any], None] | None:
         """What is called at every stage: the drive's reference acceleration and the loads; None if nothing is to do.
 
         The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the constraints' time constant.

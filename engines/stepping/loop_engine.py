@@ -80,7 +80,7 @@ def plain_course(course: Course[Any]) -> dict[str, Any]:
             "end": part.end,
             "samples": part.samples,
             "after_jump": part.after_jump,
-            "segment": part.segment and (part.segment.start, part.segment.coefficients),
+            "segment": part.segment and (part.segment.start, [*map(float, part.segment.coefficients)]),
         }
         for part in course.parts
     ]
