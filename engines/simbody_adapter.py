@@ -25,6 +25,7 @@ from engines.scene import (
     LOADS,
     Body,
     Channel,
+    Cylinder,
     Free,
     PinJoint,
     PointSpring,
