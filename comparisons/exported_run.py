@@ -23,14 +23,12 @@ from comparisons.stress.cells import SETTINGS
 from comparisons.stress.scenes import case as case_of
 from comparisons.stress.scenes import scene as scene_of
 from engines.contract import Engine, History, Setting
-from engines.export import loop_script
-from engines.export.loop_script import ScriptFigure
-from engines.export.script import script
+from engines.export.script import ScriptFigure, script
 from engines.registry import engine, why_unavailable
-from engines.scene import Channel, Free, Scene
+from engines.scene import Channel, Scene
 from engines.stepping.driver import UnsupportedError
 from engines.stepping.loop_engine import LoopEngine
-from engines.stepping.stepped_engine import Recipe, SteppedEngine
+from engines.stepping.stepped_engine import Recipe
 
 Array = NDArray[np.float64]
 
@@ -48,23 +46,13 @@ def exported(case: Case, name: str, setting: Setting, command: str) -> str:
 
     Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
     """
-    adapter, scene = _stepped(engine(name)), case.scene(frozenset(Channel))
-    if not isinstance(adapter, LoopEngine) and scene.driver_kind is not DriverKind.CRANK:
-        raise LinkproofError(
-            f"expected a linkage that a crank drives, got a {scene.driver_kind}, which scripts do not have: "
-            "export another linkage"
-        )
-    if not isinstance(adapter, LoopEngine) and isinstance(scene.drive, Free) and scene.drive.over_time is not None:
-        raise LinkproofError(
-            f"expected a crank torque that is constant or over the angle, got one over time in '{case.motion.regime}', "
-            "which scripts do not have: export another regime"
-        )
+    adapter, scene = _exportable(name), case.scene(frozenset(Channel))
     return _script(adapter, scene, case, _recipe(adapter, scene, setting), f"setting {setting}. Written by: {command}")
 
 
 def exported_cell(cell: Cell, command: str) -> str:
     """The script of a cell of a stress map; raises LinkproofError for what cannot be exported."""
-    adapter, conditions = _stepped(engine(cell.engine)), axes()[cell.axis].conditions(cell.row, cell.value)
+    adapter, conditions = _exportable(cell.engine), axes()[cell.axis].conditions(cell.row, cell.value)
     case = case_of(conditions)
     scene = scene_of(conditions, case)
     if cell.usage in SETTINGS:
@@ -76,14 +64,17 @@ def exported_cell(cell: Cell, command: str) -> str:
     return _script(adapter, scene, case, recipe, f"{usage}. Written by: {command}")
 
 
-def _stepped(adapter: Engine) -> SteppedEngine[object, Recipe]:
+def _exportable(name: str) -> LoopEngine[Recipe]:
+    adapter = engine(name)
     reason = why_unavailable(adapter)
-    if reason is None and isinstance(adapter, SteppedEngine):
+    if reason is None and isinstance(adapter, LoopEngine):
         return adapter
-    raise LinkproofError(reason or f"expected an engine that takes steps, got '{adapter.name}': export another")
+    raise LinkproofError(
+        reason or f"expected an engine whose loop is a module of its own (a LoopEngine), got '{name}': export another"
+    )
 
 
-def _recipe(adapter: SteppedEngine[object, Recipe], scene: Scene, setting: Setting) -> Recipe:
+def _recipe(adapter: LoopEngine[Recipe], scene: Scene, setting: Setting) -> Recipe:
     recipes = adapter.settings.get(type(scene.drive), {})
     if setting not in recipes:
         offered = ", ".join(recipes) or "none"
@@ -91,15 +82,11 @@ def _recipe(adapter: SteppedEngine[object, Recipe], scene: Scene, setting: Setti
     return recipes[setting]
 
 
-def _script(adapter: SteppedEngine[object, Recipe], scene: Scene, case: Case, recipe: Recipe, how: str) -> str:
+def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recipe, how: str) -> str:
     linkage = case.mechanism.linkage
     about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {how}"
     with blamed_on(cast(Engine, adapter)):
         try:
-            if isinstance(adapter, LoopEngine):
-                return loop_script.script(
-                    adapter, scene, recipe, about, lambda history: worst_figures(case, scene, history)
-                )
             return script(adapter, scene, recipe, about, lambda history: worst_figures(case, scene, history))
         except UnsupportedError as error:
             reason = str(error)
