@@ -13,6 +13,7 @@ import tomlkit
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
+from comparisons.conformance.samples import case as sample_case
 from comparisons.exported_run import exported, exported_cell
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.cells import find_cell
@@ -20,7 +21,15 @@ from engines.contract import Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel
 from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.swinging import double_rocker_text
 
+SWITCHED = """
+[regimes.switched]
+torque = [0.0, 1.0, -1.0]
+time = [0.01, 0.02, 0.04]
+start_angle = 30
+duration = 0.05
+"""
 # Without its user's environment, and without us wherever we are installed.
 ALONE = """
 import runpy, sys
@@ -33,10 +42,12 @@ np.savez("samples.npz", **{f"{name}/{n}": np.array(v) for name, pair in samples.
 
 
 def _case(linkage, regime):
-    found = mechanism(linkage)
+    if regime == "sample":
+        return sample_case(linkage)
+    found = from_text(double_rocker_text(regimes=SWITCHED)) if regime == "switched" else mechanism(linkage)
     own = [each for each in found.linkage.regimes if each.name == regime]
     return (
-        own_case(found, replace(own[0], duration=0.4))
+        own_case(found, replace(own[0], duration=min(0.4, own[0].duration)))
         if own
         else Case(found, crank_motion(regime, ramp_time=0.12, hold_time=0.03))
     )
@@ -66,6 +77,9 @@ def _run_alone(text, folder):
     ("simbody", "force-over-angle", "run-up", "tuned"),
     ("simbody", "spring-and-damper", "run-up-quintic", "naive"),
     ("simbody", "slotted-takeup", "driven", "tuned"),
+    *((name, "cylinder", "sample", "tuned") for name in ("exudyn", "mujoco", "ondsel", "pymunk", "simbody")),
+    ("exudyn", "driven slider", "sample", "naive"),
+    *((name, "double-rocker", "switched", "tuned") for name in ("exudyn", "mujoco", "pymunk", "simbody")),
 ])  # fmt: skip
 def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, setting, tmp_path):
     adapter, case = engine(name), _case(linkage, regime)
