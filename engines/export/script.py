@@ -15,19 +15,16 @@ from importlib import import_module
 from pprint import pformat
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from analytic.description.linkage import DriverKind
 from engines.contract import History
-from engines.installed import silenced, why_absent
-from engines.mechanics.start_check import ability_obstacle, data_obstacle
+from engines.installed import silenced
 from engines.scene import Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError
 from engines.stepping.loop_engine import LoopEngine, plain, plain_course
 from engines.stepping.own_units import OwnUnits, restored
 
-WIDTH = 118
+WIDTH = 130  # a docstring's line of 120 characters stays one
 OURS = {"linkproof", "analytic", "engines", "comparisons", "reports"}
 ANGLE = 2  # number of the angle among a body's coordinates
 RUN = """
@@ -61,16 +58,6 @@ class ScriptFigure(NamedTuple):
         return units.unit("force" if joint or (kind == "torque" and driver is not DriverKind.CRANK) else kind)
 
 
-def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, ...]]) -> None:
-    """Print where the engine is furthest from the closed form, in SI units."""
-    print(f"{'':44}{'time, s':>9}{engine:>20}{'when exported':>20}{'closed form':>20}{'difference':>12}")  # noqa: T201
-    for what, unit, (channel, *joint), element, at, exported, true, factor in figures:
-        time, values = map(np.asarray, samples[channel][joint[0]] if joint else samples[channel])
-        read = float(values[(np.argmin(np.abs(time - at)), *element)]) * factor
-        row = f"{what + ', ' + unit:44}{at:9.6f}{read:20.12g}{exported:20.12g}{true:20.12g}{read - true:12.1e}"
-        print(row)  # noqa: T201
-
-
 def script(
     engine: LoopEngine[Any],
     scene: Scene,
@@ -82,18 +69,14 @@ def script(
 
     Raises UnsupportedError in a sentence for what cannot be exported.
     """
-    reason = (
-        why_absent(engine.package, engine.name, engine.oldest)
-        or ability_obstacle(scene, engine.abilities)
-        or data_obstacle(scene, massless=engine.abilities.massless)
-        or engine.refusal(scene)
-    )
+    reason = engine.obstacle(scene)
     if reason is not None:
         raise UnsupportedError(reason)
     given, units, (course, *more) = engine.planned(scene, recipe, Cost())
     if more:
         raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
     docstring, source = _alone(engine.loop)
+    _, closing = _alone("engines.export.figures")
     shown: Sequence[ScriptFigure] = ()
     with silenced() if engine.chatters else nullcontext():
         world = engine.build(given, recipe)
@@ -108,15 +91,18 @@ def script(
         "COURSE": plain_course(course),
         "FIGURES": [(*figure, figure.factor(units, scene.driver_kind)) for figure in shown],
     }
-    written = [
-        f"{name} = {pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)}" for name, value in data.items()
-    ]
-    parts = [pformat(f"{about}\n\n{docstring}"), source, *written, "", _bare(inspect.getsource(show_figures)), RUN]
-    return "\n".join(parts)
+    head = _written(f"{about}\n\n{_units_in_words(units)}\n\n{docstring}")
+    rows = [f"{name} = {_written(value)}" for name, value in data.items()]
+    return "\n".join([head, source, closing, "", "", *rows, RUN])
+
+
+def _written(value: object) -> str:
+    """Data as source, whatever text is in it."""
+    return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
 
 def _alone(loop: str) -> tuple[str, str]:
-    """Docstring and source of a loop, which has to do without linkproof."""
+    """Docstring and source of a module that has to do without linkproof, without remarks for linters."""
     source = inspect.getsource(import_module(loop))
     module = ast.parse(source)
     for node in ast.walk(module):
@@ -130,12 +116,7 @@ def _alone(loop: str) -> tuple[str, str]:
             )
     docstring = ast.get_docstring(module)
     rest = source.splitlines()[module.body[0].end_lineno or 0 :] if docstring else source.splitlines()
-    return docstring or "", _bare("\n".join(rest))
-
-
-def _bare(source: str) -> str:
-    """A source without remarks for linters."""
-    return re.sub(r"  # noqa.*", "", source)
+    return docstring or "", re.sub(r"  # noqa.*", "", "\n".join(rest))
 
 
 def _units_in_words(units: OwnUnits | None) -> str:
