@@ -91,12 +91,12 @@ def script(
         "COURSE": plain_course(course),
         "FIGURES": [(*figure, figure.factor(units, scene.driver_kind)) for figure in shown],
     }
-    head = _written(f"{about}\n\n{_units_in_words(units)}\n\n{docstring}")
-    rows = [f"{name} = {_written(value)}" for name, value in data.items()]
+    head = written(f"{about}\n\n{_units_in_words(units)}\n\n{docstring}")
+    rows = [f"{name} = {written(value)}" for name, value in data.items()]
     return "\n".join([head, source, closing, "", "", *rows, RUN])
 
 
-def _written(value: object) -> str:
+def written(value: object) -> str:
     """Data as source, whatever text is in it."""
     return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
