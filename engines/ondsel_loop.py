@@ -70,6 +70,7 @@ def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
         values = {
             name: np.array([[rows[f"/{NAME}/{each.name}", label] for label in labels] for each in model.parts])
             for name, labels in KINEMATICS.items()
+            if name == "position" or name in samples
         }
         for each, pose in zip(model.parts, values["position"][:, :, part["samples"]].tolist(), strict=True):
             place(each, *pose)

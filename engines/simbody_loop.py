@@ -27,9 +27,9 @@ def vector(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN4
     return opensim.Vec3(float(x), float(y), float(z))
 
 
-def plane(space: Any, factor: float = 1.0) -> Array:  # noqa: ANN401
+def plane(space: Any, factor: float = 1.0) -> tuple[float, float]:  # noqa: ANN401
     """What of a vector is in the plane."""
-    return np.array([factor * space.get(0), factor * space.get(1)])
+    return factor * space.get(0), factor * space.get(1)
 
 
 class World:
@@ -90,11 +90,11 @@ class World:
             self.cuts.append(opensim.PointOnLineConstraint(*line, self.frames[first], on_first))
         self.model.addConstraint(self.cuts[-1])
 
-    def force(self, number: int, sign: float, state: Any) -> Array:  # noqa: ANN401
+    def force(self, number: int, sign: float, state: Any) -> tuple[float, float]:  # noqa: ANN401
         """The force that a joint of the tree exerts on its body or, with the other sign, on the parent."""
         return plane(self.joints[number].calcReactionOnParentExpressedInGround(state).get(1), sign)
 
-    def cut_force(self, number: int, state: Any) -> Array:  # noqa: ANN401
+    def cut_force(self, number: int, state: Any) -> tuple[float, float]:  # noqa: ANN401
         """On the first body of a cut: its constraint tells minus this in the axes of what carries both its bodies."""
         cut, row = (
             self.given["cuts"][number],
@@ -110,25 +110,26 @@ class World:
             reaction = self.joints[number].calcReactionOnParentExpressedInGround(state)
             return float(-reaction.get(0).get(2))
         host = self.frames[self.given["bodies"][number]["parent"]]
-        return float(self.force(number, sign, state) @ plane(host.expressVectorInGround(state, vector(*along))))
+        line = plane(host.expressVectorInGround(state, vector(*along)))
+        return float(np.dot(self.force(number, sign, state), line))
 
-    def joint_forces(self, state: Any) -> Array:  # noqa: ANN401
+    def joint_forces(self, state: Any) -> list[Any]:  # noqa: ANN401
         """On the first bodies of the joints; of a driven slider's, what is across its guide."""
-        forces = []
+        forces = list[Any]()
         for is_cut, number, sign, normal in self.given["joints"].values():
             force = self.cut_force(number, state) if is_cut else self.force(number, sign, state)
-            forces.append(force if normal is None else np.multiply(normal, force @ normal))
-        return np.array(forces)
+            forces.append(force if normal is None else np.multiply(normal, np.dot(force, normal)))
+        return forces
 
-    def kinematics(self, channel: str, state: Any) -> Array:  # noqa: ANN401
+    def kinematics(self, channel: str, state: Any) -> list[tuple[float, ...]]:  # noqa: ANN401
         """Rows x, y, angle or their rates; an angle is a sum of coordinates, and so unwrapped."""
         place, rate = KINEMATICS[channel]
-        rows = []
+        rows = list[tuple[float, ...]]()
         for body, turning, angle in self.given["read"]:
             turns = (getattr(self.coordinates[number], rate)(state) for number in turning)
             base = angle if channel == "position" else 0.0
-            rows.append([*plane(getattr(self.frames[body], place)(state)), sum(turns, base)])
-        return np.array(rows)
+            rows.append((*plane(getattr(self.frames[body], place)(state)), sum(turns, base)))
+        return rows
 
     def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401
         """What is to be recorded in a state."""

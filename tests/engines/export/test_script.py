@@ -117,7 +117,7 @@ NAMES = ("O1", "O2", "A", "B", "C", "D", "crank", "rod", "rocker", "link", "need
 HOSTILE = (  # as many times as there are names
     f'""";{CODE};"""', f"\'\'\';{CODE};\'\'\'", f'");{CODE};("', f"');{CODE};('", f'\\";{CODE};\\"', f"#\u2028{CODE}",
     f"{{{CODE}}}", f"#\ufeff{CODE}", "ends in \\", "a, \"b', c" * 30, "long, " * 500,
-    '""', "'", "\ue0003\ue001", "<a b='1'/>", "\\x00\\N{BELL}", "# -*- coding: utf-7 -*-", "\u202eright to left", "inf",
+    '""', "'", "\ue0003\ue001", "<a b='1'/>", "\\x00\\N{BELL}", "# -*- coding: utf-7 -*-", "e\u0301", "inf",
     " ", "{0}{name}{", "\u200b%s\\",
 )  # fmt: skip
 
