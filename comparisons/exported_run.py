@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,10 @@ from comparisons.stress.scenes import scene as scene_of
 from engines.contract import Engine, History, Setting
 from engines.export.script import ScriptFigure, script
 from engines.registry import engine, why_unavailable
-from engines.scene import Channel, Free, Scene
+from engines.scene import Channel, Scene
 from engines.stepping.driver import UnsupportedError
-from engines.stepping.stepped_engine import Recipe, SteppedEngine
+from engines.stepping.loop_engine import LoopEngine
+from engines.stepping.stepped_engine import Recipe
 
 Array = NDArray[np.float64]
 
@@ -36,6 +37,8 @@ UNITS = {
     Channel.VELOCITY: ("m/s", "rad/s"),
     Channel.ACCELERATION: ("m/s2", "rad/s2"),
 }
+AXES = ("x", "y", "angle")
+DRIVES = (("drive force", "N"), ("drive torque", "N m"))  # of a linear drive, of a crank
 
 
 def exported(case: Case, name: str, setting: Setting, command: str) -> str:
@@ -43,23 +46,13 @@ def exported(case: Case, name: str, setting: Setting, command: str) -> str:
 
     Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
     """
-    adapter, scene = _stepped(engine(name)), case.scene(frozenset(Channel))
-    if scene.driver_kind is not DriverKind.CRANK:
-        raise LinkproofError(
-            f"expected a linkage that a crank drives, got a {scene.driver_kind}, which scripts do not have: "
-            "export another linkage"
-        )
-    if isinstance(scene.drive, Free) and scene.drive.over_time is not None:
-        raise LinkproofError(
-            f"expected a crank torque that is constant or over the angle, got one over time in '{case.motion.regime}', "
-            "which scripts do not have: export another regime"
-        )
+    adapter, scene = _exportable(name), case.scene(frozenset(Channel))
     return _script(adapter, scene, case, _recipe(adapter, scene, setting), f"setting {setting}. Written by: {command}")
 
 
 def exported_cell(cell: Cell, command: str) -> str:
     """The script of a cell of a stress map; raises LinkproofError for what cannot be exported."""
-    adapter, conditions = _stepped(engine(cell.engine)), axes()[cell.axis].conditions(cell.row, cell.value)
+    adapter, conditions = _exportable(cell.engine), axes()[cell.axis].conditions(cell.row, cell.value)
     case = case_of(conditions)
     scene = scene_of(conditions, case)
     if cell.usage in SETTINGS:
@@ -71,14 +64,17 @@ def exported_cell(cell: Cell, command: str) -> str:
     return _script(adapter, scene, case, recipe, f"{usage}. Written by: {command}")
 
 
-def _stepped(adapter: Engine) -> SteppedEngine[object, Recipe]:
+def _exportable(name: str) -> LoopEngine[Recipe]:
+    adapter = engine(name)
     reason = why_unavailable(adapter)
-    if reason is None and isinstance(adapter, SteppedEngine):
+    if reason is None and isinstance(adapter, LoopEngine):
         return adapter
-    raise LinkproofError(reason or f"expected an engine that takes steps, got '{adapter.name}': export another")
+    raise LinkproofError(
+        reason or f"expected an engine whose loop is a module of its own (a LoopEngine), got '{name}': export another"
+    )
 
 
-def _recipe(adapter: SteppedEngine[object, Recipe], scene: Scene, setting: Setting) -> Recipe:
+def _recipe(adapter: LoopEngine[Recipe], scene: Scene, setting: Setting) -> Recipe:
     recipes = adapter.settings.get(type(scene.drive), {})
     if setting not in recipes:
         offered = ", ".join(recipes) or "none"
@@ -86,7 +82,7 @@ def _recipe(adapter: SteppedEngine[object, Recipe], scene: Scene, setting: Setti
     return recipes[setting]
 
 
-def _script(adapter: SteppedEngine[object, Recipe], scene: Scene, case: Case, recipe: Recipe, how: str) -> str:
+def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recipe, how: str) -> str:
     linkage = case.mechanism.linkage
     about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {how}"
     with blamed_on(cast(Engine, adapter)):
@@ -102,55 +98,54 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigu
 
     A channel without a truth at some instant, as in a dead position, has none.
     """
-    found = []
+    figures = []
     for channel in Channel:
         with suppress(LinkproofError):
-            found += [_worst(case, curves) for curves in _by_kind(case, scene, history, channel)]
-    return found
+            figures += [_worst(case, curves) for curves in _by_kind(case, scene, history, channel)]
+    return figures
+
+
+class _Curve(NamedTuple):
+    """A figure without its instant; times, values and true values (n,), and the peak of its kind."""
+
+    figure: ScriptFigure
+    time: Array
+    values: Array
+    true: Array
+    peak: float
+
+    def error(self, case: Case) -> Array:
+        """Over the peak; none at jumps, where accelerations and forces have two values."""
+        error = np.abs(self.values - self.true) / (self.peak or 1.0)
+        is_smooth = self.figure.signal[0] in (Channel.POSITION, Channel.VELOCITY)
+        return error if is_smooth else np.where(at_jumps(self.time, case), 0.0, error)
 
 
 def _worst(case: Case, curves: list[_Curve]) -> ScriptFigure:
-    errors = [_error(case, curve) for curve in curves]
-    at = max(range(len(errors)), key=lambda number: float(errors[number].max()))
-    figure, time, read, true, _ = curves[at]
-    worst = int(np.argmax(errors[at]))
-    return replace(figure, time=float(time[worst]), read=float(read[worst]), true=float(true[worst]))
-
-
-# A figure without its instant; times, what was read, what is true (n,); the peak of its kind.
-_Curve = tuple[ScriptFigure, Array, Array, Array, float]
-
-
-def _error(case: Case, curve: _Curve) -> Array:
-    figure, time, read, true, peak = curve
-    error = np.abs(read - true) / (peak or 1.0)
-    return (
-        error if figure.channel in (Channel.POSITION, Channel.VELOCITY) else np.where(at_jumps(time, case), 0.0, error)
-    )
+    errors = [curve.error(case) for curve in curves]
+    number = max(range(len(errors)), key=lambda number: float(errors[number].max()))
+    curve, at = curves[number], int(np.argmax(errors[number]))
+    values = {name: float(getattr(curve, name)[at]) for name in ("time", "values", "true")}
+    return curve.figure._replace(time=values["time"], read=values["values"], true=values["true"])
 
 
 def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
-    if channel is Channel.JOINT_FORCE:
-        if history.joint_force:
-            yield list(_forces(case, history))
-        return
-    signal = getattr(history, channel.value)
+    signal = None if channel is Channel.JOINT_FORCE else getattr(history, channel.value)
+    if channel is Channel.JOINT_FORCE and history.joint_force:
+        yield list(_forces(case, history))
     if signal is None:
         return
     if channel is Channel.TORQUE:
-        true = truth(case, channel, "", signal.time)
-        yield [
-            (ScriptFigure("drive torque", "N m", channel), signal.time, signal.values, true, float(np.abs(true).max()))
-        ]
+        true, words = truth(case, channel, "", signal.time), DRIVES[scene.driver_kind is DriverKind.CRANK]
+        figure = ScriptFigure(*words, (channel.value,))
+        yield [_Curve(figure, signal.time, signal.values, true, float(np.abs(true).max()))]
         return
     true = np.stack([truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
     for columns, unit in zip(((0, 1), (2,)), UNITS[channel], strict=True):
         peak = float(np.abs(true[..., columns]).max())
         yield [
-            (
-                ScriptFigure(
-                    f"{channel} of {body.name}, {('x', 'y', 'angle')[column]}", unit, channel, (number, column)
-                ),
+            _Curve(
+                ScriptFigure(f"{channel} of {body.name}, {AXES[column]}", unit, (channel.value,), (number, column)),
                 signal.time, signal.values[:, number, column], true[:, number, column], peak,
             )
             for number, body in enumerate(scene.bodies) for column in columns
@@ -164,11 +159,12 @@ def _forces(case: Case, history: History) -> Iterator[_Curve]:
     sizes = {joint: np.hypot(*values.T) for joint, values in true.items()}
     faint = FAINT_FORCE * max(float(size.max()) for size in sizes.values())
     for joint, signal in signals.items():
-        peak = max(float(sizes[joint].max()), faint)
+        peak, path = max(float(sizes[joint].max()), faint), (Channel.JOINT_FORCE.value, joint)
         if signal.values.ndim == 1:
-            figure = ScriptFigure(f"force in {joint}, size", "N", Channel.JOINT_FORCE, (), joint)
-            yield figure, signal.time, signal.values, sizes[joint], peak
+            yield _Curve(
+                ScriptFigure(f"force in {joint}, size", "N", path), signal.time, signal.values, sizes[joint], peak
+            )
             continue
-        for axis, name in enumerate("xy"):
-            figure = ScriptFigure(f"force in {joint}, {name}", "N", Channel.JOINT_FORCE, (axis,), joint)
-            yield figure, signal.time, signal.values[:, axis], true[joint][:, axis], peak
+        for axis in range(2):
+            figure = ScriptFigure(f"force in {joint}, {AXES[axis]}", "N", path, (axis,))
+            yield _Curve(figure, signal.time, signal.values[:, axis], true[joint][:, axis], peak)

@@ -9,7 +9,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module, metadata
-from tempfile import TemporaryDirectory
 
 
 def installed_version(name: str) -> str | None:
@@ -81,17 +80,3 @@ def silenced() -> Iterator[None]:
         for stream, copy in kept:
             os.dup2(copy, stream)
             os.close(copy)
-
-
-@contextmanager
-def own_folder() -> Iterator[None]:
-    """A folder for temporary files of this process and what it starts, for an engine that gives them fixed names."""
-    before = os.environ.get("TMPDIR")
-    with TemporaryDirectory() as folder:
-        os.environ["TMPDIR"] = folder
-        try:
-            yield
-        finally:
-            del os.environ["TMPDIR"]
-            if before is not None:
-                os.environ["TMPDIR"] = before

@@ -18,31 +18,22 @@ set by the callback: before version 4.0 ``cfrc_int`` leaves out what MuJoCo's ow
 from __future__ import annotations
 
 import cmath
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial, reduce
 from itertools import product
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-import numpy as np
-
-from analytic.description.crank_motion import Segment, derivative
 from analytic.description.linkage import GROUND, DriverKind
-from engines.contract import Abilities, Array, History, ReadOut, Setting
+from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.cylinder_links import cylinder_as_links
-from engines.mechanics.driver import across_guide
 from engines.mechanics.joints import scene_size
-from engines.mechanics.loads import instant_pushes
 from engines.mechanics.spanning_tree import AT_REST, Branch, ends, slots_as_blocks, spanning_tree
+from engines.mechanics.states import body_numbers
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene, SliderJoint
-from engines.stepping.driver import DivergedError, UnsupportedError
-from engines.stepping.intervals import Interval
-from engines.stepping.recording import State, recorded
-from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
+from engines.stepping.loop_engine import LoopEngine, plain_law
+from engines.stepping.stepped_engine import Recipe
 
-HARDER = 1e-7  # of the inverse weights
-PLANE = np.array([1.0, 1j, 0.0])  # vectors of space as complex numbers
 KINEMATICS = {Channel.POSITION: "framepos", Channel.VELOCITY: "framelinvel", Channel.ACCELERATION: "framelinacc"}
 
 
@@ -64,46 +55,67 @@ EXPERT = MujocoRecipe(steps_per_turn=200, ratios=(5,))
 FREE = MujocoRecipe(steps_per_turn=100, ratios=(6,))
 
 
-class MujocoWorld:
-    """A scene in MuJoCo's own language, compiled, in its start state.
+class MujocoModel:
+    """A scene in MuJoCo's own language.
 
-    A body and the hinge or slide that carries it have one name. ``numbers`` are those of the scene's bodies and the
-    ground, ``driven`` is the body whose hinge or slide is driven and ``crank`` its number; ``readers`` give a channel
-    at the present instant.
+    A body and the hinge or slide that carries it have one name. ``driven`` is the body whose hinge or slide is driven.
     """
 
     def __init__(self, scene: Scene, recipe: MujocoRecipe) -> None:
-        import mujoco
-
         share = 1e-9 if recipe.settle else 1e-2  # a block's of the lightest body; no mass may be below 1e-15
         light = max(1e-14, share * min(body.mass for body in scene.bodies))
         blocked = cylinder_as_links(slots_as_blocks(scene, light), light)
         self.driven = blocked.crank
         self.scene, self.tree = scene, spanning_tree(blocked)
-        self.joints, self.warnings = [joint.name for joint in (*scene.pins, *scene.guided)], list[str]()
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
-        try:
-            self.model = model = mujoco.MjModel.from_xml_string(tostring(self.written(recipe), encoding="unicode"))
-        except ValueError as error:
-            raise UnsupportedError(f"MuJoCo takes no such model: {error}") from error
-        self.data = data = mujoco.MjData(model)
-        self.crank, self.numbers = model.joint(self.driven).id, [*(model.body(b.name).id for b in scene.bodies), 0]
-        if scene.driver_kind is not DriverKind.CRANK:  # a rod without a weight to speak of would make its drive as soft
-            model.dof_invweight0[self.crank] = model.body_invweight0[self.numbers[:-1], 0].min()
-        if recipe.settle:
-            model.opt.tolerance, model.opt.iterations = 0.0, 2  # the second is for the rounding of the first
-            lightest = model.body_invweight0[self.numbers].max(axis=0)
-            model.body_invweight0[:] = HARDER * np.minimum(model.body_invweight0, lightest)  # blocks weigh nothing
-            model.dof_invweight0[:] *= HARDER
+
+    def described(self, recipe: MujocoRecipe) -> dict[str, Any]:
+        """The model in plain data: its XML, and what XML does not have."""
+        scene, tree, numbers = self.scene, self.tree, body_numbers(self.scene)
+        drive = scene.drive
+        timed = drive.over_time if isinstance(drive, Free) else None
+        loads = [(numbers[load.body], complex(*load.anchor), plain_law(load.force)) for load in scene.forces]
+        return {
+            "xml": tostring(self.written(recipe), encoding="unicode"),
+            "settle": recipe.settle,
+            "driven": self.driven,
+            "is_linear": scene.driver_kind is not DriverKind.CRANK,
+            "start": scene.crank_angle,
+            "torque": drive.torque if isinstance(drive, Free) else 0.0,
+            "torque_over_time": timed and (timed.times, timed.torque),
+            "gravity": scene.gravity,
+            "bodies": {body.name: (body.angle, sorted(tree.hinges(body.name))) for body in scene.bodies},
+            "speeds": {branch.body.name: self.speed(branch) for branch in tree.branches},
+            "joints": self.joints(),
+            "loads": loads + [(numbers[load.body], 0j, plain_law(load.torque)) for load in scene.torques],
+            "springs": [
+                (
+                    numbers[spring.first], complex(*spring.first_anchor), numbers[spring.second],
+                    complex(*spring.second_anchor), spring.stiffness, spring.length, spring.damping,
+                )
+                for spring in scene.springs
+            ],
+        }  # fmt: skip
+
+    def speed(self, branch: Branch) -> float:
+        """Start value of a hinge's or slide's rate."""
+        if isinstance(branch.joint, SliderJoint):
+            return branch.speed
+        return branch.body.angular_velocity - self.bodies[branch.parent].angular_velocity
+
+    def joints(self) -> dict[str, tuple[str, str, float, tuple[float, float] | None]]:
+        """Where the force on every joint's first body is: at a body or an equality, its sign, and along what alone.
+
+        A slot has become the pin of its block; of a driven slider's force, the drive's share is along its guide.
+        """
+        found: dict[str, tuple[str, str, float, tuple[float, float] | None]] = {}
         for branch in self.tree.branches:
-            turning = branch.body.angular_velocity - self.bodies[branch.parent].angular_velocity
-            data.joint(branch.body.name).qvel[:] = branch.speed if isinstance(branch.joint, SliderJoint) else turning
-        data.joint(self.driven).qfrc_applied[:] = scene.drive.torque if isinstance(scene.drive, Free) else 0.0
-        mujoco.mj_forward(model, data)
-        hinges = [self.tree.hinges(body.name) for body in scene.bodies]  # whose angles add up to the body's
-        self.turns = np.array([[model.joint(n).name in own for n in range(model.nv)] for own in hinges], dtype=float)
-        self.readers: dict[Channel, Any] = {c: partial(self.kinematics, n) for n, c in enumerate(KINEMATICS)}
-        self.readers |= {Channel.TORQUE: lambda: float(data.efc_force[0]), Channel.JOINT_FORCE: self.joint_forces}
+            found[branch.name] = ("body", branch.body.name, -1.0 if branch.reverse else 1.0, None)
+        found |= {cut.name: ("equality", cut.name, 1.0, None) for cut in self.tree.cuts}
+        if self.scene.driver_kind is DriverKind.SLIDER:
+            guide = self.scene.driven_slider
+            found[guide.name] = (*found[guide.name][:3], (-guide.along[1], guide.along[0]))
+        return {joint.name: found[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
 
     def written(self, recipe: MujocoRecipe) -> Element:
         """The scene as MuJoCo's XML."""
@@ -146,62 +158,13 @@ class MujocoWorld:
         SubElement(link, "joint", slide if isinstance(branch.joint, SliderJoint) else hinge, name=body.name)
         return link
 
-    def kinematics(self, order: int) -> Array:
-        """Rows x, y, angle of the scene's bodies, or their first or second rates."""
-        data, bodies = self.data, self.scene.bodies
-        frames = data.sensordata.reshape(len(bodies), len(KINEMATICS), 3)[:, order, :2]
-        angles = self.turns @ (data.qpos, data.qvel, data.qacc)[order] + [b.angle * (order == 0) for b in bodies]
-        return np.column_stack([frames + self.scene.gravity if order == 2 else frames, angles])
 
-    def joint_forces(self) -> Array:
-        """On the first bodies of the scene's joints; a slot has become the pin of its block."""
-        model, data, forces = self.model, self.data, {}
-        for branch in self.tree.branches:
-            forces[branch.name] = (1 - 2 * branch.reverse) * data.cfrc_int[model.body(branch.body.name).id, 3:5]
-        if self.scene.driver_kind is DriverKind.SLIDER:  # the drive's share is along the guide
-            guide = self.scene.driven_slider
-            forces[guide.name] = across_guide(guide, forces[guide.name])
-        for cut in self.tree.cuts:
-            forces[cut.name] = data.efc_force[data.efc_id == model.equality(cut.name).id][:2]
-        return np.array([forces[name] for name in self.joints])
-
-    def control(self, segment: Segment | None) -> Callable[[Any, Any], None] | None:
-        """What is called at every stage: the drive's reference acceleration and the loads; None where nothing is to do.
-
-        The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the constraints' time constant.
-        """
-        data, crank, numbers, start = self.data, self.crank, self.numbers, self.scene.crank_angle
-        pushes, roots = instant_pushes(self.scene), self.model.body_rootid[self.numbers]
-        if segment:
-            rate = 1.0 / float(self.model.eq_solref[0, 0])
-            terms = [np.poly1d(derivative(segment.coefficients, order)) for order in range(3)]
-            reference = (terms[2] + 2.0 * rate * terms[1] + rate**2 * (terms[0] - start)).coeffs.tolist()
-
-        drive = self.scene.drive
-        timed = drive.torque_at if isinstance(drive, Free) and drive.over_time is not None else None
-
-        def control(_model: object, stage: Any) -> None:  # noqa: ANN401
-            if segment:
-                x = stage.time - segment.start
-                value = reduce(lambda total, coefficient: total * x + coefficient, reference)
-                stage.efc_aref[0] = value - 2.0 * rate * data.qvel[crank] - rate**2 * data.qpos[crank]
-            if timed:
-                data.qfrc_applied[crank] = timed(stage.time)
-            if pushes:
-                centre, direction = data.xipos[numbers] @ PLANE, data.xmat[numbers][:, [0, 3, 6]] @ PLANE
-                spin, arm = data.cvel[numbers, 2], centre - data.subtree_com[roots] @ PLANE
-                velocity = data.cvel[numbers, 3:] @ PLANE + 1j * spin * arm  # MuJoCo's is at the tree's mass centre
-                state = (each.tolist() for each in (centre, direction, velocity, spin))
-                data.xfrc_applied[np.ix_(numbers, (0, 1, 5))] = pushes(start + data.qpos[crank], *state)
-
-        return control if segment or pushes or timed else None
-
-
-class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
+class MujocoEngine(LoopEngine[MujocoRecipe]):
     """One run through all parts of the motion: the integrators keep nothing of a step that a jump could spoil."""
 
     name = "mujoco"
     package = "mujoco"
+    loop = "engines.mujoco_loop"
     oldest = "3.7"  # the first to count J'q' in a reference acceleration: without it loops bend at every turn
     abilities = Abilities(
         readouts={
@@ -232,37 +195,8 @@ class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
     def refusal(self, scene: Scene) -> str | None:
         return spanning_tree(cylinder_as_links(slots_as_blocks(scene, 1.0), 1.0)).obstacle
 
-    def build(self, scene: Scene, recipe: MujocoRecipe) -> MujocoWorld:
-        return MujocoWorld(scene, recipe)
-
-    def follow(self, world: MujocoWorld, course: Course[MujocoRecipe]) -> History:
-        import mujoco
-
-        mujoco.set_mju_user_warning(world.warnings.append)  # or they go to the terminal and into a file
-        try:
-            return recorded(course.parts, world.joints, partial(_states, world, course))
-        finally:
-            mujoco.set_mjcb_control(None)
-            mujoco.set_mju_user_warning(None)
-
-
-def _states(world: MujocoWorld, course: Course[MujocoRecipe], part: Interval, time: Array) -> Iterator[State]:
-    import mujoco
-
-    model, data, settle = world.model, world.data, course.recipe.settle
-    model.opt.timestep = part.step / course.ratio
-    model.eq_solref[:, 0] = settle * part.step or 0.02  # s, as shipped
-    mujoco.set_mjcb_control(world.control(part.segment))
-    for instant in time.tolist():
-        if instant > part.start:
-            mujoco.mj_step(model, data, nstep=course.ratio)
-        data.time = instant
-        if settle:
-            mujoco.mj_forward(model, data)  # or forces and accelerations are those of the last step's last stage
-        mujoco.mj_rnePostConstraint(model, data)
-        if world.warnings:
-            raise DivergedError(f"MuJoCo warns: {world.warnings[0]}")
-        yield {channel: world.readers[channel]() for channel in course.channels}
+    def model(self, scene: Scene, recipe: MujocoRecipe) -> Mapping[str, Any]:
+        return MujocoModel(scene, recipe).described(recipe)
 
 
 def _plane(vector: complex) -> str:

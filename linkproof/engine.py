@@ -15,11 +15,12 @@ from engines.scene import (
     SlotJoint, TurnDamper,
 )  # fmt: skip
 from engines.stepping.driver import DivergedError, UnsupportedError
+from engines.stepping.loop_engine import LoopEngine, plain_law
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 
 __all__ = [
     "Abilities", "AppliedForce", "AppliedTorque", "Body", "Channel", "Course", "Cylinder", "DivergedError",
-    "DriverKind", "Engine", "Free", "History", "Method", "Origin", "Outcome", "PinJoint", "PointSpring", "Prescribed",
-    "ReadOut", "Recipe", "Run", "Scene", "Setting", "Signal", "SliderJoint", "SlotJoint", "SteppedEngine",
-    "StudiedEngine", "TurnDamper", "UnsupportedError", "parametrize_engine_checks",
+    "DriverKind", "Engine", "Free", "History", "LoopEngine", "Method", "Origin", "Outcome", "PinJoint", "PointSpring",
+    "Prescribed", "ReadOut", "Recipe", "Run", "Scene", "Setting", "Signal", "SliderJoint", "SlotJoint",
+    "SteppedEngine", "StudiedEngine", "TurnDamper", "UnsupportedError", "parametrize_engine_checks", "plain_law",
 ]  # fmt: skip

@@ -1,88 +1,67 @@
-"""A run of one pass as a script that needs the engine alone and ends with its figures beside the closed form's."""
+"""A run of one pass as a script: the source of the engine's loop, its model and course as data, and their figures.
+
+Names of a linkage are data in it: every text is written by ``repr``.
+"""
 
 from __future__ import annotations
 
-import sys
-import textwrap
+import ast
+import inspect
+import re
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
-from importlib.util import find_spec
-from typing import Any
+from pprint import pformat
+from typing import Any, NamedTuple
 
+from analytic.description.linkage import DriverKind
 from engines.contract import History
-from engines.export.loads import AT_ANGLE
-from engines.export.transcript import Transcript, folded, literal
-from engines.installed import silenced, why_absent
-from engines.mechanics.start_check import ability_obstacle, data_obstacle
-from engines.scene import Channel, Scene
+from engines.installed import silenced
+from engines.scene import Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError
+from engines.stepping.loop_engine import LoopEngine, plain, plain_course
 from engines.stepping.own_units import OwnUnits, restored
-from engines.stepping.stepped_engine import Recipe, SteppedEngine
 
-FORCE = "force in "  # before the name of a joint: what a script calls its samples
-KEEP = """samples = {}  # times and values, by channel or joint
-
-
-def keep(name, time, values):
-    for kept, new in zip(samples.setdefault(name, ([], [])), (time, values)):
-        kept.extend(new)
-
-"""
+WIDTH = 130  # a docstring's line of 120 characters stays one
+OURS = {"linkproof", "analytic", "engines", "comparisons", "reports"}
 ANGLE = 2  # number of the angle among a body's coordinates
-
-CLOSING = """
-# What {engine} says where it is furthest from the closed form, in SI units.
-FIGURES = [
-    # what, unit, samples and element of them, their unit in SI, time in s, {engine} when exported, closed form
-{rows}
-]
-print(f"{{'':44}}{{'time, s':>9}}{{'{engine}':>20}}{{'when exported':>20}}{{'closed form':>20}}{{'difference':>12}}")
-for what, unit, name, element, factor, at, exported, true in FIGURES:
-    time, values = map(np.asarray, samples[name])
-    read = float(values[(np.argmin(np.abs(time - at)), *element)]) * factor
-    print(f"{{what + ', ' + unit:44}}{{at:9.6f}}{{read:20.12g}}{{exported:20.12g}}{{true:20.12g}}{{read - true:12.1e}}")
+RUN = """
+try:
+    samples = follow(build(MODEL), COURSE)
+except ArithmeticError as error:
+    raise SystemExit(str(error)) from error
+show_figures(ENGINE, samples, FIGURES)
 """
 
 
-@dataclass(frozen=True)
-class ScriptFigure:
-    """A figure of a run, SI: what it is, its channel, which element of a sample, and the joint it belongs to.
+class ScriptFigure(NamedTuple):
+    """A figure of a run, SI: what it is, its unit, its channel and joint, and which element of a sample.
 
-    ``time`` is the sample's, s; ``read`` what the engine said then, ``true`` what is right.
+    ``time`` is the sample's, s; ``read`` the engine's value then, ``true`` the closed form's.
     """
 
     what: str
     unit: str
-    channel: Channel
+    signal: tuple[str, ...]
     element: tuple[int, ...] = ()
-    joint: str = ""
     time: float = 0.0
     read: float = 0.0
     true: float = 0.0
 
-    def told(self, units: OwnUnits | None) -> str:
-        """The figure as a line of a script whose samples are in these units."""
-        is_angle = (
-            self.channel in (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION) and self.element[-1] == ANGLE
-        )
-        kind = "force" if self.joint else self.channel.value
-        factor = 1.0 if is_angle or units is None else units.unit(kind)
-        name = FORCE + self.joint if self.joint else self.channel.value
-        return row((self.what, self.unit, name, self.element, factor, self.time, self.read, self.true))
-
-
-def row(values: object, key: str = "") -> str:
-    """A line of a table in a script, in several where it is long; ``key`` is that of a dictionary."""
-    return folded("    " + (f"{literal(key)}: " if key else "") + f"{literal(values)},")
+    def factor(self, units: OwnUnits | None, driver: DriverKind) -> float:
+        """Unit of the script's samples in SI."""
+        kind, *joint = self.signal
+        if units is None or (kind not in ("torque", "joint_force") and self.element[-1] == ANGLE):
+            return 1.0
+        return units.unit("force" if joint or (kind == "torque" and driver is not DriverKind.CRANK) else kind)
 
 
 def script(
-    engine: SteppedEngine[Any, Any],
+    engine: LoopEngine[Any],
     scene: Scene,
-    recipe: Recipe,
+    recipe: Any,  # noqa: ANN401 - the engine's
     about: str,
     figures: Callable[[History], Sequence[ScriptFigure]],
 ) -> str:
@@ -90,83 +69,57 @@ def script(
 
     Raises UnsupportedError in a sentence for what cannot be exported.
     """
-    reason = (
-        why_absent(engine.package, engine.name, engine.oldest)
-        or ability_obstacle(scene, engine.abilities)
-        or data_obstacle(scene, massless=engine.abilities.massless)
-        or engine.refusal(scene)
-    )
+    reason = engine.obstacle(scene)
     if reason is not None:
         raise UnsupportedError(reason)
     given, units, (course, *more) = engine.planned(scene, recipe, Cost())
     if more:
         raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
-    transcript, ending = Transcript(engine.package), ""
+    docstring, source = _alone(engine.loop)
+    _, closing = _alone("engines.export.figures")
     shown: Sequence[ScriptFigure] = ()
     with silenced() if engine.chatters else nullcontext():
-        followed = engine.build(given, recipe)
+        world = engine.build(given, recipe)
         try:
-            history = engine.follow(followed, replace(course, cost=Cost()))
-            shown = figures(restored(history, units) if units else history)
+            history = engine.follow(world, replace(course, cost=Cost()))
+            shown = figures(restored(history, units, scene.driver_kind) if units else history)
         except DivergedError as error:
-            ending = f"\n# It does not get to its end: {str(error)!r}\n"
-        writer = _writer(engine)
-        _forget_imports(engine)
-        with transcript.on():
-            world = engine.build(given, recipe)
-            text = writer.text(given, world, course, followed)
-        _forget_imports(engine)
-    if shown:
-        ending = CLOSING.format(engine=engine.name, rows="\n".join(figure.told(units) for figure in shown))
-    imports, lines, rest = transcript.source(world, text)
-    return "\n".join(
-        [
-            literal(f"{_filled(about)}\n\n{_filled(_units_told(units))}\n"),
-            "",
-            "import math",
-            "",
-            "import numpy as np",
-            *imports,
-            "",
-            *([AT_ANGLE] if "at_angle(" in "".join([*lines, rest]) else []),
-            "# The model in its start state.",
-            *lines,
-            "",
-            "# The run.",
-            KEEP,
-            rest.strip("\n"),
-            ending,
-        ]
-    )
+            about += f"\nIt does not get to its end: {error}"
+    data = {
+        "ENGINE": engine.name,
+        "MODEL": engine.model(given, recipe),
+        "COURSE": plain_course(course),
+        "FIGURES": [(*figure, figure.factor(units, scene.driver_kind)) for figure in shown],
+    }
+    head = written(f"{about}\n\n{_units_in_words(units)}\n\n{docstring}")
+    rows = [f"{name} = {written(value)}" for name, value in data.items()]
+    return "\n".join([head, source, closing, "", "", *rows, RUN])
 
 
-def _writer(engine: SteppedEngine[Any, Any]) -> Any:  # noqa: ANN401 - a module
-    """The module here that has the engine's name.
-
-    Its ``text(scene, world, course, followed)`` is that of a pass through a world in the engine's own API. In ``world``
-    stand-ins are in the place of the engine's objects: their text is what the script calls them, and what is done to
-    them becomes lines of the script that come before this text. ``followed`` is such a world without stand-ins that
-    the course has been taken through. The text lets ``keep`` keep times and values by channel or joint, as in
-    ``History``; it raises UnsupportedError for what it cannot hold.
-    """
-    module = f"engines.export.{engine.name}"
-    if find_spec(module) is None:
-        raise UnsupportedError(f"how its steps are written is not known, as there is no {module}")
-    return import_module(module)
+def written(value: object) -> str:
+    """Data as source, whatever text is in it."""
+    return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
 
-def _forget_imports(engine: SteppedEngine[Any, Any]) -> None:
-    """Let an adapter import its engine again that has kept it."""
-    for each in vars(sys.modules[type(engine).__module__]).values():
-        if hasattr(each, "cache_clear"):
-            each.cache_clear()
+def _alone(loop: str) -> tuple[str, str]:
+    """Docstring and source of a module that has to do without linkproof, without remarks for linters."""
+    source = inspect.getsource(import_module(loop))
+    module = ast.parse(source)
+    for node in ast.walk(module):
+        if not isinstance(node, (ast.Import, ast.ImportFrom)):
+            continue
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
+        if getattr(node, "level", 0) or OURS & {name.partition(".")[0] for name in names}:
+            raise UnsupportedError(
+                f"line {node.lineno} of its loop '{loop}' imports a part of linkproof or of its own package, "
+                "which a script does not have"
+            )
+    docstring = ast.get_docstring(module)
+    rest = source.splitlines()[module.body[0].end_lineno or 0 :] if docstring else source.splitlines()
+    return docstring or "", re.sub(r"  # noqa.*", "", "\n".join(rest))
 
 
-def _filled(text: str) -> str:
-    return textwrap.fill(text, 118, break_on_hyphens=False, break_long_words=False)
-
-
-def _units_told(units: OwnUnits | None) -> str:
+def _units_in_words(units: OwnUnits | None) -> str:
     if units is None:
         return "Units: m, kg, s, rad and what follows from them."
     return (

@@ -1,13 +1,11 @@
 """The loads of a scene on its bodies, at n instants at once: gravity, applied forces and torques, springs, dampers.
 
-Everything is SI; poses are in metres. ``instant_pushes`` has one instant alone, for callbacks of engines.
+Everything is SI; poses are in metres.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -35,48 +33,6 @@ def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
     for spring in scene.springs:
         _add_spring(loads, numbers, spring, pose, rate)
     return loads
-
-
-Planar = list[complex]  # a vector in the plane for every body, the ground last
-
-
-def instant_pushes(scene: Scene) -> Callable[[float, Planar, Planar, Planar, list[float]], list[Any]] | None:
-    """Applied forces and torques and springs as a plain function of one instant; None for a scene without any.
-
-    It takes the crank angle and every body's mass centre, direction (of length one), velocity and angular velocity, and
-    gives the rows x, y and moment about the mass centre. Arrays of one instant would take ten times as long.
-    """
-    numbers = body_numbers(scene)
-    forces = [(numbers[force.body], complex(*force.anchor), force.force.of_float()) for force in scene.forces]
-    torques = [(numbers[torque.body], torque.torque.of_float()) for torque in scene.torques]
-    springs = [(spring, numbers[spring.first], numbers[spring.second]) for spring in scene.springs]
-
-    def pushes(angle: float, centre: Planar, direction: Planar, velocity: Planar, spin: list[float]) -> list[Any]:
-        rows = [[0.0, 0.0, 0.0] for _ in centre]
-
-        def push(body: int, arm: complex, force: complex) -> None:
-            row = rows[body]
-            row[0] += force.real
-            row[1] += force.imag
-            row[2] += (arm.conjugate() * force).imag
-
-        for body, anchor, law in forces:
-            push(body, anchor * direction[body], complex(*law(angle)))
-        for body, law in torques:
-            rows[body][2] += law(angle)[0]
-        for spring, first, second in springs:
-            arm = complex(*spring.first_anchor) * direction[first]
-            other = complex(*spring.second_anchor) * direction[second]
-            span = centre[first] + arm - centre[second] - other
-            rate = velocity[first] + 1j * spin[first] * arm - velocity[second] - 1j * spin[second] * other
-            length = abs(span)
-            along = span / (length or 1.0)  # ends that meet have no direction to pull in
-            tension = spring.stiffness * (length - spring.length) + spring.damping * (along.conjugate() * rate).real
-            push(first, arm, -tension * along)
-            push(second, other, tension * along)
-        return rows
-
-    return pushes if forces or torques or springs else None
 
 
 def potential_energy(scene: Scene, pose: Pose) -> Reals:

@@ -11,41 +11,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
-
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 from analytic.description.linkage import DriverKind
-from engines.contract import Abilities, History, ReadOut, Setting
-from engines.mechanics.driver import driven
-from engines.mechanics.states import start_motion
-from engines.pymunk_adapter.layout import Gear, exact_layout, plain_layout
-from engines.pymunk_adapter.loads import StepLoads
-from engines.pymunk_adapter.recording import Clock, Recording
+from engines.contract import Abilities, History, Origin, ReadOut, Setting
+from engines.pymunk_adapter.layout import exact_layout, plain_layout
 from engines.pymunk_adapter.solver import iterations_for, way
-from engines.pymunk_adapter.space import PymunkWorld, build_world
-from engines.pymunk_adapter.stepping import calls, march
+from engines.pymunk_adapter.space import described
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.driver import UnsupportedError
-from engines.stepping.histories import joined
-from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
+from engines.stepping.loop_engine import LoopEngine
+from engines.stepping.stepped_engine import Course, Recipe
 
-if TYPE_CHECKING:
-    import pymunk
-
-Array = NDArray[np.float64]
-
-# Steps at a start or a jump that have no good impulses to begin with, and how many times as many iterations they get.
-COLD_STEPS, COLD = 4, 10
-
-# Steps after which that has no effect on the forces any more, and samples that are given up for it at most.
+# Steps after which a cold start has no effect on the forces any more, and samples given up for it at most.
 SETTLED, MOST_LEAD = 10, 3
-
-WHOLE = 1.0 + 1e-9  # of the way that was looked at; a motion that goes on comes by the same angles again
-
-MOTOR = "the motor"  # beside the names of joints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,11 +60,12 @@ ABOUT: Final = "second order by unbiased joints, mean crank speeds and centred r
 STUDIED: Final = {"centred": (1,), "centred x2": (1, 3), "centred x3": (1, 3, 5), "centred x4": (1, 3, 5, 7)}
 
 
-class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
+class PymunkEngine(LoopEngine[PymunkRecipe]):
     """Adapter for pymunk (Chipmunk2D)."""
 
     name = "pymunk"
     package = "pymunk"
+    loop = "engines.pymunk_adapter.loop"
     oldest = "7.0"
     work_unit = "constraint visits"
     effort_unit = "iterations"
@@ -124,137 +105,25 @@ class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
         },
     }
 
-    def build(self, scene: Scene, recipe: PymunkRecipe) -> PymunkWorld:
+    def model(self, scene: Scene, recipe: PymunkRecipe) -> Mapping[str, Any]:
         layout = exact_layout(scene) if recipe.centred else plain_layout(scene)
         if layout.freedom != 1:
             raise UnsupportedError(
                 f"the joints leave {layout.freedom} degrees of freedom by count, where a linkage has one"
             )
-        world = build_world(layout, plain=not recipe.centred)
+        iterations = None  # pymunk's own
         if recipe.effort is not None:
-            world.iterations[:] = max(1, round(recipe.effort))
+            iterations = [float(max(1, round(recipe.effort)))] * 2
         elif recipe.centred:
-            world.iterations[:] = iterations_for(scene, layout, recipe.remaining, recipe.even)
-        return world
+            iterations = iterations_for(scene, layout, recipe.remaining, recipe.even).tolist()
+        return described(layout, centred=recipe.centred) | {
+            "iterations": iterations,  # at even angles over this way from the start on
+            "way": way(layout.scene),
+            "lead": min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios))),
+        }
 
-    def follow(self, world: PymunkWorld, course: Course[PymunkRecipe]) -> History:
-        centred = course.recipe.centred
-        clocks = clocks_of(course)
-        read = joints_of(world) if Channel.JOINT_FORCE in course.channels else {}
-        if world.motor is not None and Channel.TORQUE in course.channels:
-            read[MOTOR] = world.motor
-        on = calls(world, read.values())
-        rates = crank_rates(clocks, centred)
-        given_to_motor = -rates if world.line is None else world.line.base + travels(world, clocks, rates)
-        set_off(world, clocks[0], float(rates[0]))
-        fewest, most = (round(bound(world.iterations)) for bound in (min, max))
-        course.cost.details["iterations"] = most if fewest == most else f"{fewest} to {most}"
-        loads = StepLoads(world, ahead=centred)
-        iterations = iterations_in(world, clocks, rates)
-        recordings, start = [], 0
-        for clock, later in zip(clocks, [*clocks[1:], clocks[-1]], strict=True):
-            count = clock.steps
-            coming = given_to_motor[start + centred : start + centred + count].tolist()
-            first, *marks = clock.marks(course.channels).tolist()
-            if first:
-                on.look()
-            given = iterations[start : start + count]
-            *plan, last = zip(coming, given.tolist(), marks, strict=True)
-            impulses = march(on, clock.fine, plan, loads)
-            impulses += march(on, _change_of_step(world, clock, later), [last], loads)
-            columns = np.array(impulses).reshape(-1, len(read) or 1).T / clock.fine
-            forces = dict(zip(read, columns, strict=False))  # there are none where nothing is read
-            torque = forces.pop(MOTOR, np.zeros(0))
-            if MOTOR in read and centred:
-                gained = np.diff(rates)[start + clock.loaded - 1] / clock.fine
-                torque = world.offset - torque - world.layout.flywheel * gained
-            seen = on.collected().copy()
-            recordings.append(Recording(clock, world.layout, course.channels, seen, torque, forces))
-            course.cost.solver_work += int(given.sum()) * len(world.space.constraints)
-            start += count
-        with np.errstate(all="ignore"):
-            return joined([recording.history() for recording in recordings])
-
-
-def clocks_of(course: Course[PymunkRecipe]) -> list[Clock]:
-    """What is looked at in every part of a course."""
-    recipe, parts = course.recipe, course.parts
-    lead = min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios)))
-    return [Clock(part, course.ratio, part is parts[-1], recipe.centred, lead) for part in parts]
-
-
-def joints_of(world: PymunkWorld) -> dict[str, pymunk.Constraint]:
-    """The constraints that are the scene's joints, by name."""
-    inner, pairs = world.layout.inner, zip(world.layout.holds, world.constraints, strict=True)
-    return {hold.name: joint for hold, joint in pairs if not isinstance(hold, Gear) and hold.name not in inner}
-
-
-def crank_rates(clocks: list[Clock], centred: bool) -> Array:
-    """Speed of the crank in every step and one more, rad/s; zeros for a free crank.
-
-    It is the mean over the step, exact by Gauss-Legendre quadrature, or a newcomer's: that at the step's start.
-    """
-    result = []
-    for clock in clocks:
-        segment, steps = clock.part.segment, np.arange(clock.steps + clock.last)
-        if segment is None:
-            result.append(np.zeros(len(steps)))
-            continue
-        order = (len(segment.coefficients) + 1) // 2
-        nodes, shares = np.polynomial.legendre.leggauss(order) if centred else (-np.ones(1), np.full(1, 2.0))
-        result.append(segment.value(clock.times(steps[:, None], 0.5 * (nodes + 1.0)), 1) @ (0.5 * shares))
-    return np.concatenate(result)
-
-
-def travels(world: PymunkWorld, clocks: list[Clock], rates: Array) -> Array:
-    """φ of a linear drive after every step and one more, m, at these mean speeds."""
-    steps = np.concatenate([np.full(clock.steps + clock.last, clock.fine) for clock in clocks])
-    return np.asarray(world.layout.scene.crank_angle + np.cumsum(rates * steps))
-
-
-def set_off(world: PymunkWorld, clock: Clock, rate: float) -> None:
-    """Give the parts their velocities: those that bring them through the first step, or a newcomer's.
-
-    The latter are those of the start. The former are the motion's tangent there, at the speed of the middle of the
-    step: a step along it opens the joints as every later step does, and so the next one closes them as later ones do.
-    """
-    bodies = world.layout.scene.bodies
-    motion = np.array(
-        [[(*b.velocity, b.angular_velocity), (*b.acceleration, b.angular_acceleration)] for b in bodies], dtype=float
-    )
-    _, speed, gain = (float(value[0]) for value in driven(world.layout.scene, *start_motion(world.layout.scene)))
-    velocity = motion[:, 0]
-    if clock.centred:
-        middle = speed + 0.5 * clock.fine * gain if world.motor is None else rate
-        velocity = motion[:, 0] / speed * middle if speed else motion[:, 1] / (gain or 1.0) * middle
-    for body, part, (x, y, turn) in zip(world.bodies, bodies, velocity.tolist(), strict=True):
-        body.velocity, body.angular_velocity = (x, y), 0.0 if part.inertia is None else turn
-
-
-def _change_of_step(world: PymunkWorld, clock: Clock, later: Clock) -> float:
-    """The step with which to take the last one of a part: that of the part to follow, the way being that of its own.
-
-    pymunk closes the joints by the step that it is given, while it is the next one that moves the bodies on.
-    """
-    if not clock.centred or math.isclose(clock.fine, later.fine):
-        return clock.fine
-    for body in world.bodies:
-        body.velocity *= clock.fine / later.fine
-        body.angular_velocity *= clock.fine / later.fine
-    return later.fine
-
-
-def iterations_in(world: PymunkWorld, clocks: list[Clock], rates: Array) -> NDArray[np.intp]:
-    """Iterations in every step."""
-    angles = np.cumsum(rates[:-1] * np.concatenate([np.full(clock.steps, clock.fine) for clock in clocks]))
-    share = angles / (way(world.layout.scene) or 1.0)
-    share = np.clip(share, 0.0, 1.0) if np.ptp(share) <= WHOLE else share % 1.0
-    result = np.interp(share, np.linspace(0.0, 1.0, len(world.iterations)), world.iterations).astype(np.intp)
-    start = 0
-    for clock, former in zip(clocks, [None, *clocks], strict=False):
-        unlike = former is None or clock.part.after_jump or not math.isclose(clock.fine, former.fine)
-        if clock.centred and unlike:
-            first = max(0, start - 1)
-            result[first : first + COLD_STEPS] *= COLD
-        start += clock.steps
-    return result
+    def follow(self, world: Any, course: Course[PymunkRecipe]) -> History:  # noqa: ANN401 - the loop's
+        history = super().follow(world, course)
+        if history.torque is None or not world.given["flywheel"]:
+            return history
+        return replace(history, torque=replace(history.torque, origin=Origin.PARTLY))

@@ -1,111 +1,122 @@
-"""From a layout to a pymunk space: bodies, constraints and the loads that pymunk can carry by itself."""
+"""From a layout to what the loop makes a pymunk space of: bodies, constraints and loads, in plain data.
+
+Bodies are numbers, the ground is -1. Where the run is not centred everything is as pymunk has it: its own springs damp,
+to first order; else dampers and dashpots are stepped beside them.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import GROUND, DriverKind
+from engines.mechanics.driver import driven
+from engines.mechanics.states import start_motion
 from engines.pymunk_adapter.layout import Gear, Hold, PartLayout, start_turn
-from engines.pymunk_adapter.linear_drive import Line, line_of
-from engines.pymunk_adapter.solver import ANGLES
-from engines.scene import AppliedForce, Body, PinJoint, PointSpring, Prescribed, Scene
-
-if TYPE_CHECKING:
-    import pymunk
-
-Ends: TypeAlias = "Mapping[str, pymunk.Body]"
-
-# Where a spring's far end lies, m or rad: any motion is nothing against it, so that its pull is constant to rounding.
-FAR: Final = 1e15
+from engines.scene import Free, PinJoint, Prescribed, Scene
+from engines.stepping.loop_engine import plain_law
 
 SHORTEST: Final = 0.01  # of the scene's reach: the lever of a linear drive
+BEHIND: Final = 4.0  # of the reach: how far behind a slider's line its far end begins
 
 
-@dataclass(frozen=True)
-class PymunkWorld:
-    """A built space; ``bodies`` in the order of the layout's parts, ``springs`` in that of the scene's.
+def described(layout: PartLayout, *, centred: bool) -> dict[str, Any]:
+    """The space of a layout, without the iterations of its solver."""
+    scene, drive = layout.scene, layout.scene.drive
+    numbers = {GROUND: -1, **{body.name: number for number, body in enumerate(scene.bodies)}}
+    _, speed, gain = (float(value[0]) for value in driven(scene, *start_motion(scene)))
+    return {
+        "centred": centred,
+        "gravity": scene.gravity,
+        "bodies": [(body.mass, body.inertia, body.position, body.angle) for body in scene.bodies],
+        "velocity": [(*body.velocity, body.angular_velocity) for body in scene.bodies],
+        "acceleration": [(*body.acceleration, body.angular_acceleration) for body in scene.bodies],
+        "driver_rates": (speed, gain),
+        "start": scene.crank_angle,
+        "crank": numbers.get(scene.crank),
+        "holds": [_hold(numbers, layout, hold) for hold in layout.holds],
+        "joints": {
+            hold.name: number for number, hold in enumerate(layout.holds)
+            if not isinstance(hold, Gear) and hold.name not in layout.inner
+        },
+        "offsets": [(-part.offset[0], -part.offset[1]) for part in layout.parts[: layout.carried]],
+        "flywheel": layout.flywheel,
+        "is_driven": isinstance(drive, Prescribed),
+        **_loads(scene, numbers, centred=centred),
+        **_drive(scene, numbers, layout, centred=centred),
+    }  # fmt: skip
 
-    ``ends`` has all bodies by name, the ground among them; ``constraints`` are in the order of the layout's holds.
-    ``motor`` drives the crank against a torque of ``offset``, N m, that keeps the sign of what it exerts; that of a
-    linear drive is between the ends of its ``line``, against such a force.
-    ``iterations`` (ANGLES + 1,) are those at even crank angles from the start on (see ``solver.way``).
+
+def _hold(numbers: dict[str, int], layout: PartLayout, hold: Hold) -> tuple[Any, ...]:
+    """A constraint as pymunk calls it, its bodies, and what it takes besides."""
+    if isinstance(hold, PinJoint):
+        return "PivotJoint", numbers[hold.first], numbers[hold.second], hold.first_anchor, hold.second_anchor
+    ends = numbers[hold.host], numbers[hold.body]
+    if isinstance(hold, Gear):
+        return "GearJoint", *ends, start_turn(layout.scene, hold), 1.0
+    (x, y), (along_x, along_y), length = hold.through, hold.along, 2.0 * layout.reach
+    start, end = (x - length * along_x, y - length * along_y), (x + length * along_x, y + length * along_y)
+    return "GrooveJoint", *ends, start, end, hold.anchor
+
+
+def _loads(scene: Scene, numbers: dict[str, int], *, centred: bool) -> dict[str, Any]:
+    """Springs; constant forces, which pymunk carries by itself; loads over the angle; dampers and dashpots."""
+    springs, dashpots = [], []
+    for number, spring in enumerate(scene.springs):
+        # A dashpot alone is stepped as a change of rest length, which needs some stiffness to act on.
+        stiffness = spring.stiffness or spring.damping if centred else spring.stiffness
+        ends = numbers[spring.first], numbers[spring.second], spring.first_anchor, spring.second_anchor
+        springs.append((*ends, spring.length, stiffness, 0.0 if centred else spring.damping))
+        if centred and spring.damping:
+            dashpots.append((number, spring.damping / stiffness, spring.length if spring.stiffness else None))
+    over_angle = [
+        (numbers[load.body], load.anchor, plain_law(load.force))
+        for load in scene.forces if not load.force.is_constant
+    ] + [
+        (numbers[load.body], (0.0, 0.0), plain_law(load.torque))
+        for load in scene.torques if not load.torque.is_constant and load.body != GROUND
+    ]  # fmt: skip
+    constant = [load for load in scene.forces if load.force.is_constant]
+    return {
+        "springs": springs,
+        "dashpots": dashpots,
+        "dampers": [(numbers[each.first], numbers[each.second], each.coefficient) for each in scene.dampers],
+        "pushes": [(numbers[load.body], load.anchor, load.force.values) for load in constant],
+        "over_angle": over_angle,
+    }
+
+
+def _drive(scene: Scene, numbers: dict[str, int], layout: PartLayout, *, centred: bool) -> dict[str, Any]:
+    """The drive: constant torques; ``line``, the ends of a linear driver, ``base`` farther apart than its travel.
+
+    A slider's far end is a point of the ground on its own line, behind all that it can reach. A motor works against a
+    torque, the ``offset``, which keeps the sign of what it exerts.
     """
-
-    layout: PartLayout
-    space: pymunk.Space
-    ends: Ends
-    bodies: tuple[pymunk.Body, ...]
-    constraints: tuple[pymunk.Constraint, ...]
-    springs: tuple[pymunk.DampedSpring, ...]
-    motor: pymunk.SimpleMotor | pymunk.PinJoint | None
-    offset: float
-    iterations: NDArray[np.float64]
-    line: Line | None = None
-
-    @property
-    def crank(self) -> pymunk.Body:
-        """The driven body."""
-        return self.ends[self.layout.scene.crank]
-
-    def travel(self, ahead: float) -> float:
-        """φ ``ahead`` seconds from now at the present velocities, rad or m."""
-        if self.line is not None:
-            return self.line.travel(ahead)
-        return float(self.crank.angle + ahead * self.crank.angular_velocity)
-
-
-def build_world(layout: PartLayout, *, plain: bool) -> PymunkWorld:
-    """Build the space in the scene's start state, with the drive on the crank and as many iterations as pymunk has.
-
-    No shapes, hence no collisions; gravity only where there is any. Where ``plain``, everything is as pymunk has it:
-    its own springs damp, to first order; else dampers and dashpots are stepped beside them (see ``loads``), joints are
-    unbiased, and the motor's torque has an offset.
-    """
-    import pymunk
-
-    scene, space = layout.scene, pymunk.Space()
-    if scene.gravity != (0.0, 0.0):
-        space.gravity = scene.gravity
-    bodies = {body.name: _body(body) for body in scene.bodies}
-    ends = bodies | {GROUND: space.static_body}
-    springs = tuple(_spring(ends, spring, plain) for spring in scene.springs)
-    constraints = tuple(_constraint(ends, layout, hold) for hold in layout.holds)
-    for constraint in () if plain else constraints:
-        constraint.error_bias = 0.0
-    pushes = [_push(ends, load) for load in scene.forces if load.force.is_constant]
-    dampers = [
-        pymunk.DampedRotarySpring(ends[damper.first], ends[damper.second], 0.0, 0.0, damper.coefficient)
-        for damper in scene.dampers
-        if plain
-    ]
-    space.add(*bodies.values(), *springs, *pushes, *dampers, *constraints)
-    for load in scene.torques:
-        if load.torque.is_constant and load.body != GROUND:
-            _add_torque(space, bodies[load.body], float(load.torque.values[0]))
-    motor, offset, line = None, 0.0, None
+    drive, line, base = scene.drive, None, 0.0
     if scene.driver_kind is not DriverKind.CRANK:
-        line = line_of(scene, ends, layout.reach)
-    if isinstance(scene.drive, Prescribed):
-        offset = 0.0 if plain else torque_bound(scene, layout, scene.drive.motion)
-        motor = line.pin() if line else pymunk.SimpleMotor(space.static_body, bodies[scene.crank], 0.0)
-    constant = offset if isinstance(scene.drive, Prescribed) else scene.drive.torque
-    if line is None:
-        _add_torque(space, bodies[scene.crank], constant)
-    elif constant:
-        space.add(line.push(constant))
-    if motor is not None:
-        space.add(motor)  # last, so that an iteration leaves no error in the crank's speed
-    iterations = np.full(ANGLES + 1, float(space.iterations))
-    return PymunkWorld(
-        layout, space, ends, tuple(bodies.values()), constraints, springs, motor, offset, iterations, line
-    )
+        first, second, here, there = scene.driver_ends
+        if scene.cylinder is None:
+            base, along = BEHIND * layout.reach, scene.driven_slider.along
+            there = there[0] - base * along[0], there[1] - base * along[1]
+        line = (numbers[first], here), (numbers[second], there)
+    offset = torque_bound(scene, layout, drive.motion) if isinstance(drive, Prescribed) and centred else 0.0
+    constant = drive.torque if isinstance(drive, Free) else offset
+    torques = [
+        (numbers[load.body], load.torque.values[0])
+        for load in scene.torques if load.torque.is_constant and load.body != GROUND
+    ]  # fmt: skip
+    timed = drive.over_time if isinstance(drive, Free) else None
+    return {
+        "torques": torques if line else [*torques, (numbers[scene.crank], constant)],
+        "linear_push": constant if line else 0.0,
+        "over_time": timed and (timed.times, timed.torque),
+        "offset": offset,
+        "line": line,
+        "base": base,
+    }
 
 
 def torque_bound(scene: Scene, layout: PartLayout, motion: CrankMotion) -> float:
@@ -125,58 +136,3 @@ def torque_bound(scene: Scene, layout: PartLayout, motion: CrankMotion) -> float
     bound += sum(damper.coefficient for damper in scene.dampers) * motion.peak_speed / arm
     bound += sum(spring.stiffness + spring.damping * motion.peak_speed / arm for spring in scene.springs) * size**2
     return bound / arm
-
-
-def _body(part: Body) -> pymunk.Body:
-    import pymunk
-
-    body = pymunk.Body(part.mass, math.inf if part.inertia is None else part.inertia)
-    body.position, body.angle = part.position, part.angle
-    return body
-
-
-def _constraint(ends: Ends, layout: PartLayout, hold: Hold) -> pymunk.Constraint:
-    import pymunk
-
-    if isinstance(hold, PinJoint):
-        return pymunk.PivotJoint(ends[hold.first], ends[hold.second], hold.first_anchor, hold.second_anchor)
-    if isinstance(hold, Gear):
-        return pymunk.GearJoint(ends[hold.host], ends[hold.body], start_turn(layout.scene, hold), 1.0)
-    (x, y), (along_x, along_y), length = hold.through, hold.along, 2.0 * layout.reach
-    start, end = (x - length * along_x, y - length * along_y), (x + length * along_x, y + length * along_y)
-    return pymunk.GrooveJoint(ends[hold.host], ends[hold.body], start, end, hold.anchor)
-
-
-def _spring(ends: Ends, spring: PointSpring, plain: bool) -> pymunk.DampedSpring:
-    import pymunk
-
-    # A dashpot alone is stepped as a change of rest length, which needs some stiffness to act on.
-    stiffness = spring.stiffness if plain else spring.stiffness or spring.damping
-    return pymunk.DampedSpring(
-        ends[spring.first],
-        ends[spring.second],
-        spring.first_anchor,
-        spring.second_anchor,
-        spring.length,
-        stiffness,
-        spring.damping if plain else 0.0,
-    )
-
-
-def _push(ends: Ends, load: AppliedForce) -> pymunk.DampedSpring:
-    """A constant force, as the pull of a spring whose other end is far away: a force that is set lasts one step."""
-    import pymunk
-
-    x, y = (float(v) for v in load.force.values)
-    size = math.hypot(x, y) or 1.0
-    far, stiffness = (FAR * x / size, FAR * y / size), math.hypot(x, y) / FAR
-    return pymunk.DampedSpring(ends[GROUND], ends[load.body], far, load.anchor, 0.0, stiffness, 0.0)
-
-
-def _add_torque(space: pymunk.Space, body: pymunk.Body, torque: float) -> None:
-    """A constant torque, as that of a rotary spring wound far up."""
-    import pymunk
-
-    if torque:
-        wound = math.copysign(FAR, torque)
-        space.add(pymunk.DampedRotarySpring(space.static_body, body, -wound, abs(torque) / FAR, 0.0))

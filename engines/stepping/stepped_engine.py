@@ -132,6 +132,14 @@ class SteppedEngine(ABC, Generic[World, R]):
         """What of a scene the engine cannot hold, beside what its abilities say, in one sentence."""
         return None
 
+    def obstacle(self, scene: Scene) -> str | None:
+        """Why a scene is not built, in one sentence."""
+        return (
+            ability_obstacle(scene, self.abilities)
+            or data_obstacle(scene, massless=self.abilities.massless)
+            or self.refusal(scene)
+        )
+
     def altered(self, scene: Scene) -> Scene:
         """What a world is built from: the scene itself, but where a test looks whether errors in it are seen."""
         return scene
@@ -179,11 +187,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         absent = why_absent(self.package, self.name, self.oldest)
         if absent is not None:
             return Run(Outcome.UNAVAILABLE, absent)
-        reason = (
-            ability_obstacle(scene, self.abilities)
-            or data_obstacle(scene, massless=self.abilities.massless)
-            or self.refusal(scene)
-        )
+        reason = self.obstacle(scene)
         if reason is not None:
             return Run(Outcome.UNSUPPORTED, reason)
         cost = Cost(details=details)

@@ -40,7 +40,7 @@ class Repository:
         announced.mkdir(parents=True)
         (announced / "METADATA").write_text("Metadata-Version: 2.1\nName: barwork\nVersion: 0.3\n")
         (announced / "entry_points.txt").write_text("[linkproof.engines]\nbarwork = linkproof_barwork:BarworkEngine\n")
-        for name in ("barwork.py", "linkproof_barwork.py"):
+        for name in ("barwork.py", "barwork_loop.py", "linkproof_barwork.py"):
             (outside / name).write_text(PLUGGED[name], encoding="utf-8")
         programs = folder / "programs"
         programs.mkdir()

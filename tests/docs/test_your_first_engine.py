@@ -57,6 +57,16 @@ def test_its_checks_are_cases_for_pytest(run):
     assert re.search(r"\b1 xfailed\b", done.stdout.splitlines()[-1]), done.stdout
 
 
+def test_its_runs_are_exported_and_the_script_needs_the_simulator_alone(run):
+    done = run("reports.command_line.main", "export", "teaching-four-bar", "--engine", "barwork", "--setting", "naive",
+               "--speed", "100", "--ramp-time", "0.1", "--hold-time", "0", "--out", "case.py")  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    shown = run("case")
+    assert shown.returncode == 0, shown.stderr
+    rows = [line.split() for line in shown.stdout.splitlines() if line.startswith("drive torque")]
+    assert rows[0][-4] == rows[0][-3]  # the torque now and when it was exported
+
+
 def test_its_package_asks_for_nothing_that_is_not_to_be_had():
     project = tomllib.loads(BLOCKS["pyproject.toml"])["project"]
     assert {*project["dependencies"]} == {"linkproof", "numpy"}

@@ -17,8 +17,6 @@ from engines.direct_adapter.adapter import DirectEngine
 from engines.direct_adapter.assembly import Equations, Solver
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.pymunk_adapter.adapter import PymunkEngine
-from engines.pymunk_adapter.loads import StepLoads
-from engines.pymunk_adapter.recording import Recording
 from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism
 from tests.counting import calls
@@ -252,15 +250,13 @@ def test_pymunk_makes_no_more_of_a_slot_without_a_slider_than_of_one_with_it(wor
     ],
 )
 def test_pymunk_sets_loads_before_a_step_only_where_they_change(monkeypatch, name, rest, is_called):
-    pytest.importorskip("pymunk")
-    set_anew = calls(monkeypatch, StepLoads, "__call__")
+    set_anew = calls(monkeypatch, pytest.importorskip("engines.pymunk_adapter.loop").StepLoads, "__call__")
     _finished(PymunkEngine(), _scene(name, JEQ, rest))
     assert bool(set_anew) is is_called
 
 
 def test_pymunk_reads_no_more_than_the_channels_need(monkeypatch):
-    pytest.importorskip("pymunk")
-    read = calls(monkeypatch, Recording, "history")
+    read = calls(monkeypatch, pytest.importorskip("engines.pymunk_adapter.loop").Recording, "history")
 
     def looks(channels):
         read.clear()

@@ -4,12 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from analytic.errors import AssemblyError, LinkproofError
-from comparisons.campaign.campaign import cases, compare
-from comparisons.exported_run import exported
+from analytic.errors import AssemblyError
+from comparisons.campaign.campaign import compare
 from comparisons.judging.records import Verdict
 from comparisons.runs.workers import LocalPool
-from engines.contract import Outcome, Setting
+from engines.contract import Outcome
 from engines.registry import engine, engine_names, why_unavailable
 from reports.requests.campaign import request
 from reports.requests.options.campaign import CompareOptions
@@ -93,14 +92,6 @@ def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, 
             assert result.records[0].regime == "angled" or not engine(name).abilities.timed_torque
         else:
             assert outcomes == {Verdict.PASSED}
-
-
-def test_a_script_has_no_torque_over_time(tmp_path):
-    path = tmp_path / "rocker.toml"
-    path.write_text(double_rocker_text(regimes=RELEASED))
-    (case, *_) = cases(request(CompareOptions(mechanisms=(str(path),), regime=("timed",))))
-    with pytest.raises(LinkproofError, match="got one over time in 'timed'"):
-        exported(case, "exudyn", Setting.TUNED, "")
 
 
 LINEAR = """

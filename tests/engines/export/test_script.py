@@ -13,6 +13,7 @@ import tomlkit
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
+from comparisons.conformance.samples import case as sample_case
 from comparisons.exported_run import exported, exported_cell
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.cells import find_cell
@@ -20,22 +21,33 @@ from engines.contract import Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel
 from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.swinging import double_rocker_text
 
+SWITCHED = """
+[regimes.switched]
+torque = [0.0, 1.0, -1.0]
+time = [0.01, 0.02, 0.04]
+start_angle = 30
+duration = 0.05
+"""
 # Without its user's environment, and without us wherever we are installed.
 ALONE = """
 import runpy, sys
 sys.modules.update(dict.fromkeys(("analytic", "engines", "comparisons", "reports")))
 import numpy as np
-samples = runpy.run_path("case.py")["samples"]
+samples = dict(runpy.run_path("case.py")["samples"])
+samples |= {f"force in {joint}": pair for joint, pair in samples.pop("joint_force", {}).items()}
 np.savez("samples.npz", **{f"{name}/{n}": np.array(v) for name, pair in samples.items() for n, v in enumerate(pair)})
 """
 
 
 def _case(linkage, regime):
-    found = mechanism(linkage)
+    if regime == "sample":
+        return sample_case(linkage)
+    found = from_text(double_rocker_text(regimes=SWITCHED)) if regime == "switched" else mechanism(linkage)
     own = [each for each in found.linkage.regimes if each.name == regime]
     return (
-        own_case(found, replace(own[0], duration=0.4))
+        own_case(found, replace(own[0], duration=min(0.4, own[0].duration)))
         if own
         else Case(found, crank_motion(regime, ramp_time=0.12, hold_time=0.03))
     )
@@ -65,6 +77,9 @@ def _run_alone(text, folder):
     ("simbody", "force-over-angle", "run-up", "tuned"),
     ("simbody", "spring-and-damper", "run-up-quintic", "naive"),
     ("simbody", "slotted-takeup", "driven", "tuned"),
+    *((name, "cylinder", "sample", "tuned") for name in ("exudyn", "mujoco", "ondsel", "pymunk", "simbody")),
+    ("exudyn", "driven slider", "sample", "naive"),
+    *((name, "double-rocker", "switched", "tuned") for name in ("exudyn", "mujoco", "pymunk", "simbody")),
 ])  # fmt: skip
 def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, setting, tmp_path):
     adapter, case = engine(name), _case(linkage, regime)
@@ -102,7 +117,8 @@ NAMES = ("O1", "O2", "A", "B", "C", "D", "crank", "rod", "rocker", "link", "need
 HOSTILE = (  # as many times as there are names
     f'""";{CODE};"""', f"\'\'\';{CODE};\'\'\'", f'");{CODE};("', f"');{CODE};('", f'\\";{CODE};\\"', f"#\u2028{CODE}",
     f"{{{CODE}}}", f"#\ufeff{CODE}", "ends in \\", "a, \"b', c" * 30, "long, " * 500,
-    '""', "'", "\ue0003\ue001", "<a b='1'/>", "<a>", "a.get(", "\ufb01x", "fix", " ", "{0}{name}{", "\u200b%s\\",
+    '""', "'", "\ue0003\ue001", "<a b='1'/>", "\\x00\\N{BELL}", "# -*- coding: utf-7 -*-", "e\u0301", "inf",
+    " ", "{0}{name}{", "\u200b%s\\",
 )  # fmt: skip
 
 

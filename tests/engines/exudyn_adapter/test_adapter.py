@@ -18,7 +18,7 @@ from comparisons.reference.start_state import scene
 from engines.contract import Origin, Outcome, Setting
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.exudyn_adapter.model import Model
-from engines.exudyn_adapter.readout import add_sensors
+from engines.exudyn_adapter.recipes import TUNED
 from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Free, Prescribed
 from engines.stepping.histories import labelled
@@ -236,9 +236,9 @@ def test_a_free_crank_moves_as_the_equation_of_motion_says(name, torque, duratio
 def test_no_sensor_for_a_channel_nobody_reads():
     motion = _motion()
     bare = scene(mechanism("juki-mf7923d"), Prescribed(motion), ())
-    assert add_sensors(Model(bare)).sensors == ()
+    assert Model(bare).described()["sensors"] == 0
     torque = dataclasses.replace(bare, channels=frozenset({Channel.TORQUE}))
-    assert len(add_sensors(Model(torque)).sensors) == 1
+    assert Model(torque).described()["sensors"] == 1
     run = ENGINE.run(torque, Setting.TUNED)
     assert run.history.position is run.history.velocity is run.history.acceleration is None
     assert run.history.joint_force == {}
@@ -246,13 +246,11 @@ def test_no_sensor_for_a_channel_nobody_reads():
 
 
 def test_a_body_that_cannot_turn_has_no_angle_and_no_weight_without_gravity():
-    model = Model(scene(mechanism("juki-mf7923d"), Prescribed(_motion()), ()))
-    assert model.turning == {"crank", "coupler"}
-    model.mbs.Assemble()
-    assert model.mbs.systemData.ODE2Size() == 8
-    assert model.mbs.systemData.NumberOfLoads() == 3
-    light = dataclasses.replace(model.scene, gravity=(0.0, 0.0))
-    assert Model(light).mbs.systemData.NumberOfLoads() == 0
+    given = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), ())
+    assert Model(given).turning == {"crank", "coupler"}
+    for changed, loads in ((given, 3), (dataclasses.replace(given, gravity=(0.0, 0.0)), 0)):
+        world = ENGINE.build(changed, TUNED)
+        assert (world.mbs.systemData.ODE2Size(), world.mbs.systemData.NumberOfLoads()) == (8, loads)
 
 
 def test_nothing_is_printed_and_no_file_is_left(capfd, tmp_path, monkeypatch):

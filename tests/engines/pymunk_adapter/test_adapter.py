@@ -16,17 +16,16 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene
 from engines.contract import Origin, Outcome, Setting
-from engines.pymunk_adapter import adapter, stepping
-from engines.pymunk_adapter.adapter import PymunkEngine
-from engines.pymunk_adapter.layout import exact_layout, plain_layout
-from engines.pymunk_adapter.loads import StepLoads
-from engines.pymunk_adapter.space import build_world
+from engines.pymunk_adapter import adapter
+from engines.pymunk_adapter.adapter import NAIVE, TUNED, PymunkEngine
+from engines.pymunk_adapter.layout import plain_layout
 from engines.scene import AppliedForce, AppliedTorque, Channel, Free, Prescribed
 from engines.stepping.histories import labelled
 from tests.analytic.linkages import from_text, mechanism
 from tests.engines.newton_euler import true_motion
 
 pytest.importorskip("pymunk")
+loop = pytest.importorskip("engines.pymunk_adapter.loop")
 
 ENGINE = PymunkEngine()
 EVERYTHING = frozenset(Channel)
@@ -262,7 +261,7 @@ def test_constant_loads_cost_no_python_in_a_step():
     force = AppliedForce("rod", (0.01, 0.0), Law(np.array([1.0, -2.0])))
     torque = AppliedTorque("link", Law(np.array([0.01])))
     loaded = dataclasses.replace(model, forces=(force,), torques=(torque,))
-    assert not StepLoads(build_world(exact_layout(loaded), plain=False), ahead=True)
+    assert not loop.StepLoads(ENGINE.build(loaded, TUNED))
 
 
 # -- the stepping ------------------------------------------------------------------------------------------------------
@@ -287,9 +286,7 @@ def test_the_c_functions_do_what_the_methods_do(monkeypatch):
     _, direct = _run("force-over-angle", motion)
     monkeypatch.delattr("pymunk.batch.Buffer")  # an unknown pymunk is stepped by its methods
     with pytest.raises(AttributeError):
-        stepping.direct_calls(
-            build_world(exact_layout(scene(mechanism("juki-mf7923d"), Free(0, 1), ())), plain=True), []
-        )
+        loop.direct_calls(ENGINE.build(scene(mechanism("juki-mf7923d"), Free(0, 1), ()), NAIVE), [])
     _, public = _run("force-over-angle", motion)
     for (name, one), (_, other) in zip(labelled(direct.history), labelled(public.history), strict=True):
         assert np.array_equal(one.values, other.values), name

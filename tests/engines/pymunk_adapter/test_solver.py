@@ -8,15 +8,14 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
 from engines.mechanics.states import pose_of, with_ground
+from engines.pymunk_adapter.adapter import TUNED, PymunkEngine
 from engines.pymunk_adapter.layout import exact_layout, plain_layout
-from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.solver import contraction, iterations_for, turned_through
-from engines.pymunk_adapter.space import build_world
-from engines.pymunk_adapter.stepping import LOOK, calls, march
 from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import MADE_UP, mechanism
 
 pytest.importorskip("pymunk")
+loop = pytest.importorskip("engines.pymunk_adapter.loop")
 
 FORESEEN = 0.05  # relative error of the foreseen convergence
 LIGHTENED = 0.002  # an inertia over mass and the square of a link's length
@@ -31,9 +30,9 @@ def test_the_solver_converges_as_foreseen(name):
     layout = exact_layout(_scene(name))
     left = []
     for iterations in (60, 80):
-        world = build_world(layout, plain=False)
-        on = calls(world, [])
-        march(on, 1e-3, [(-60.0, iterations, LOOK)], StepLoads(world, ahead=True))
+        world = PymunkEngine().build(_scene(name), TUNED)
+        on = loop.calls(world, [])
+        loop.march(on, 1e-3, [(-60.0, iterations, loop.LOOK)], loop.StepLoads(world))
         (seen,) = on.collected()
         equations = layout.equations
         state, rate = (with_ground(seen[None, :, order]) / equations.metres for order in (0, 1))

@@ -1,5 +1,7 @@
 """linkproof export: a script of one run, by mechanism or by cell; what cannot be written down is one sentence."""
 
+import ast
+
 import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
@@ -18,19 +20,19 @@ def test_a_script_says_what_it_is_and_what_wrote_it(tmp_path, capsys):
     pytest.importorskip("exudyn")
     export(_choice(), tmp_path / "case.py")
     text = (tmp_path / "case.py").read_text(encoding="utf-8")
-    title = text.split('"""')[1]
+    title = ast.get_docstring(ast.parse(text))
     assert title.startswith("rimoldi-164 (as-built), run-up, in exudyn ")
     assert "linkproof export rimoldi-164 --ramp-time 0.05 --hold-time 0.01 --engine exudyn" in " ".join(title.split())
     compile(text, "case.py", "exec")
     assert not {"linkproof", "analytic", "engines", "comparisons"} & set(text.partition("\nimport")[2].split())
     export(ExportOptions(cell=CELL), None)
-    assert f"linkproof export --cell {CELL}" in " ".join(capsys.readouterr().out.split())
+    assert f"linkproof export --cell {CELL}" in ast.get_docstring(ast.parse(capsys.readouterr().out))
 
 
 @pytest.mark.parametrize(("options", "words"), [
     (_choice(setting="best"), "it is 4 runs extrapolated, and a script holds one: export 'tuned'"),
     (_choice(setting="all"), "got 1 and 3"),
-    (_choice(engine="direct"), "expected an engine that takes steps, got 'direct'"),
+    (_choice(engine="direct"), "whose loop is a module of its own \\(a LoopEngine\\), got 'direct': export another"),
     (_choice(engine=None), "expected one --engine"),
     (_choice(cell=CELL), "not both"),
     (ExportOptions(), "not both"),

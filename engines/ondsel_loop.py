@@ -1,0 +1,150 @@
+"""One pass in Ondsel: a simulation for each part of the motion, each from the poses in which the one before ended."""
+
+import math
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pyondsel.errors import AsmtError
+from pyondsel.model.asmt_model import AsmtModel
+from pyondsel.model.joint import Joint
+from pyondsel.model.marker import Marker
+from pyondsel.model.motion import Motion
+from pyondsel.model.part import Part
+from pyondsel.model.simulation import Simulation
+from pyondsel.solve import solve_asmt
+
+Array = NDArray[np.float64]
+Data = dict[str, Any]
+Rows = dict[tuple[str, str], Array]  # one number a frame, by path and label
+
+KINEMATICS = {
+    "position": ("X", "Y", "Bryantz"),
+    "velocity": ("VX", "VY", "OmegaZ"),
+    "acceleration": ("AX", "AY", "AlphaZ"),
+}
+NAME = "linkage"
+TIMEOUT = 3600.0  # s, of the solver's process, which pyondsel starts for every solution
+
+
+def build(given: Data) -> tuple[AsmtModel, Data]:
+    """The model in its start state, and the data."""
+    model = AsmtModel(NAME, gravity=given["gravity"])
+    model.ground_markers += markers(given["ground"])
+    for number, part in enumerate(given["parts"]):
+        model.add_part(Part(f"part{number}", mass=part["mass"], moments_of_inertia=(part["inertia"],) * 3))
+        model.parts[-1].markers += markers(part["markers"])
+        place(model.parts[-1], *part["pose"])
+    for number, (kind, *ends) in enumerate(given["joints"]):
+        model.add_joint(Joint(f"joint{number}", kind, *(f"/{NAME}/{end}" for end in ends), pitch=0.0))
+    for name, number, kind in given["motions"]:
+        model.add_motion(Motion(name, f"joint{number}", "", kind))
+    return model, given
+
+
+def markers(given: list[tuple[Any, Any]]) -> list[Marker]:
+    """Markers by their place and axes."""
+    return [Marker(f"marker{number}", *each) for number, each in enumerate(given)]
+
+
+def place(part: Part, x: float, y: float, angle: float) -> None:
+    """Put a part into a pose."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    part.position = (x, y, 0.0)
+    part.rotation = ((cosine, -sine, 0.0), (sine, cosine, 0.0), (0.0, 0.0, 1.0))
+
+
+def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
+    """The samples of a course; of the two between parts the later part's counts."""
+    (model, given), parts = world, course["parts"]
+    samples: Data = {name: ([], []) for name in course["channels"] if name != "joint_force"}
+    forces: Data = {name: ([], []) for name in given["forces"]} if "joint_force" in course["channels"] else {}
+    for part in parts:
+        rows, kept = solved(model, part), slice(0, part["samples"] + (part is parts[-1]))
+        # Ondsel adds its steps up: its times differ from whole steps in their last digits, which shows in the torque.
+        time = (rows["", "Time"] - rows["", "Time"][0] + part["start"])[kept]
+        values = {
+            name: np.array([[rows[f"/{NAME}/{each.name}", label] for label in labels] for each in model.parts])
+            for name, labels in KINEMATICS.items()
+            if name == "position" or name in samples
+        }
+        for each, pose in zip(model.parts, values["position"][:, :, part["samples"]].tolist(), strict=True):
+            place(each, *pose)
+        read = {name: np.moveaxis(values[name], 2, 0)[:, : len(given["angles"])] for name in values}
+        read["torque"] = torque(given["line"], rows)
+        for name, signal in samples.items():
+            keep(signal, time, read[name][kept])
+        for name, signal in forces.items():
+            source, sign = given["forces"][name]
+            x, y = (rows[f"/{NAME}/{source}", label] for label in ("FXonI", "FYonI"))
+            keep(signal, time, sign * np.stack([x, y], axis=1)[kept])
+    if "position" in samples:
+        places = np.array(samples["position"][1])
+        places[:, :, 2] = np.unwrap([given["angles"], *places[:, :, 2]], axis=0)[1:]
+        samples["position"] = samples["position"][0], places
+    return {**samples, "joint_force": forces}
+
+
+def keep(signal: tuple[list[float], list[Any]], time: Array, values: Array) -> None:
+    """Add samples to a signal."""
+    signal[0].extend(time)
+    signal[1].extend(values)
+
+
+def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
+    """What the drive exerts: its moment, or its force along the line of a slider or cylinder."""
+    path = f"/{NAME}/drive"
+    if line is None:
+        return -rows[path, "TZonI"]
+    host, along = line
+    turned = np.zeros(1) if host is None else rows[f"/{NAME}/part{host}", "Bryantz"]
+    force = rows[path, "FXonI"] + 1j * rows[path, "FYonI"]
+    return np.asarray(-(force * (along * np.exp(1j * turned)).conjugate()).real)
+
+
+def solved(model: AsmtModel, part: Data) -> Rows:
+    """Solve one part of the motion."""
+    zero, crank = part["segment"]
+    # A flywheel's motion, if there is one, is against the crank: its whole angle is the integral of the crank's.
+    turned = [0.0, *(each / power for power, each in enumerate(crank, 1))]
+    flywheel = [whole - own for whole, own in zip(turned, [*crank, 0.0], strict=True)]
+    for motion, coefficients in zip(model.motions, (crank, flywheel), strict=False):
+        motion.expression = "+time*(".join(map(repr, coefficients)) + ")" * (len(coefficients) - 1)
+    model.simulation = Simulation(part["start"] - zero, part["end"] - zero, part["samples"])
+    try:
+        # pyondsel writes "Pitch" where Ondsel reads "pitch" and gives up otherwise.
+        with own_folder():  # its files have the same names in every process
+            text = solve_asmt(model.to_asmt().replace("\tPitch\n", "\tpitch\n"), timeout=TIMEOUT)
+    except AsmtError as error:
+        raise ArithmeticError(f"Ondsel gave up: {error}") from error
+    rows: Rows = {}
+    path = ""
+    for line in text.partition("TimeSeries\n")[2].splitlines():
+        label, *cells = line.rstrip("\t").split("\t")
+        if label.endswith("Series"):
+            path = cells[0]
+        else:
+            rows[path, label] = np.array(cells[1:], dtype=float)  # the first column is the pose that was given
+    # Ondsel ends early and says nothing where it finds no solution or does not understand a word.
+    frames = min(map(len, rows.values()), default=0)
+    if frames <= part["samples"]:
+        raise ArithmeticError(f"Ondsel solved {frames} of {part['samples'] + 1} frames")
+    return rows
+
+
+@contextmanager
+def own_folder() -> Iterator[None]:
+    """A folder for temporary files of this process and what it starts."""
+    before = os.environ.get("TMPDIR")
+    with TemporaryDirectory() as folder:
+        os.environ["TMPDIR"] = folder
+        try:
+            yield
+        finally:
+            del os.environ["TMPDIR"]
+            if before is not None:
+                os.environ["TMPDIR"] = before

@@ -1,0 +1,222 @@
+"""One pass in Simbody, through OpenSim: a manager for each part of the motion, from where the one before ended."""
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import opensim
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Data = dict[str, Any]
+
+RAPID = 1e3  # rad/s: a crank's speed beyond which the tolerance grows with it
+KINEMATICS = {
+    "position": ("getPositionInGround", "getValue"),
+    "velocity": ("getLinearVelocityInGround", "getSpeedValue"),
+    "acceleration": ("getLinearAccelerationInGround", "getAccelerationValue"),
+}
+
+opensim.Logger.setLevelString("Off")  # or it prints, and leaves a log file
+
+
+def vector(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN401
+    """A vector of OpenSim's."""
+    return opensim.Vec3(float(x), float(y), float(z))
+
+
+def plane(space: Any, factor: float = 1.0) -> tuple[float, float]:  # noqa: ANN401
+    """What of a vector is in the plane."""
+    return factor * space.get(0), factor * space.get(1)
+
+
+class World:
+    """The model; bodies, joints and coordinates are in the order of the tree, the ground is body -1.
+
+    ``loads`` take three functions of time each, which every part of the motion gives them anew.
+    """
+
+    def __init__(self, given: Data) -> None:
+        self.given, self.model = given, opensim.Model()
+        self.model.setGravity(vector(*given["gravity"]))
+        self.frames = [self.model.getGround()]  # the last is body -1
+        self.joints, self.coordinates, self.cuts, self.loads = list[Any](), list[Any](), list[Any](), list[Any]()
+        for body in given["bodies"]:
+            self.carry(body)
+        for cut in given["cuts"]:
+            self.close(cut)
+        for first, here, second, there, law in given["springs"]:
+            one, other = self.frames[first].getName(), self.frames[second].getName()
+            points = vector(*here), vector(*there)
+            self.model.addForce(opensim.ExpressionBasedPointToPointForce(one, points[0], other, points[1], law))
+        for number, (first, second, coefficient) in enumerate(given["dampers"]):
+            ends, drag = (self.frames[first], self.frames[second]), vector(0.0, 0.0, coefficient)
+            still = vector(), vector(), vector()
+            self.model.addForce(opensim.BushingForce(f"damper{number}", *ends, *still, drag))
+        for number, (body, anchor, law) in enumerate(given["loads"]):
+            load = opensim.PrescribedForce(f"load{number}", self.frames[body])
+            load.setPointFunctions(*(opensim.Constant(float(each)) for each in (*anchor, 0.0)))
+            self.model.addForce(load)
+            self.loads.append(load.setTorqueFunctions if components(law) == 1 else load.setForceFunctions)
+
+    def carry(self, body: Data) -> None:
+        """Put a body, its frame at its mass centre, on its parent."""
+        number = len(self.joints) + 1
+        frame = opensim.Body(f"body{number}", body["mass"], vector(), opensim.Inertia(*[body["inertia"]] * 3))
+        self.model.addBody(frame)
+        sides = zip(body["points"], body["tilts"], strict=True)
+        parent, child = ((vector(*point), vector(0.0, 0.0, tilt)) for point, tilt in sides)
+        joint = getattr(opensim, body["joint"])(f"joint{number}", self.frames[body["parent"]], *parent, frame, *child)
+        self.model.addJoint(joint)
+        coordinate = None
+        if body["joint"] != "WeldJoint":
+            coordinate = joint.updCoordinate()
+            coordinate.setDefaultValue(body["value"])
+            coordinate.setDefaultSpeedValue(body["speed"])
+        self.frames.insert(-1, frame)
+        self.joints.append(joint)
+        self.coordinates.append(coordinate)
+
+    def close(self, cut: Data) -> None:
+        """Hold a joint that closes a loop as a constraint."""
+        (first, second), (on_first, on_second) = cut["bodies"], (vector(*anchor) for anchor in cut["anchors"])
+        if cut["along"] is None:
+            ends = self.frames[first], on_first, self.frames[second], on_second
+            self.cuts.append(opensim.PointConstraint(*ends))
+        else:
+            line = self.frames[second], vector(*cut["along"]), on_second
+            self.cuts.append(opensim.PointOnLineConstraint(*line, self.frames[first], on_first))
+        self.model.addConstraint(self.cuts[-1])
+
+    def force(self, number: int, sign: float, state: Any) -> tuple[float, float]:  # noqa: ANN401
+        """The force that a joint of the tree exerts on its body or, with the other sign, on the parent."""
+        return plane(self.joints[number].calcReactionOnParentExpressedInGround(state).get(1), sign)
+
+    def cut_force(self, number: int, state: Any) -> tuple[float, float]:  # noqa: ANN401
+        """On the first body of a cut: its constraint tells minus this in the axes of what carries both its bodies."""
+        cut, row = (
+            self.given["cuts"][number],
+            0 if self.given["cuts"][number]["along"] is None else 6,
+        )  # behind a line's
+        taken_up = vector(*map(self.cuts[number].getRecordValues(state).get, (row, row + 1)))
+        return plane(self.frames[cut["carrier"]].expressVectorInGround(state, taken_up), -1.0)
+
+    def torque(self, state: Any) -> float:  # noqa: ANN401
+        """Of what the driven joint takes up, the drive's is the moment, or the force along a slide."""
+        number, sign, along = self.given["drive"]
+        if along is None:
+            reaction = self.joints[number].calcReactionOnParentExpressedInGround(state)
+            return float(-reaction.get(0).get(2))
+        host = self.frames[self.given["bodies"][number]["parent"]]
+        line = plane(host.expressVectorInGround(state, vector(*along)))
+        return float(np.dot(self.force(number, sign, state), line))
+
+    def joint_forces(self, state: Any) -> list[Any]:  # noqa: ANN401
+        """On the first bodies of the joints; of a driven slider's, what is across its guide."""
+        forces = list[Any]()
+        for is_cut, number, sign, normal in self.given["joints"].values():
+            force = self.cut_force(number, state) if is_cut else self.force(number, sign, state)
+            forces.append(force if normal is None else np.multiply(normal, np.dot(force, normal)))
+        return forces
+
+    def kinematics(self, channel: str, state: Any) -> list[tuple[float, ...]]:  # noqa: ANN401
+        """Rows x, y, angle or their rates; an angle is a sum of coordinates, and so unwrapped."""
+        place, rate = KINEMATICS[channel]
+        rows = list[tuple[float, ...]]()
+        for body, turning, angle in self.given["read"]:
+            turns = (getattr(self.coordinates[number], rate)(state) for number in turning)
+            base = angle if channel == "position" else 0.0
+            rows.append((*plane(getattr(self.frames[body], place)(state)), sum(turns, base)))
+        return rows
+
+    def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401
+        """What is to be recorded in a state."""
+        self.model.realizeAcceleration(state)
+        own = {"torque": self.torque, "joint_force": self.joint_forces}
+        return {name: own[name](state) if name in own else self.kinematics(name, state) for name in channels}
+
+
+def components(law: Any) -> int:  # noqa: ANN401
+    """How many a load has."""
+    return len(law) if isinstance(law, list) else 1 if isinstance(law, dict) else len(law[1][0])
+
+
+def at(law: Any, angle: float) -> Any:  # noqa: ANN401
+    """A load's components at an angle or a travel: those of cubics between knots."""
+    knots, pieces, repeats = law
+    angle = knots[0] + (angle - knots[0]) % (2.0 * math.pi) if repeats else min(max(angle, knots[0]), knots[-1])
+    piece = min(bisect_right(knots, angle), len(pieces)) - 1
+    x = angle - knots[piece]
+    return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
+
+
+def functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
+    """Three functions of time: a force's components, or a torque's, of which there is the third alone."""
+    result = [opensim.Constant(0.0) for _ in range(3)]
+    if isinstance(law, dict):
+        result[2], times = opensim.PiecewiseLinearFunction(), law["times"]
+        for point in zip((times[0] - 1.0, *times, times[-1] + 1.0), np.pad(law["torque"], 1, "edge"), strict=True):
+            result[2].addPoint(*map(float, point))  # it goes on beyond as it does at its end
+        return result
+    first = 0 if components(law) > 1 else 2
+    if isinstance(law, list):
+        return result[:first] + [opensim.Constant(float(value)) for value in law] + result[first + len(law) :]
+    for axis, values in enumerate(np.array([at(law, each) for each in angle]).T.tolist(), start=first):
+        result[axis] = opensim.SimmSpline()
+        for point in zip(time.tolist(), values, strict=True):
+            result[axis].addPoint(*point)
+    return result
+
+
+def build(model: Data) -> World:
+    """The world of a model."""
+    return World(model)
+
+
+def follow(world: World, course: Data) -> Data:
+    """The samples of a course; of the two between parts the later part's counts."""
+    rows: list[tuple[float, Data]] = []
+    for part in course["parts"]:
+        states = list(part_states(world, part, course))
+        rows += states if part is course["parts"][-1] else states[:-1]
+    time = np.array([instant for instant, _ in rows])
+    samples: Data = {name: (time, np.array([row[name] for _, row in rows])) for name in course["channels"]}
+    if "joint_force" in samples:
+        forces = samples["joint_force"][1]
+        samples["joint_force"] = {joint: (time, forces[:, n]) for n, joint in enumerate(world.given["joints"])}
+    return samples
+
+
+def part_states(world: World, part: Data, course: Data) -> Iterator[tuple[float, Data]]:
+    """Instants of a part, s, and what is read at them; OpenSim's clock starts anew with every segment."""
+    model, given = world.model, world.given
+    time = np.linspace(part["start"], part["end"], part["samples"] + 1)
+    zero, coefficients = part["segment"] or (0.0, [0.0])
+    clock = time - zero
+    angle = np.poly1d(coefficients[::-1])
+    if part["segment"]:
+        driver = world.coordinates[given["drive"][0]]
+        driver.setPrescribedFunction(opensim.PolynomialFunction(opensim.Vector.createFromMat(angle.coeffs)))
+        driver.setDefaultIsPrescribed(True)
+    for apply, (_, _, law) in zip(world.loads, given["loads"], strict=True):
+        apply(*functions(law, clock, angle(clock)))
+    state = model.initSystem()
+    state.setTime(clock[0])
+    manager = opensim.Manager(model)
+    manager.setWriteToStorage(False)
+    if given["tolerance"] is not None:  # for velocities too, of which rounding leaves more where they are large
+        speed = float(np.abs(angle.deriv()(clock)).max())
+        manager.setIntegratorConstraintTolerance(given["tolerance"] * max(1.0, speed / RAPID))
+    set_step = manager.setIntegratorFixedStepSize if given["fixed"] else manager.setIntegratorMaximumStepSize
+    set_step((part["end"] - part["start"]) / part["samples"] / course["ratio"])
+    try:
+        manager.initialize(state)
+        for at_time, instant in zip(time.tolist(), clock.tolist(), strict=True):
+            manager.setIntegratorFinalTime(instant)  # or it steps beyond and interpolates
+            state = manager.integrate(instant) if instant > clock[0] else manager.getState()
+            yield at_time, world.read(course["channels"], state)
+    except RuntimeError as error:
+        raise ArithmeticError(f"Simbody gave up: {' '.join(str(error).rpartition('because:')[2].split())}") from error
+    model.setPropertiesFromState(state)  # where the next part begins
