@@ -63,7 +63,8 @@ class Results:
     def figures(self) -> tuple[KeyFigure, ...]:
         """Key figures of every linkage and motion, beside what was recorded of them."""
         names = [field.name for field in fields(KeyFigure)]
-        return tuple(KeyFigure(**{name: row[name] for name in names}) for row in self.document.get("figures", ()))
+        rows = self.document.get("figures", ())  # objects of a campaign that was not read from a folder
+        return tuple(one if isinstance(one, KeyFigure) else KeyFigure(**{n: one[n] for n in names}) for one in rows)
 
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:

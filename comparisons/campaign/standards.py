@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +99,7 @@ class JudgedCampaign:
         """What a campaign's document has of it besides the records, JSON-ready."""
         return {
             "limits": self.standard.limits.told,
-            "figures": [{**asdict(figure), "sentence": figure.sentence} for figure in self.figures],
+            "figures": list(self.figures),
             "notes": list(self.notes),
             "departures": list(self.departures),
         }

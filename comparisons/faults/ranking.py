@@ -15,7 +15,7 @@ from comparisons.faults.columns import UNIT_RATIOS, Evidence, column_faults, gro
 from comparisons.faults.fault import Correction, Fault, Kind
 from comparisons.faults.fitting import Fit, Fitting
 from comparisons.faults.numbers import misplaced_loads, number_faults, several_numbers
-from comparisons.faults.settings import model_settings, motion_settings
+from comparisons.faults.settings import CrankColumn, model_settings, motion_settings
 from comparisons.faults.simulation import Simulation, is_rotary
 
 Array = NDArray[np.float64]
@@ -73,18 +73,18 @@ class Explanation:
 
 
 def explain(
-    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], *, from_column: bool
+    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: CrankColumn | None = None
 ) -> Explanation:
     """The causes of all differences beyond the rounding; ``names`` are the signals that a column may be taken for."""
-    raw = _explain(simulation, evidence, names, from_column=from_column)
+    raw = _explain(simulation, evidence, names, column)
     partly = {name for finding in raw.findings if not finding.fully for name in finding.signals}
     open_names = {*raw.unexplained, *partly}
     estimates = {v.name: c for v in evidence if v.name in open_names and (c := estimated(v)) is not None}
     if estimates:
         aligned = [_corrected(v, estimates.get(v.name)) for v in evidence]
-        raw = _merged(raw, _explain(simulation, aligned, names, from_column=from_column), estimates)
+        raw = _merged(raw, _explain(simulation, aligned, names, column), estimates)
     if raw.unexplained:
-        pair = _Search(simulation, evidence).pair(raw.unexplained, from_column=from_column)
+        pair = _Search(simulation, evidence).pair(raw.unexplained, column)
         raw = Explanation((*raw.findings, pair), ()) if pair else raw
     return raw
 
@@ -131,13 +131,13 @@ def differs(evidence: Evidence) -> bool:
 
 
 def _explain(
-    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], *, from_column: bool
+    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: CrankColumn | None = None
 ) -> Explanation:
     open_names = [one.name for one in evidence if differs(one)]
     if not open_names:
         return Explanation((), ())
     search = _Search(simulation, evidence)
-    fits = search.fits(names, open_names, from_column=from_column)
+    fits = search.fits(names, open_names, column)
     findings: list[FaultFinding] = []
     unnamed: list[str] = []
     while open_names:
@@ -171,13 +171,13 @@ class _Search:
         shares = [(one.rounding / one.tolerance)[one.counted] for one in evidence]
         self.floor = np.array([ROUNDED * float(np.sqrt(np.mean(s**2))) if len(s) else 0.0 for s in shares]) + 1e-4
 
-    def fits(self, names: Sequence[str], open_names: Sequence[str], *, from_column: bool) -> list[Fit]:
+    def fits(self, names: Sequence[str], open_names: Sequence[str], column: CrankColumn | None) -> list[Fit]:
         """Every fault fitted that does no harm: those of the model to some samples, then those of columns.
 
         Where one of the model explains several columns at once, nothing is sought in each of them, nor in the shape of
         a linkage whose positions are found by iteration.
         """
-        model = [*motion_settings(self.simulation.motion, from_column=from_column), *model_faults(self.simulation)]
+        model = [*motion_settings(self.simulation.motion, column), *model_faults(self.simulation)]
         slow = [fault for fault in model if fault.reshapes and self.simulation.mechanism.is_numerical]
         found = [fit for fault in model if fault not in slow and (fit := self._of_model(fault))]
         if not any(self.is_harmless(fit) and len(self.explained(fit, open_names)) == len(open_names) for fit in found):
@@ -193,11 +193,11 @@ class _Search:
                 found += [self._spread(fit, one.name) for fault in of_column if (fit := own.best(fault))]
         return found
 
-    def pair(self, names: Sequence[str], *, from_column: bool) -> FaultFinding | None:
+    def pair(self, names: Sequence[str], column: CrankColumn | None) -> FaultFinding | None:
         """Two numbers that together explain all that nothing else does, and that is far more than the rounding."""
         if any(np.nanmax(np.abs(one.residual)) < WORTH_A_PAIR for one in self.evidence if one.name in names):
             return None
-        motion = motion_settings(self.simulation.motion, from_column=from_column)
+        motion = motion_settings(self.simulation.motion, column)
         faults = [one for one in chain(motion, model_faults(self.simulation)) if len(one.start) == 1]
         if self.simulation.mechanism.is_numerical:
             faults = [one for one in faults if not one.reshapes]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -27,6 +27,12 @@ MOST_PACES: Final = 150
 QUARTERS: Final = (90.0, -90.0, 180.0)
 NOTHING: Final = 1e-6  # rad: the rounding of a start angle
 SHORTEST: Final = 1e-9  # s, of a ramp
+# Units in which a column of the crank's angle or speed may be, whatever its header says, by their SI values.
+CRANK_UNITS: Final = {
+    "phi": {"rad": 1.0, "deg": math.pi / 180.0, "turns": 2.0 * math.pi},
+    "omega": {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0, "turns per second": 2.0 * math.pi},
+}
+SAME_UNIT: Final = 1e-6  # relative
 
 
 def model_settings(simulation: Simulation) -> Iterator[Fault]:
@@ -108,9 +114,24 @@ def _damped(pair: tuple[str, str]) -> Callable[[Simulation, Array], Simulation]:
     return apply
 
 
-def motion_settings(motion: Motion, *, from_column: bool) -> Iterator[Fault]:
+@dataclass(frozen=True)
+class CrankColumn:
+    """The column that gives the crank's motion: the angle, phi, or the speed, omega; "" of what does not turn.
+
+    ``unit`` is printed in its ``header``; ``value`` is its SI value.
+    """
+
+    name: str
+    header: str
+    unit: str
+    value: float
+
+
+def motion_settings(motion: Motion, column: CrankColumn | None = None) -> Iterator[Fault]:
     """Every fault of the crank's motion; speed and ramps only where a regime, not a column of the file, gives it."""
-    start = float(motion.angle(0.0))
+    start, from_column = float(motion.angle(0.0)), column is not None
+    if column is not None:
+        yield from _other_units(column, start)
     direction = "the crank angle is mirrored" if from_column else "the crank turns the other way"
     yield _of("direction", lambda m, _: ChangedMotion(m, -1.0, 2.0 * start), lambda _: direction,
               cure=_mirrored(2.0 * start) if from_column else _none)  # fmt: skip
@@ -131,6 +152,21 @@ def motion_settings(motion: Motion, *, from_column: bool) -> Iterator[Fault]:
     )  # fmt: skip
     if not from_column:
         yield from _regimes(motion, start)
+
+
+def _other_units(column: CrankColumn, start: float) -> Iterator[Fault]:
+    """Another unit of the column than its header says."""
+    for unit, value in CRANK_UNITS.get(column.name, {}).items():
+        k = value / column.value
+        if not math.isclose(k, 1.0, rel_tol=SAME_UNIT):
+            words = f"the column '{column.header}' is in {unit}{f', not in {column.unit}' if column.unit else ''}"
+            offset = start * (1.0 - k) if column.name == "omega" else 0.0
+            cure = {column.name: Correction(factor=k)}
+            yield Fault(
+                f"unit:{column.name}", Kind.COLUMN,
+                lambda simulation, _, k=k, by=offset: simulation.moving(ChangedMotion(simulation.motion, k, by)),  # type: ignore[misc]
+                lambda _, words=words: words, cure=lambda _, cure=cure: cure,  # type: ignore[misc]
+            )  # fmt: skip
 
 
 def _none(_: Array) -> dict[str, Correction]:

@@ -21,7 +21,7 @@ from comparisons.runs.study_folder import has_study
 from comparisons.stress import saved as stress_test
 from comparisons.stress.saved import Stress
 from comparisons.work_precision import records as work_precision
-from comparisons.work_precision.records import Bench, PointRecord
+from comparisons.work_precision.records import Bench
 
 LIST: Final = "merged.json"
 STUDIES: Final = (*campaign.KINDS, work_precision.KIND, stress_test.KIND)
@@ -75,20 +75,13 @@ class MergedFolder:
     def runs(self) -> frozenset[str]:
         """What was run, in words that tell one run from every other on the same machine."""
         campaign, bench, stress = self.campaign, self.bench, self.stress
-        records = campaign.records if campaign else ()
+        records = campaign.runs if campaign else ()
         points = bench.points if bench else ()
         return frozenset((
-            *(f"compare {'/'.join(record.run)}, {record.conditions}" for record in records),
-            *(f"bench {_point(point)}" for point in points),
+            *(f"compare {record.key}, {record.conditions}" for record in records),
+            *(f"bench {point.key}" for point in points),
             *(f"stress {result.cell.key}" for result in (stress.results if stress else ())),
         ))  # fmt: skip
-
-
-def _point(point: PointRecord) -> str:
-    """What tells a point of a benchmark from every other."""
-    steps = (("step", point.step), ("effort", point.effort))
-    told = (f", {name} {value!r}" for name, value in steps if value is not None)
-    return "/".join((*point.place, point.engine, point.setting)) + "".join(told)
 
 
 def folders_of(paths: Sequence[Path]) -> tuple[MergedFolder, ...]:

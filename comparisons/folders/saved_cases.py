@@ -35,9 +35,9 @@ def saved_figures(results: Results, made: Mapping[Place, Case]) -> dict[Place, d
     if "figures" not in results.document:
         return {place: key_figures(case) for place, case in made.items()}
     found: dict[Place, dict[str, float]] = {}
-    for row in results.document["figures"]:
-        if row["now"] is not None:
-            found.setdefault((row["mechanism"], row["variant"], row["regime"]), {})[row["figure"]] = row["now"]
+    for one in results.figures:
+        if one.now is not None:
+            found.setdefault((one.mechanism, one.variant, one.regime), {})[one.figure] = one.now
     return found
 
 

@@ -1,4 +1,4 @@
-"""A campaign's folder judged anew: texts, curves and records held against each other and against the closed form."""
+"""A folder judged anew: texts, curves and records held against each other and against the closed form."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.key_figures import changes
-from comparisons.campaign.results import Results, load
+from comparisons.campaign.results import Results, is_saved, load
 from comparisons.campaign.standards import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.folders.saved_cases import Place, as_baseline, saved_cases, saved_figures
+from comparisons.folders.studies import checked_studies
 from comparisons.judging.baseline import Baseline
 from comparisons.judging.deviations import Deviation, signal_deviation
-from comparisons.judging.limits import LimitTable, read_limits, shipped_limits, table_of
+from comparisons.judging.limits import LimitTable, read_limits, shipped_limits
 from comparisons.judging.quantities import Quantity, chosen_quantities
 from comparisons.judging.records import Record
 from comparisons.judging.verdicts import Standard
@@ -43,16 +44,18 @@ class Verification:
     """What came of judging a folder anew.
 
     ``records`` and ``invariants`` are as judged now, ``curves``, ``figures`` and ``texts`` count what was worked out
-    again; ``notes`` say what they were judged by and what a folder cannot show.
+    again; ``studies`` are others, which were held against themselves; ``notes`` say what they were judged by and what
+    a folder cannot show.
     """
 
-    records: tuple[Record, ...]
-    invariants: tuple[Record, ...]
-    curves: int
-    figures: int
-    texts: int
-    notes: tuple[str, ...]
-    findings: tuple[VerificationFinding, ...]
+    records: tuple[Record, ...] = ()
+    invariants: tuple[Record, ...] = ()
+    curves: int = 0
+    figures: int = 0
+    texts: int = 0
+    notes: tuple[str, ...] = ()
+    findings: tuple[VerificationFinding, ...] = ()
+    studies: tuple[str, ...] = ()
 
 
 class _SavedBounds(Baseline):
@@ -64,12 +67,22 @@ class _SavedBounds(Baseline):
 
 
 def verify(folder: Path, limits: Path | None = None) -> Verification:
-    """Judge what compare saved in a folder, by the limits saved there or by a file's.
+    """Judge a campaign by the limits saved in its folder or by a file's, and hold other studies against themselves.
 
-    Every curve is held against the closed form of the folder's texts, worked out now, and every record against its
-    curve. Raises LinkproofError for a folder that cannot be read, or that judge wrote.
+    Every curve of a campaign is held against the closed form of the folder's texts, worked out now, and every record
+    against its curve. Raises LinkproofError for a folder that cannot be read, or that judge wrote.
     """
-    results = load(folder, with_sheets=False)
+    studies = tuple(checked_studies(folder))
+    found = Verification()
+    if is_saved(folder) or not studies:
+        found = _verified(load(folder, with_sheets=False), folder, limits)
+    faults = (VerificationFinding(*fault) for study in studies for fault in study.faults)
+    extents = tuple(f"{study.kind}: {study.extent}" for study in studies)
+    return replace(found, studies=extents, findings=(*found.findings, *faults))
+
+
+def _verified(results: Results, folder: Path, limits: Path | None) -> Verification:
+    """A campaign judged anew."""
     if "judgement" in results.document:
         raise LinkproofError(
             f"expected the folder of a compare in '{folder}', got one of judge: judge the tool's own files again"
@@ -79,13 +92,12 @@ def verify(folder: Path, limits: Path | None = None) -> Verification:
     standard = Standard(table, _SavedBounds())
     judged = [_judged(results, cases[record.run[:3]], record, standard) for record in results.records]
     invariants = [(fresh := standard.judge(record), _verdict(record, fresh)) for record in results.invariants]
-    figures = results.document.get("figures", [])
     return Verification(
         tuple(record for record, _ in judged),
         tuple(record for record, _ in invariants),
         sum(record.error_max is not None for record in results.records),
-        len(figures),
-        sum("checksum" in row for row in results.document["descriptions"]),
+        len(results.figures),
+        len(results.linkages),
         (told, *_notes(results, folder)),
         (
             *_texts(results),
@@ -103,13 +115,11 @@ def _limits(results: Results, file: Path | None) -> tuple[LimitTable, str]:
     """The table to judge by, and what it is."""
     if file is not None:
         return read_limits(file), f"judged by the limits of {file}"
-    rows = results.document.get("limits")
-    if rows is None:
-        return shipped_limits(), "the folder has no limits: judged by those of this version"
     shipped = shipped_limits().told
-    own = [f"{', '.join(row['quantities'])} {row['value']:g} ({row['reason']})" for row in rows if row not in shipped]
+    others = [row for row in results.limits.told if row not in shipped]
+    own = [f"{', '.join(row['quantities'])} {row['value']:g} ({row['reason']})" for row in others]
     words = f"judged by the folder's limits, of which this version has not: {'; '.join(own)}" if own else ""
-    return table_of(rows), words or "judged by the limits of this version, which are the folder's"
+    return results.limits, words or "judged by the limits of this version, which are the folder's"
 
 
 def _notes(results: Results, folder: Path) -> Iterator[str]:
@@ -125,12 +135,8 @@ def _notes(results: Results, folder: Path) -> Iterator[str]:
         )
     if any(record.baseline is not None for record in results.records):
         yield "what a baseline allowed is taken from the records: the baseline is not in the folder"
-    if not _beside(folder, SHEETS).is_file():
+    if not (folder / SHEETS).is_file():
         yield f"the folder has no {SHEETS}, without which no pages are made of it"
-
-
-def _beside(folder: Path, name: str) -> Path:
-    return (folder if folder.is_dir() else folder.parent) / name
 
 
 def _texts(results: Results) -> Iterator[VerificationFinding]:

@@ -15,9 +15,7 @@ from comparisons.faults.fault import Correction
 Array = NDArray[np.float64]
 Axis = Literal["time", "phi"]
 
-# Signals that the closed form has under no name of its own: the axes, and the size of a joint's force.
-TIME: Final = "time"
-MAGNITUDE: Final = "magnitude"
+TIME: Final = "time"  # an axis, which the closed form has under no name of its own
 
 
 class MappingNeededError(LinkproofError):

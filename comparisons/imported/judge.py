@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -13,13 +12,11 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.signals import names, table
-from comparisons.faults.columns import Evidence
-from comparisons.faults.fault import Correction, Fault, Kind
-from comparisons.faults.fitting import Fit
-from comparisons.faults.ranking import Explanation, FaultFinding, differs, explain, proposals
-from comparisons.faults.simulation import ChangedMotion, Simulation, is_angle
+from comparisons.faults.fault import Correction
+from comparisons.faults.ranking import Explanation, explain, proposals
+from comparisons.faults.settings import CrankColumn
+from comparisons.faults.simulation import Simulation, is_angle
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
-from comparisons.imported.judging.column_checks import ColumnCheck, column_checks
 from comparisons.imported.judging.crank_column import (
     ColumnMotion,
     motion_of_angles,
@@ -37,14 +34,6 @@ Array = NDArray[np.float64]
 FEWEST: Final = 2  # samples of a signal that can be judged
 FINE: Final = 2000  # instants by which a curve is looked at between few samples
 SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
-# Units in which a column of the crank's angle or speed may be, whatever its header says, by their SI values.
-CRANK_UNITS: Final = {
-    "phi": {"rad": 1.0, "deg": math.pi / 180.0, "turns": 2.0 * math.pi},
-    "omega": {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0, "turns per second": 2.0 * math.pi},
-}
-LOOK: Final = 100  # samples by which another unit of the crank's motion is looked at
-RIGHT: Final = 0.1  # of a signal's size that it leaves at most, and of what the unit in the header leaves
-SAME_UNIT: Final = 1e-6  # relative
 
 
 @dataclass(frozen=True)
@@ -57,7 +46,6 @@ class ImportedJudgement:
     model: Simulation
     verdicts: tuple[SignalVerdict, ...]
     explanation: Explanation
-    checks: tuple[ColumnCheck, ...]
     not_judged: tuple[tuple[Column, str], ...]
     imported: ImportedResults
     motion_source: str
@@ -76,6 +64,20 @@ class ImportedJudgement:
         """Whether every signal is within the limit: one that the file leaves open has not passed."""
         return all(verdict.outcome is Verdict.PASSED for verdict in self.verdicts)
 
+    def without_cause(self, verdict: SignalVerdict) -> tuple[str, Array | None]:
+        """The likely cause of a signal's difference in words, and the file's values without it, (n,); "" for none.
+
+        They are nan at jumps of the crank's acceleration, where either value is accepted.
+        """
+        finding = next((one for one in self.explanation.findings if verdict.name in one.signals), None)
+        if finding is None:
+            return "", None
+        fault, numbers, correction = finding.likeliest.fault, finding.likeliest.numbers, finding.aligned
+        (wrong,) = fault.apply(self.model, numbers).predicted([verdict.samples])
+        right = correction.get(verdict.name, Correction())
+        values = right.sign * right.factor * verdict.samples.values + verdict.truth - wrong
+        return finding.likeliest.words, np.where(verdict.kept, values, np.nan)
+
 
 def judge(
     linkage: Linkage,
@@ -91,48 +93,7 @@ def judge(
     Without a ``motion`` the crank follows the file's column of its angle, or of its speed from ``start_angle``, rad.
     ``gives_speed`` is False where the user states no speed, which moving signals over the crank angle need.
     """
-    alike = _compared(linkage, imported, motion, limit, start_angle, gives_speed=gives_speed)
-    explanation: Explanation | None = None
-    if motion is None and any(differs(one.evidence) for one in alike.verdicts):
-        other = _in_another_unit(alike, imported, start_angle)
-        if other is not None:
-            again = _compared(linkage, other.imported, None, limit, start_angle, gives_speed=gives_speed)
-            if len(_differing(again)) < len(_differing(alike)):
-                explanation = _behind(other.fault, alike, again)
-    return ImportedJudgement(
-        alike.model,
-        tuple(alike.verdicts),
-        explanation or _explained(alike),
-        tuple(column_checks(alike.model, alike.signals, imported)),
-        (*imported.not_judged, *((one.imported.column, "a single sample") for one in alike.short)),
-        imported,
-        alike.source,
-        limit,
-        tuple(_missed(alike.model, alike.verdicts)),
-    )
-
-
-@dataclass(frozen=True)
-class _Compared:
-    """Every signal beside the closed form under one motion, which the column ``crank`` gives if a column does."""
-
-    model: Simulation
-    signals: list[Samples]
-    short: list[Samples]
-    verdicts: list[SignalVerdict]
-    source: str
-    crank: ImportedSignal | None
-
-    @property
-    def evidence(self) -> list[Evidence]:
-        """What causes are fitted to."""
-        return [one.evidence for one in self.verdicts]
-
-
-def _compared(
-    linkage: Linkage, imported: ImportedResults, motion: Motion | None, limit: float, start: float, *, gives_speed: bool
-) -> _Compared:
-    moved, source, crank = _motion(imported, motion, start)
+    moved, source, crank = _motion(imported, motion, start_angle)
     model = Simulation(linkage, moved)
     every = [_sampled(one, moved) for one in imported.signals if one is not crank]
     _check_speed(model, every, gives_speed=gives_speed)
@@ -146,81 +107,20 @@ def _compared(
     truth = model.predicted(signals)
     signals = [_without_turns(one, values) for one, values in zip(signals, truth, strict=True)]
     judged = verdicts(model, signals, truth, floor(model, signals, truth), limit)
-    return _Compared(model, signals, [one for one in every if len(one.time) < FEWEST], judged, source, crank)
-
-
-def _explained(compared: _Compared) -> Explanation:
-    model, evidence = compared.model, compared.evidence
-    return explain(model, evidence, names(model.mechanism), from_column=compared.crank is not None)
-
-
-def _differing(compared: _Compared) -> list[str]:
-    return [one.name for one in compared.evidence if differs(one)]
-
-
-@dataclass(frozen=True)
-class _OtherUnit:
-    """The results with the crank's column in another unit than its header says."""
-
-    fault: Fault
-    imported: ImportedResults
-
-
-def _in_another_unit(compared: _Compared, imported: ImportedResults, start: float) -> _OtherUnit | None:
-    """The unit of the crank's column that leaves far less of the signals than that of its header; None if none does."""
-    crank = compared.crank
-    if crank is None or crank.name not in CRANK_UNITS:
-        return None
-    best, least = None, RIGHT * min(1.0, _left(compared, compared.model))
-    for unit, value in CRANK_UNITS[crank.name].items():
-        factor = value / imported.units.get(crank.name, 1.0)
-        if abs(factor - 1.0) < SAME_UNIT:
-            continue
-        changed = replace(crank, values=factor * crank.values, resolution=factor * crank.resolution)
-        other = replace(imported, signals=tuple(changed if one is crank else one for one in imported.signals))
-        left = _left(compared, compared.model.moving(_rescaled(compared.model.motion, crank, other, factor, start)))
-        if left < least:
-            best, least = _OtherUnit(_unit_fault(crank, unit, factor), other), left
-    return best
-
-
-def _rescaled(motion: Motion, crank: ImportedSignal, other: ImportedResults, factor: float, start: float) -> Motion:
-    """The motion of the crank's column times a factor; read anew where whole turns were taken from its angles."""
-    if crank.name == "omega":
-        return ChangedMotion(motion, factor, float(motion.angle(0.0)) * (1.0 - factor))
-    if np.array_equal(unwrapped(crank.values), crank.values):
-        return ChangedMotion(motion, factor)
-    return _motion(other, None, start)[0]
-
-
-def _left(compared: _Compared, model: Simulation) -> float:
-    """What a model leaves of the signals, each over its size: the mean of their root mean squares."""
-    thin = [one.thinned(LOOK) for one in compared.evidence]
-    try:
-        curves = model.predicted(thin)
-    except LinkproofError:
-        return math.inf
-    sizes = [float(np.sqrt(np.mean(one.values**2))) or 1.0 for one in thin]
-    rest = [float(np.sqrt(np.mean((one.values - curve) ** 2))) for one, curve in zip(thin, curves, strict=True)]
-    return float(np.mean([r / size for r, size in zip(rest, sizes, strict=True)]))
-
-
-def _unit_fault(crank: ImportedSignal, unit: str, factor: float) -> Fault:
-    header = crank.column.header
-    words = f"the column '{header}' is in {unit}{f', not in {crank.column.unit}' if crank.column.unit else ''}"
-    cure = {crank.name: Correction(factor=factor)}
-    return Fault(
-        f"unit:{crank.name}", Kind.COLUMN, lambda simulation, _: simulation, lambda _: words, cure=lambda _: cure
+    column = None
+    if crank is not None:
+        name = "" if linkage.is_linear else crank.name
+        column = CrankColumn(name, crank.column.header, crank.column.unit, imported.units.get(crank.name, 1.0))
+    return ImportedJudgement(
+        model,
+        tuple(judged),
+        explain(model, [one.evidence for one in judged], names(model.mechanism), column),
+        (*imported.not_judged, *((one.imported.column, "a single sample") for one in every if len(one.time) < FEWEST)),
+        imported,
+        source,
+        limit,
+        tuple(_missed(model, judged)),
     )
-
-
-def _behind(fault: Fault, first: _Compared, again: _Compared) -> Explanation:
-    """A fault of the crank's column, and what else is wrong once it is corrected."""
-    cured, rest = [name for name in _differing(first) if name not in _differing(again)], _explained(again)
-    nothing = np.zeros(len(first.verdicts))
-    left = max(one.error_max for one in again.verdicts if one.name in cured)
-    finding = FaultFinding(tuple(cured), Fit(fault, np.zeros(0), nothing, nothing, 0), (), left, True)
-    return Explanation((finding, *rest.findings), rest.unexplained)
 
 
 def _motion(

@@ -28,12 +28,11 @@ from comparisons.imported.columns import (
 )  # fmt: skip
 from comparisons.imported.files.axes import check_curve, instants
 from comparisons.imported.files.result_files import SI_TOOLS, result_tables
-from comparisons.imported.headers.meaning import Meaning, Recognition
-from comparisons.imported.headers.said import NotJudgedError
+from comparisons.imported.headers.meaning import Meaning, NotJudgedError, Recognition
 from comparisons.imported.headers.units import Unit
 from comparisons.imported.mapping.agreement import Agreement
 from comparisons.imported.mapping.mapping_file import Mapping, read_mapping
-from comparisons.imported.mapping.writing import MappingLine, mapping_text
+from comparisons.imported.mapping.writing import entry, mapping_text
 
 AXES: Final = {TIME: "time", "phi": "crank angle"}
 
@@ -235,26 +234,15 @@ def _in_si(column: Column, unit: Unit, correction: Correction) -> tuple[Array, A
 def _text(reading: _Reading) -> str:
     """A mapping that says all that was recognised."""
     headers = Counter(c.column.header for c in reading.columns)
-    files = {c.table.file for c in reading.columns}
-    written: set[tuple[str, str]] = set()
-    lines = []
+    several = len({c.table.file for c in reading.columns}) > 1
+    entries: dict[tuple[str, ...], list[str]] = {}
     for c in reading.columns:
         signal = c.meaning.signal if c.meaning else ""
         alone = headers[c.column.header] == 1 or signal in (TIME, "phi")
-        if c.is_ignored or (alone and (c.column.header, signal) in written):
-            continue
-        written.add((c.column.header, signal))
-        lines.append(
-            MappingLine(
-                c.column.header,
-                Path(c.table.file).name if not alone and len(files) > 1 else "",
-                0 if alone else c.number,
-                signal,
-                c.meaning.printed if c.meaning else "",
-                c.reason,
-                c.correction,
-                c.meaning.unit.factor if c.meaning and c.meaning.unit else 1.0,
-            )
-        )
+        name = Path(c.table.file).name if several else ""
+        place: dict[str, str | int] = {} if alone else {"file": name, "table": c.number}
+        if not c.is_ignored:
+            key = (c.column.header, signal, "" if alone else c.column.place)
+            entries.setdefault(key, entry(c.column.header, place, c.meaning, c.reason, c.correction))
     ignored = dict.fromkeys(c.column.header for c in reading.columns if c.is_ignored)
-    return mapping_text(reading.recognition.linkage.name, reading.mapping.axis or "", lines, ignored)
+    return mapping_text(reading.recognition.linkage.name, reading.mapping.axis or "", entries.values(), ignored)

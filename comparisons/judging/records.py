@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
+
+from comparisons.runs.study_folder import plain
 
 if TYPE_CHECKING:
     from comparisons.reference.case import Case
@@ -36,6 +38,7 @@ class Verdict(StrEnum):
     SUITE_ERROR = "suite-error"  # the reference, the judging or a check raised: no fault of the engine
     UNDEFINED = "undefined"  # no sample to judge by
     NOT_PROVIDED = "not-provided"  # a channel that the engine does not offer
+    MEASURED = "measured"  # compared, and held against no limit
     COMPUTED = "computed"  # compared, but with a number of the adapter's own, not the engine's
 
     @property
@@ -84,6 +87,11 @@ class RunFacts:
     def run(self) -> tuple[str, str, str, str, str]:
         """What identifies the run within its study."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
+
+    @property
+    def key(self) -> str:
+        """The same in words."""
+        return "/".join(self.run)
 
 
 @dataclass(frozen=True)
@@ -201,10 +209,4 @@ def blank_record(case: Case, setting: str, engine: str = "", version: str = "", 
 
 def to_json(document: Mapping[str, Any]) -> str:
     """JSON text with records written out; NaN never appears."""
-    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=_plain) + "\n"
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, Record):
-        return asdict(value)
-    raise TypeError(f"cannot write {type(value).__name__} as JSON")
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=plain) + "\n"

@@ -11,7 +11,7 @@ import json
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -44,7 +44,7 @@ class SavedStudy:
         return (self.records.row(key) for key in self.records.keys)
 
 
-def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: Iterable[WrittenRecord]) -> SavedStudy:
+def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: Iterable[WrittenRecord]) -> None:
     """Write a study into ``folder/kind``, which is replaced as a whole once all is written.
 
     The records may come from a generator: none stays in memory.
@@ -58,12 +58,20 @@ def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: It
             file.append(*record)
         file.finish()
         told = {"kind": kind, "format": FORMAT, **document}
-        (new / DOCUMENT).write_text(json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
+        with (new / DOCUMENT).open("w", encoding="utf-8") as target:  # in pieces: there may be many key figures
+            json.dump(told, target, indent=1, ensure_ascii=False, allow_nan=False, default=plain)
         sums = "".join(f"{_sum(new / name)}\n" for name in (DOCUMENT, RECORDS, CURVES))
         (new / SUMS).write_text(sums, "utf-8")
         _replace(folder / kind, new)
     del held
-    return SavedStudy(told, RecordFile(folder / kind, may_be_torn=False))
+
+
+def plain(value: object) -> object:
+    """A data class as JSON has it, with its ``sentence`` if it has one; raises TypeError for anything else."""
+    if not is_dataclass(value) or isinstance(value, type):
+        raise TypeError(f"cannot write {type(value).__name__} as JSON")
+    sentence = getattr(value, "sentence", None)
+    return asdict(value) | ({"sentence": sentence} if sentence is not None else {})
 
 
 def has_study(folder: Path, kind: str) -> bool:

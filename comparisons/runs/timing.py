@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import statistics
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TypeVar
@@ -71,8 +71,3 @@ def timed(work: Callable[[], T]) -> tuple[T, float]:
         begun = time.perf_counter()
         result = work()
         return result, time.perf_counter() - begun
-
-
-def smallest_and_median(samples: Sequence[float]) -> tuple[float | None, float | None]:
-    """Both, or None for each where nothing was measured."""
-    return (min(samples), statistics.median(samples)) if samples else (None, None)

@@ -84,6 +84,15 @@ def _verdict(
     return (StressVerdict.OVER, alarms) if failed else (StressVerdict.WITHIN, "")
 
 
+def verdict_of(cell: CellResult) -> StressVerdict | None:
+    """The verdict that a cell's errors give; None where it has none to judge by."""
+    if not cell.errors and not cell.invariants:
+        return None
+    nearest = next(iter(cell.records), None)
+    failed = [one for one in cell.checks if one.outcome != Verdict.PASSED]
+    return _verdict(nearest, [cell.wrong] if cell.wrong else [], failed, "")[0]
+
+
 def _alarm(record: Record, motion: ObservedMotion) -> str:
     words = ALARMS[record.quantity].format(error=_share(record.error_max), joint=_open_joint(record, motion))
     return words if record.worst_time is None else f"{words} at {record.worst_time:.3g} s"

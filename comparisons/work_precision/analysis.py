@@ -116,23 +116,18 @@ def _method(record: BenchRecord) -> tuple[object, ...]:
 def judged(points: Sequence[PointRecord]) -> tuple[PointRecord, ...]:
     """The same points with their orders and their places on their engine's fronts filled in."""
     records = by_quantity(points, ())
-    orders = {_seen(record): sweep.order for sweep in method_sweeps(records) for record in sweep.records}
-    groups = [part for group in by_engine(records).values() for part in apart(group)]
-    front = {_seen(record) for group in groups for record in on_front(group)}
-    completed = []
-    for point in points:
-        keys = {name: (id(point.errors), name) for name in point.errors}
-        errors = {
-            name: replace(error, order=orders.get(keys[name]), on_front=keys[name] in front)
-            for name, error in point.errors.items()
-        }
-        completed.append(replace(point, errors=errors))
-    return tuple(completed)
-
-
-def _seen(record: BenchRecord) -> tuple[int, str]:
-    """The point behind a record, which shares its errors, and the quantity."""
-    return id(record.errors), record.quantity
+    orders: dict[str, dict[str, float]] = {}
+    for sweep in method_sweeps(records):
+        if (order := sweep.order) is not None:
+            for record in sweep.records:
+                orders.setdefault(record.key, {})[record.quantity] = order
+    fronts: dict[str, list[str]] = {}
+    for group in by_engine(records).values():
+        for record in (record for part in apart(group) for record in on_front(part)):
+            fronts.setdefault(record.key, []).append(record.quantity)
+    return tuple(
+        replace(point, orders=orders.get(point.key, {}), fronts=tuple(fronts.get(point.key, ()))) for point in points
+    )
 
 
 Key = tuple[str, str, str, str, str]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
-from comparisons.judging.records import Verdict
+from comparisons.judging.records import QuantityRecord, Verdict
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickled
 from comparisons.runs.failures import blamed_on
@@ -17,7 +17,6 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
 from comparisons.runs.worker_process import host
-from comparisons.work_precision.records import PointError
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
 from engines.scene import Scene
 
@@ -33,8 +32,7 @@ class Measurement:
 
     ``runs`` of the engine make its motion, 0 where it gave none. ``calibration`` is what the fixed work took just
     before, s. ``readout`` is the wall time of the call less stepping and set-up. ``first_use`` is what the first run of
-    the engine in its process took more than the second, s, 0 of any later run. ``left_out`` and ``host`` are as in
-    ``PointRecord``.
+    the engine in its process took more than the second, s, 0 of any later run. ``host`` is as in records.
     """
 
     outcome: str
@@ -48,8 +46,7 @@ class Measurement:
     used: str = ""
     calibration: float = 0.0
     first_use: float = 0.0
-    errors: Mapping[str, PointError] = field(default_factory=dict)
-    left_out: Mapping[str, str] = field(default_factory=dict)
+    errors: tuple[QuantityRecord, ...] = ()
     host: str = ""
 
 
@@ -103,15 +100,16 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return measured
     try:
-        errors, left_out = _errors(case, families, ObservedMotion(scene, run.history))
+        errors = tuple(_errors(case, families, ObservedMotion(scene, run.history)))
     except NoSampleError as error:
         return replace(measured, outcome=Verdict.UNDEFINED.value, reason=str(error))
-    endless = [name for name, error in errors.items() if not math.isfinite(error.error_max)]
+    endless = [one.quantity for one in errors if not math.isfinite(one.error_max or 0.0)]
     if endless:
         return replace(measured, outcome=Outcome.DIVERGED.value, reason=f"{endless[0]} is not finite")
-    if not errors:
-        measured = replace(measured, outcome=Verdict.NOT_PROVIDED.value, reason="; ".join(left_out.values()))
-    return replace(measured, errors=errors, left_out=left_out)
+    if all(one.error_max is None for one in errors):
+        reasons = "; ".join(one.detail for one in errors)
+        measured = replace(measured, outcome=Verdict.NOT_PROVIDED.value, reason=reasons)
+    return replace(measured, errors=errors)
 
 
 def _measurement(run: Run, wall: float, steady: float) -> Measurement:
@@ -135,23 +133,21 @@ def _short(value: str | int | float) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _errors(
-    case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion
-) -> tuple[dict[str, PointError], dict[str, str]]:
-    """Errors of a motion, of a family of quantities the worst member's, and what the engine does not tell of each."""
+def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> Iterator[QuantityRecord]:
+    """Errors of a motion, of a family of quantities the worst member's, with what the engine does not tell of each."""
     alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
-    errors, left_out = {}, {}
     for name, family in families.items():
         reasons = {quantity.name: reason for quantity in family if (reason := _why_not_measured(quantity, motion))}
-        if reasons:
-            left_out[name] = f"{', '.join(reasons)} {' or '.join(dict.fromkeys(reasons.values()))}"
+        detail = f"{', '.join(reasons)} {' or '.join(dict.fromkeys(reasons.values()))}" if reasons else ""
         deviations = [(deviation(alone, one, motion), one.unit) for one in family if one.name not in reasons]
         if not deviations:
+            yield QuantityRecord(name, outcome=Verdict.NOT_PROVIDED.value, detail=detail)
             continue
         worst, unit = max(deviations, key=lambda pair: pair[0].error_max)
         rms = max(each.error_rms for each, _ in deviations)
-        errors[name] = PointError(unit, worst.error_max, rms, worst.peak)
-    return errors, left_out
+        yield QuantityRecord(
+            name, unit, worst.error_max, rms, peak=worst.peak, outcome=Verdict.MEASURED.value, detail=detail
+        )
 
 
 def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:

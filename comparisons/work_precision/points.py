@@ -117,8 +117,8 @@ class Sweep:
         if len(done) < FEWEST:
             return ""
         finished = [each for each in done if each.outcome == Outcome.FINISHED]
-        names = finished[0].errors if finished else ()
-        if not any(still_improves([each.errors[name].error_max for each in finished]) for name in names):
+        errors = [[one.error_max for one in each.errors if one.error_max is not None] for each in finished]
+        if not any(still_improves(found) for found in zip(*errors, strict=True)):
             return "two refinements in a row improved nothing"
         price = self._price(self.points[len(done)])
         if price > self.budget:

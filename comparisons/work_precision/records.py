@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import statistics
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -11,7 +12,7 @@ from typing import Annotated, Any, Final
 from pydantic import Field, NonNegativeFloat, TypeAdapter
 from typing_extensions import TypedDict
 
-from comparisons.judging.records import Verdict
+from comparisons.judging.records import QuantityRecord, RunRecord, Verdict, from_row
 from comparisons.runs.study_folder import load_study, save_study, usable
 from comparisons.runs.timing import Noise
 from engines.contract import Outcome
@@ -20,63 +21,43 @@ KIND: Final = "bench"
 SETTING, METHOD = "setting", "method"
 
 
-@dataclass(frozen=True)
-class PointError:
-    """A point's errors in one quantity, over ``peak``, the truth's largest magnitude in ``unit``.
-
-    ``order`` is that of the point's whole sweep. ``on_front``: no other point of the engine, single runs and
-    extrapolated ones apart, is as cheap and as exact.
-    """
-
-    unit: str
-    error_max: float
-    error_rms: float
-    peak: float
-    order: float | None = None
-    on_front: bool = False
-
-
-@dataclass(frozen=True)
-class PointRecord:
-    """One point, as it is saved; ``errors`` by quantity are empty where it did not finish.
+@dataclass(frozen=True, kw_only=True)
+class PointFacts:
+    """How a point was made, and what came of it.
 
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
-    s, it is requested. ``runs`` of the engine are extrapolated to make it; 1 is a single run, 0 one that gave no
-    motion. ``is_control``: the engine is the reference's control, never ranked. ``seconds_min`` and ``seconds_median``
-    are of ``repeats``, all wall times of the stepping alone, s; ``setup_seconds`` and ``readout_seconds`` are the
-    shortest of theirs. ``left_out`` says of quantities, by name, what of them the engine does not tell. ``detail`` says
-    why, where it did not finish; ``used`` is what the adapter says of the run, ``ended`` why its sweep goes no further.
-    ``host`` names the machine of a cluster that all of it was measured on.
+    s, it is requested. ``is_control``: the engine is the reference's control, never ranked. ``repeats`` are all wall
+    times of the stepping alone, s. ``detail`` says why, where it did not finish; ``used`` is what the adapter says of
+    the run, ``ended`` why its sweep goes no further. ``orders`` are those of the point's whole sweep, by quantity;
+    in the quantities of ``fronts`` no other point of the engine, single runs and extrapolated ones apart, is as cheap
+    and as exact.
     """
 
-    mechanism: str
-    variant: str
-    regime: str
-    engine: str
-    engine_version: str
     is_control: bool
     kind: str
-    setting: str
-    runs: int
     effort: float | None
     effort_unit: str
     step: float | None
     steps_per_turn: float | None
-    errors: Mapping[str, PointError]
-    left_out: Mapping[str, str]
-    seconds_min: float | None
-    seconds_median: float | None
     repeats: tuple[float, ...]
-    setup_seconds: float | None
-    readout_seconds: float | None
-    steps: int
+    readout_seconds: float
     solver_work: int
     work_unit: str
     outcome: str
     detail: str
     used: str
     ended: str
-    host: str = field(default="", kw_only=True)
+    orders: Mapping[str, float] = field(default_factory=dict)
+    fronts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointRecord(PointFacts, RunRecord):
+    """The run of a point; ``errors`` are empty where it did not finish.
+
+    Set-up, stepping and reading out are the shortest of the repeats, s, 0 where it did not finish; 0 ``runs`` gave no
+    motion. A quantity that the engine does not tell has no error, and says why.
+    """
 
     @property
     def place(self) -> tuple[str, str, str]:
@@ -84,17 +65,28 @@ class PointRecord:
         return (self.mechanism, self.variant, self.regime)
 
     @property
-    def total_seconds(self) -> float:
-        """Set-up and stepping, each the shortest of the repeats, s; 0 where it did not finish."""
-        return (self.setup_seconds or 0.0) + (self.seconds_min or 0.0)
+    def seconds_median(self) -> float:
+        """The median of the repeats, s."""
+        return statistics.median(self.repeats) if self.repeats else 0.0
 
     @property
     def is_extrapolated(self) -> bool:
         """Whether it is no single run."""
         return self.runs > 1
 
+    @property
+    def key(self) -> str:
+        """What tells it from every other point."""
+        steps = (("step", self.step), ("effort", self.effort))
+        return super().key + "".join(f", {name} {value!r}" for name, value in steps if value is not None)
 
-@dataclass(frozen=True)
+    @property
+    def data(self) -> dict[str, Any]:
+        """All of it, JSON-ready."""
+        return {**{name: getattr(self, name) for name in _OWN}, **super().data}
+
+
+@dataclass(frozen=True, kw_only=True)
 class BenchRecord(PointRecord):
     """A point seen in one of its quantities."""
 
@@ -106,9 +98,9 @@ class BenchRecord(PointRecord):
         return (*self.place, self.engine, self.kind, self.setting, self.effort, self.quantity)
 
     @property
-    def error(self) -> PointError | None:
+    def error(self) -> QuantityRecord | None:
         """The errors in this quantity; None where it did not finish."""
-        return self.errors.get(self.quantity)
+        return next((one for one in self.errors if one.quantity == self.quantity and one.error_max is not None), None)
 
     @property
     def error_max(self) -> float | None:
@@ -118,7 +110,16 @@ class BenchRecord(PointRecord):
     @property
     def finished(self) -> bool:
         """Whether it has an error and a time to go with it."""
-        return self.outcome == Outcome.FINISHED and self.error is not None and self.seconds_min is not None
+        return self.outcome == Outcome.FINISHED and self.error is not None and bool(self.repeats)
+
+
+_OWN: Final = tuple(one.name for one in fields(PointFacts))
+_FACTS: Final = TypeAdapter(PointFacts)
+
+
+def point_of(row: Mapping[str, Any]) -> PointRecord:
+    """A point back from its ``data``; raises KeyError or ValueError for anything else."""
+    return PointRecord(**vars(from_row(row, {})), **vars(_FACTS.validate_python(row)))
 
 
 def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tuple[BenchRecord, ...]:
@@ -128,11 +129,12 @@ def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tup
     """
     found = []
     for point in points:
-        for name in dict.fromkeys([*point.errors, *point.left_out]) or quantities:
-            told = vars(point)
-            if name in point.left_out and name not in point.errors:
-                told = {**told, "outcome": Verdict.NOT_PROVIDED.value, "detail": point.left_out[name]}
-            found.append(BenchRecord(**told, quantity=name))
+        lacking = {one.quantity: one.detail for one in point.errors if one.error_max is None}
+        for name in [one.quantity for one in point.errors] or quantities:
+            known = vars(point)
+            if name in lacking:
+                known = {**known, "outcome": Verdict.NOT_PROVIDED.value, "detail": lacking[name]}
+            found.append(BenchRecord(**known, quantity=name))
     return tuple(found)
 
 
@@ -213,7 +215,6 @@ class SavedBench(TypedDict):
 
 
 FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedBench)
-_POINTS: Final = TypeAdapter(tuple[PointRecord, ...])
 _COSTS: Final = TypeAdapter(tuple[MeasuredCost, ...])
 
 
@@ -226,7 +227,7 @@ class Bench:
     @cached_property
     def points(self) -> tuple[PointRecord, ...]:
         """One record per point."""
-        return _POINTS.validate_python(self.document["records"])
+        return tuple(map(point_of, self.document["records"]))
 
     @cached_property
     def records(self) -> tuple[BenchRecord, ...]:
@@ -242,11 +243,6 @@ class Bench:
     def noise(self) -> Noise:
         """The machine's, as measured beside the points."""
         return Noise(tuple(self.document["noise"]["samples"]))
-
-
-def rows(records: Iterable[PointRecord | MeasuredCost]) -> list[dict[str, Any]]:
-    """Records as JSON has them."""
-    return [asdict(record) for record in records]
 
 
 def save(folder: Path, document: Mapping[str, Any]) -> None:

@@ -17,7 +17,6 @@ from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
 from comparisons.runs.study import Announce, Study, Task, Written
-from comparisons.runs.timing import smallest_and_median
 from comparisons.runs.workers import Bounds, Pool
 from comparisons.work_precision.measure import Measurement, longest_step, measure
 from comparisons.work_precision.points import Extent, Point, Sweep
@@ -139,12 +138,12 @@ def _record(
     repeats: Sequence[Measurement],
 ) -> PointRecord:
     linkage, method = case.mechanism.linkage, point.method
-    least, median = smallest_and_median([run.seconds for run in repeats])
     steps = point.steps_per_turn
     return blank(
         mechanism=linkage.name,
         variant=linkage.variant,
         regime=case.motion.regime,
+        conditions=case.conditions,
         engine=point.engine,
         kind=METHOD if method else SETTING,
         setting=method.name if method else str(point.setting or ""),
@@ -154,12 +153,10 @@ def _record(
         step=longest_step(case, steps) if steps else None,
         steps_per_turn=steps,
         errors=measurement.errors,
-        left_out=measurement.left_out,
-        seconds_min=least,
-        seconds_median=median,
+        seconds=min((run.seconds for run in repeats), default=0.0),
         repeats=tuple(run.seconds for run in repeats),
-        setup_seconds=min((run.setup for run in repeats), default=None),
-        readout_seconds=min((run.readout for run in repeats), default=None),
+        setup_seconds=min((run.setup for run in repeats), default=0.0),
+        readout_seconds=min((run.readout for run in repeats), default=0.0),
         steps=measurement.steps,
         solver_work=measurement.solver_work,
         outcome=measurement.outcome,

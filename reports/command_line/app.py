@@ -23,7 +23,7 @@ from reports.requests.options.campaign import (
     StressOptions,
 )
 from reports.requests.options.declaring import Argument, Option
-from reports.requests.options.linkage import JudgeOptions, ResultsFiles, ResultsOptions
+from reports.requests.options.linkage import JudgeFiles, JudgeOptions, ResultsFiles, ResultsOptions
 from reports.requests.options.motion import Variant
 from reports.requests.options.output import OutputOptions
 
@@ -250,6 +250,7 @@ def compare(options: CompareOptions, output: OutputOptions, standard: StandardOp
 def judge(
     options: JudgeOptions,
     output: OutputOptions,
+    files: JudgeFiles,
     write_mapping: Annotated[Path | None, Option("Write the recognised mapping.", "FILE")] = None,
 ) -> int:
     """Judge results exported from another tool: SolidWorks Motion, Adams, Modelica, any CSV with a header.
@@ -263,7 +264,7 @@ def judge(
     """
     from reports.command_line.commands import judge
 
-    return judge.judge(options, destination(output), write_mapping)
+    return judge.judge(options, destination(output), files, write_mapping)
 
 
 @command(app, summary="Measure error against run time, over a sweep of steps.", without=("junit", "setting"))

@@ -26,7 +26,6 @@ def document(judgement: ImportedJudgement, blank: Record, command: str, sentence
         "unexplained": list(judgement.explanation.unexplained),
         "corrections": {name: asdict(correction) for name, correction in judgement.proposals.items()},
         "agreed": {name: asdict(correction) for name, correction in judgement.imported.corrections.items()},
-        "checks": [{**asdict(check), "passed": check.passed} for check in judgement.checks],
         "missed_peaks": dict(judgement.missed),
         "not_judged": [
             {"column": column.header, "place": column.place, "reason": reason}

@@ -34,16 +34,21 @@ def share(value: float) -> str:
 
 def printout(judgement: ImportedJudgement, title: str) -> Printout:
     """What ``judge`` prints; ``title`` names linkage and files."""
-    parts: list[Printed] = [Paragraph(title, colour="bold"), *_causes_in_short(judgement), ""]
+    verdict, *others = sentences(judgement)
+    over = _with(judgement, Verdict.OVER_LIMIT)
+    style = "green" if judgement.passed else "red" if over else "yellow"
     limit = f"The limit is {share(judgement.limit)} of a signal's peak."
+    parts: list[Printed] = [Paragraph(title, colour="bold"), Paragraph(verdict, colour=style), *others, ""]
     parts += [f"The crank's motion is taken from {judgement.motion_source}. {limit}"]
     linkage = judgement.model.linkage
     head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
     rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
     parts += [Table("", head, rows, "lrrrrrrl"), *_notes(judgement)]
-    for part in (_causes(judgement), _corrections(judgement), _checks(judgement), _not_judged(judgement)):
-        lines = list(part)
-        parts += ["", *lines] if lines else []
+    if judgement.not_judged:
+        parts += ["", "Not judged; if one is a signal, name it in a mapping (--write-mapping FILE writes one):"]
+        parts.append(
+            Table("", ("column", "why"), [(f"'{c.header}' ({c.place})", w) for c, w in judgement.not_judged], "l")
+        )
     return Printout(parts, [])
 
 
@@ -66,25 +71,25 @@ def sentence(judgement: ImportedJudgement) -> str:
 
 
 def sentences(judgement: ImportedJudgement) -> list[str]:
-    """What stands at the head of a page: the verdict, the causes, what to agree to, what is not judged."""
-    found = [sentence(judgement), *_open(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
-    found += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
-    found += [
-        f"If this is intended, accept it in the mapping: {name}: {judgement.imported.written(name, correction)}."
-        for name, correction in judgement.proposals.items()
-    ]
-    found += [
-        f"Accepted in the mapping and applied: {name}: {judgement.imported.written(name, agreed)}."
-        for name, agreed in judgement.imported.corrections.items()
-    ]
-    return found + [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
+    """The verdict, why signals are open, the causes, what to accept in the mapping and what was accepted."""
+    written, unexplained = judgement.imported.written, judgement.explanation.unexplained
+    lines = [sentence(judgement), *_open(judgement)]
+    lines += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
+    lines += [f"No known cause explains the difference in {_few(unexplained)}."] if unexplained else []
+    for name, correction in judgement.proposals.items():
+        lines.append(f"If this is intended, accept it in the mapping: {name}: {written(name, correction)}.")
+    for name, agreed in judgement.imported.corrections.items():
+        lines.append(f"Accepted in the mapping and applied: {name}: {written(name, agreed)}.")
+    return lines
 
 
 def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) -> str:
     aligned = "".join(
         f"with {name} corrected first ({judgement.imported.written(name, c)}) " for name, c in finding.aligned.items()
     )
-    words = "; or ".join([finding.likeliest.words, *(other.words for other in finding.others[:MOST_OTHERS])])
+    others, more = finding.others[:MOST_OTHERS], len(finding.others) - MOST_OTHERS
+    also = [f"one of {more} more"] if more > 0 else []
+    words = "; or ".join([finding.likeliest.words, *(other.words for other in others), *also])
     return f"Likely cause of the difference in {', '.join(finding.signals)}: {aligned}{words}. {_left(finding)}"
 
 
@@ -100,23 +105,6 @@ def _open(judgement: ImportedJudgement) -> list[str]:
 
 def _few(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
-
-
-def _causes_in_short(judgement: ImportedJudgement) -> list[Printed]:
-    over = _with(judgement, Verdict.OVER_LIMIT)
-    style = "green" if judgement.passed else "red" if over else "yellow"
-    lines: list[Printed] = [Paragraph(sentence(judgement), colour=style)]
-    findings = judgement.explanation.findings
-    if findings and not judgement.passed:
-        finding = findings[0]
-        others = f" (or {len(finding.others)} more that fit as well)" if finding.others else ""
-        aligned = "".join(
-            f", and {name} needs {judgement.imported.written(name, c)}" for name, c in finding.aligned.items()
-        )
-        lines.append(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}.")
-    elif judgement.explanation.unexplained and over:
-        lines.append("No single cause explains the difference.")
-    return lines + _open(judgement)
 
 
 def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
@@ -149,54 +137,8 @@ def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
         yield f"The sample rate is too low to show the peak of {name}: {share(missed)} of it lies between samples."
 
 
-def _causes(judgement: ImportedJudgement) -> Iterator[Printed]:
-    for finding in judgement.explanation.findings:
-        yield f"Likely cause of the difference in {', '.join(finding.signals)}:"
-        for name, correction in finding.aligned.items():
-            yield f"  with {name} corrected first: {judgement.imported.written(name, correction)}"
-        yield f"  {finding.likeliest.words}"
-        for other in finding.others[:MOST_OTHERS]:
-            yield f"  or: {other.words}"
-        more = len(finding.others) - MOST_OTHERS
-        if more > 0:
-            yield f"  or one of {more} more: {', '.join(other.fault.name for other in finding.others[MOST_OTHERS:])}"
-        yield f"  {_left(finding)}"
-    unexplained = judgement.explanation.unexplained
-    if unexplained:
-        yield f"No known cause explains the difference in {', '.join(unexplained)}."
-
-
 def _left(finding: FaultFinding) -> str:
     apart = " The file's rounding does not distinguish these." if finding.others else ""
     if finding.fully:
         return f"This explains the difference down to the file's rounding.{apart}"
     return f"This explains most of the difference; {share(finding.left)} of a peak is left.{apart}"
-
-
-def _corrections(judgement: ImportedJudgement) -> Iterator[Printed]:
-    proposals = judgement.proposals
-    if proposals:
-        yield "If this is intended, agree in the mapping (--write-mapping FILE writes it):"
-    for name, correction in proposals.items():
-        yield f"  {name}: {judgement.imported.written(name, correction)}"
-    for name, agreed in judgement.imported.corrections.items():
-        yield f"Accepted in the mapping and applied: {name}: {judgement.imported.written(name, agreed)}"
-
-
-def _checks(judgement: ImportedJudgement) -> Iterator[Printed]:
-    if judgement.checks:
-        yield "The columns among themselves:"
-        rows = []
-        for check in judgement.checks:
-            sign = RUNS[Verdict.PASSED.value if check.passed else Verdict.OVER_LIMIT.value]
-            rows.append(
-                (check.words, TableCell(f"{share(check.error)} {sign.symbol}", colour=sign.colour), share(check.floor))
-            )
-        yield Table("", ("check", "off by", "floor"), rows)
-
-
-def _not_judged(judgement: ImportedJudgement) -> Iterator[Printed]:
-    if judgement.not_judged:
-        yield "Not judged:"
-        rows = [(f"'{c.header}' ({c.place})", why) for c, why in judgement.not_judged]
-        yield Table("", ("column", "why"), rows, "l")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Final
@@ -11,6 +11,7 @@ from comparisons.datasheet.sheet import ByName
 from comparisons.datasheet.thinning import extremes
 from comparisons.judging.records import Record, Verdict
 from reports.charts.errors import errors_chart
+from reports.charts.judged import JudgedCurve, judged_chart
 from reports.document import numbers
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
@@ -31,12 +32,19 @@ def engines_section(view: View, printed: Mapping[str, ByName] = MappingProxyType
     ``printed`` are the motions of models as printed, by erratum.
     """
     imported = is_imported(view)
-    parts: list[Part] = [chart(view)] if any(map(view.standing, view.regimes)) else []
+    parts: list[Part] = [*_judged_curves(view), *([chart(view)] if any(map(view.standing, view.regimes)) else [])]
     parts += [errors_fold(view, regime) for regime in view.regimes]
     parts += _printed_models(view, printed)
     if not imported:
         parts.append(runs_fold(view))
     return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
+
+
+def _judged_curves(view: View) -> Iterator[PageFigure]:
+    """The curves of a file that was judged, the worst first."""
+    for row in view.results.document.get("judged_curves", ()):
+        curve = JudgedCurve(**row)
+        yield PageFigure(anchor("judged", curve.name), curve.caption, curve.caption, judged_chart([curve]), wide=True)
 
 
 def is_imported(view: View) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from analytic.written import change
 from comparisons.folders.difference import FolderDifference, MovedRecord, Name, RunPair
+from comparisons.folders.studies import StudyDifference
 from reports.document.numbers import ABSENT, figure, seconds
 from reports.document.numbers import error as error_words
 from reports.document.parts import Table, TableCell
@@ -31,6 +32,22 @@ def difference_printout(found: FolderDifference) -> Printout:
         *(f"only in the second folder: {words}" for words in found.only_after),
     ]
     return Printout(tables, [*lacking, closing_line(found)], details)
+
+
+def study_printout(found: StudyDifference) -> Printout:
+    """A table of what has moved in a benchmark or in stability maps; what only one folder has is a detail."""
+    head = ("run", "quantity", "before", "after", "error before", "after", "")
+    rows = [
+        (move.run, move.quantity, *move.outcomes, *map(error_words, move.errors), "worse" if move.is_worse else "")
+        for move in found.moves
+    ]
+    tables = [Table(f"{found.kind}: what is not the same.", head, rows, "lllllrl")] if rows else []
+    sides = (("first", found.only_before), ("second", found.only_after))
+    details = [f"only in the {side} folder: {key}" for side, keys in sides for key in keys]
+    lacking = "".join(f"; {len(keys)} only in the {side}" for side, keys in sides if keys)
+    worse = sum(move.is_worse for move in found.moves)
+    closing = f"{found.kind}: {found.compared} runs in both folders: {len(rows)} moved; {worse} worse{lacking}"
+    return Printout(tables, [closing], details)
 
 
 def closing_line(found: FolderDifference) -> str:

@@ -22,10 +22,11 @@ def verification_printout(found: Verification) -> Printout:
 def closing_line(found: Verification) -> str:
     """What was worked out again, what became of it, how much differs."""
     counts = Counter(record.outcome for record in (*found.records, *found.invariants))
-    told = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+    outcomes = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
     again = f"computed again: curves {found.curves}, key figures {found.figures}, checksums {found.texts}"
+    campaign = (again, f"{counts.total()} records: {outcomes}") if counts else ()
     differs = "nothing differs" if not found.findings else f"differing: {len(found.findings)}"
-    return f"{again}; {sum(counts.values())} records: {told}; {differs}"
+    return "; ".join((*campaign, *found.studies, differs))
 
 
 def verification_told(found: Verification) -> Mapping[str, Any]:

@@ -16,7 +16,7 @@ from reports.work_precision.words import effort_words, limit_words, way
 LABEL = "Error over cost: a point is a method at one step, or a setting"
 # What the points of a sweep share, and what each has of its own: cost, s, steps and work.
 SHARED = ("engine", "engine_version", "kind", "setting", "runs", "work_unit")
-OWN = ("step", "steps_per_turn", "seconds_min", "seconds_median", "setup_seconds", "readout_seconds", "steps",
+OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "readout_seconds", "steps",
        "solver_work", "used")  # fmt: skip
 
 

@@ -42,8 +42,8 @@ def _points(bench: Bench) -> Table:
             one.mechanism, one.regime, engine_label(one.engine, one.is_control), one.setting, f"{one.runs}",
             "" if one.effort is None else f"{one.effort:g}",
             "" if one.step is None else f"{one.step:.4g}", one.quantity, one.outcome, error(one.error_max),
-            error(one.error.error_rms if one.error else None), seconds(one.setup_seconds or 0.0),
-            seconds(one.seconds_min or 0.0), f"{one.steps}", one.detail,
+            error(one.error.error_rms if one.error else None), seconds(one.setup_seconds),
+            seconds(one.seconds), f"{one.steps}", one.detail,
         )
         for one in bench.records
     ]  # fmt: skip

@@ -105,5 +105,5 @@ def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
     reasons = {r.setting: f"{r.outcome}: {r.detail}" for r in reversed(facts.records) if not r.finished}
     every = dict.fromkeys(record.setting for record in facts.records)
     names = grouped((reasons[name], name or facts.engine) for name in every if name not in finished)
-    left_out = dict.fromkeys(r.left_out[r.quantity] for r in facts.records if r.finished and r.quantity in r.left_out)
+    left_out = dict.fromkeys(r.error.detail for r in facts.records if r.finished and r.error and r.error.detail)
     return (*(f"{', '.join(same)}: {reason}" for reason, same in names.items()), *left_out)

@@ -1,14 +1,21 @@
 """Benchmark records of engines that do not exist, with errors and times that are given."""
 
-from comparisons.work_precision.records import METHOD, SETTING, BenchRecord, PointError, PointRecord
+from dataclasses import replace
+
+from comparisons.judging.records import QuantityRecord
+from comparisons.work_precision.records import METHOD, SETTING, BenchRecord, PointRecord
 
 
-def row(*, error_max=1e-3, **changes):
-    """A finished point of a method in one quantity; none where its error is None."""
+def row(*, error_max=1e-3, lacking=(), detail_of="", **changes):
+    """A finished point of a method in one quantity; without an error where that is None.
+
+    The engine says nothing of the quantities ``lacking``, for reasons by name, and ``detail_of`` the one that it has.
+    """
     values = {
         "mechanism": "m",
         "variant": "v",
         "regime": "run-up-quintic",
+        "conditions": "c",
         "engine": "alpha",
         "engine_version": "1.0",
         "kind": METHOD,
@@ -20,8 +27,7 @@ def row(*, error_max=1e-3, **changes):
         "step": 1e-3,
         "steps_per_turn": 60.0,
         "quantity": "Mkr",
-        "seconds_min": 1e-2,
-        "seconds_median": 1.1e-2,
+        "seconds": 1e-2,
         "repeats": (1e-2, 1.2e-2),
         "setup_seconds": 1e-3,
         "readout_seconds": 2e-3,
@@ -29,20 +35,22 @@ def row(*, error_max=1e-3, **changes):
         "solver_work": 2100,
         "work_unit": "iterations",
         "outcome": "finished",
-        "left_out": {},
         "detail": "",
         "used": "",
         "ended": "the sweep ends here",
     }
     values |= changes
-    error = None if error_max is None else PointError("N m", error_max, 0.5 * error_max, 0.2)
-    return BenchRecord(**values, errors={values["quantity"]: error} if error else {})
+    known = {"unit": "N m", "error_rms": None if error_max is None else 0.5 * error_max, "peak": 0.2}
+    error = QuantityRecord(values["quantity"], error_max=error_max, outcome="measured", detail=detail_of, **known)
+    others = [QuantityRecord(name, outcome="not-provided", detail=why) for name, why in dict(lacking).items()]
+    return BenchRecord(**values, errors=(*(() if error_max is None else (error,)), *others))
 
 
 def times(seconds):
     """So many seconds of set-up and stepping, a quarter of them set-up; None for what did not finish."""
-    shares = {"seconds_min": 0.75, "setup_seconds": 0.25}
-    return {name: None if seconds is None else share * seconds for name, share in shares.items()}
+    if seconds is None:
+        return {"seconds": 0.0, "setup_seconds": 0.0, "repeats": ()}
+    return {"seconds": 0.75 * seconds, "setup_seconds": 0.25 * seconds, "repeats": (0.75 * seconds, 0.9 * seconds)}
 
 
 def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
@@ -53,19 +61,15 @@ def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
             steps_per_turn=ratio**k,
             error_max=error,
             **times(cost * ratio**k),
-            seconds_median=1.1 * cost * ratio**k,
-            repeats=(cost * ratio**k, 1.2 * cost * ratio**k),
             **changes,
         )
         for k, error in enumerate(errors)
     ]
 
 
-def setting_row(name, error, seconds, **changes):
-    """A finished setting."""
-    return row(
-        kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, **(times(seconds) | changes)
-    )
+def setting_row(name, error, total, **changes):
+    """A finished setting, of so many seconds in total."""
+    return row(kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, **(times(total) | changes))
 
 
 def points(records):
@@ -73,6 +77,6 @@ def points(records):
     found = {}
     for record in records:
         shared = {name: value for name, value in vars(record).items() if name not in ("quantity", "errors")}
-        errors = found.setdefault(repr(shared), PointRecord(**shared, errors={})).errors
-        errors |= record.errors
+        point = found.setdefault(repr(shared), PointRecord(**shared))
+        found[repr(shared)] = replace(point, errors=(*point.errors, *record.errors))
     return list(found.values())

@@ -1,7 +1,7 @@
 """A finished benchmark of engines that do not exist, for tests of its page and tables."""
 
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.records import Bench, rows
+from comparisons.work_precision.records import Bench
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
 
@@ -33,8 +33,8 @@ def _engine(quantity, dearer, where):
         setting_row(name, error, seconds * dearer, runs=runs, used="scheme <made up>", **told)
         for name, error, seconds, runs in (("naive", 0.9, 2e-3, 1), ("tuned", 4e-4, 1.7e-2, 1), ("best", 1e-12, 0.4, 4))
     ]
-    failed = row(setting="torn", outcome="diverged", detail="the joints <gave> way", error_max=None, seconds_min=None,
-                 seconds_median=None, repeats=(), **told)  # fmt: skip
+    failed = row(setting="torn", outcome="diverged", detail="the joints <gave> way", error_max=None, seconds=0.0,
+                 repeats=(), **told)  # fmt: skip
     return [*settings, *second, *loose, *fourth, failed]
 
 
@@ -57,7 +57,7 @@ def document(records, mechanisms, engines, **changes):
         ],
         "costs": [],
         "quantities": ["Mkr", "joint_force"],
-        "records": rows(records),
+        "records": [record.data for record in records],
         **changes,
     }  # fmt: skip
 
@@ -72,8 +72,7 @@ def nothing_finished():
         outcome="unavailable",
         detail="not installed",
         error_max=None,
-        seconds_min=None,
-        seconds_median=None,
+        seconds=0.0,
         repeats=(),
     )
     return Bench(document(points([absent]), ("m",), ("gamma",), methods=[], noise={"work": "none", "samples": []}))

@@ -10,41 +10,58 @@ from typing import Final
 
 import numpy as np
 
+from analytic.errors import LinkproofError, printable
 from comparisons.imported.columns import Column, ResultTable
 from comparisons.imported.files import adams_results
-from comparisons.imported.files.delimited import tables
-from comparisons.imported.files.text import ResultText, read_text
+from comparisons.imported.files.binary_files import matlab_columns, sheets
+from comparisons.imported.files.tables import tables
+from comparisons.imported.files.text import ResultText, check_file, read_text
 
 ADAMS: Final = "Adams"
 SOLIDWORKS: Final = "SolidWorks Motion"
 ROBOTRAN: Final = "Robotran"
 MODELICA: Final = "Modelica"
+MOST_TABLES: Final = 1000  # of a file
 # Tools whose numbers are in SI units where a header says nothing else.
 SI_TOOLS: Final = (MODELICA, ROBOTRAN)
 
 
 def result_tables(path: Path) -> list[ResultTable]:
     """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
-    file = read_text(path)
+    check_file(path, "expected a file of results, such as a CSV")
+    kind, name = path.suffix.lower(), printable(str(path))
+    every: list[ResultTable] = []
+    if kind == ".mat":
+        is_trajectory, parts = matlab_columns(path)
+        tool = MODELICA if is_trajectory else ""
+        every = [ResultTable(name, 1, tool, part) for part in map(_numbered, parts) if len(part) > 1]
+    else:
+        for file in sheets(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
+            for table in _tables_of(file, path):
+                every.append(table)
+                if len(every) > MOST_TABLES:
+                    raise file.fail(table.line, f"expected at most {MOST_TABLES} tables, got more; export fewer")
+    if not every:
+        raise LinkproofError(
+            f"{name}:1: expected a column of time or crank angle and others beside it, got no two columns of one "
+            "length; export both"
+        )
+    return every
+
+
+def _tables_of(file: ResultText, path: Path) -> Iterator[ResultTable]:
+    """Every table of a text."""
     if not file.text.strip():
         raise file.fail(1, "expected a table of results, got an empty file; export it again")
     if adams_results.is_adams(file.text):
-        number, columns = adams_results.columns(file)
-        return [ResultTable(file.name, number, ADAMS, tuple(columns))]
+        yield ResultTable(file.name, 1, ADAMS, tuple(adams_results.columns(file)))
+        return
     is_robotran = path.suffix.lower() == ".res"
-    found = []
-    for line, columns in tables(file, headless=path.stem if is_robotran else ""):
-        if is_robotran and not line.text:
+    for line, header, columns in tables(file, headless=path.stem if is_robotran else ""):
+        if is_robotran and not header:
             columns[0] = replace(columns[0], header="time")
-        tool = ROBOTRAN if is_robotran else _tool(path, line.text, columns)
-        found += [ResultTable(file.name, line.number, tool, part) for part in _by_axis(columns, tool) if len(part) > 1]
-    if not found:
-        raise _one_column(file)
-    return found
-
-
-def _one_column(file: ResultText) -> Exception:
-    return file.fail(1, "expected a column of time or crank angle and others beside it, got one column; export both")
+        tool = ROBOTRAN if is_robotran else _tool(path, header, columns)
+        yield from (ResultTable(file.name, line, tool, part) for part in _by_axis(columns, tool) if len(part) > 1)
 
 
 def _tool(path: Path, header: str, columns: Sequence[Column]) -> str:
@@ -68,14 +85,14 @@ def _by_axis(columns: Sequence[Column], tool: str) -> Iterator[tuple[Column, ...
     part: list[Column] = []
     for column in columns:
         if part and _is_again(column, columns[0], tool):
-            yield _told_apart(part)
+            yield _numbered(part)
             part = [replace(column, header=columns[0].header)]
         else:
             part.append(column)
-    yield _told_apart(part)
+    yield _numbered(part)
 
 
-def _told_apart(columns: Sequence[Column]) -> tuple[Column, ...]:
+def _numbered(columns: Sequence[Column]) -> tuple[Column, ...]:
     """Columns of which equal headers are numbered, so that a mapping can name each: ``Torque #2``."""
     counts: Counter[str] = Counter()
     result = []

@@ -11,7 +11,7 @@ from typing import Final
 
 from analytic.errors import LinkproofError, printable
 from comparisons.imported.headers.units import parsed
-from comparisons.imported.headers.words import TOKEN, known_meanings
+from comparisons.imported.headers.words import TOKEN, known_parts, plain
 
 LARGEST: Final = 1 << 29  # bytes of a file
 # First bytes of files that are no text.
@@ -55,16 +55,17 @@ class ResultText:
 
 def read_text(path: Path, wanted: str = "a text file of results, such as a CSV") -> ResultText:
     """The text of a file; raises LinkproofError for what is no readable text."""
-    content = _bytes(path, f"expected {wanted}")
+    check_file(path, f"expected {wanted}")
     name = printable(str(path))
-    text = decoded(content, name).replace("\r\n", "\n").replace("\r", "\n")
+    text = decoded(path.read_bytes(), name).replace("\r\n", "\n").replace("\r", "\n")
     if not text.isascii():  # sign by sign is faster than str.translate, by far
         for sign, plain in PLAIN.items():
             text = text.replace(sign, plain)
     return ResultText(name, text)
 
 
-def _bytes(path: Path, wanted: str) -> bytes:
+def check_file(path: Path, wanted: str) -> None:
+    """Raise LinkproofError for a path where no ordinary file can be read, or one that is too large."""
     try:
         if path.is_dir():
             raise LinkproofError(f"{wanted}, got the folder '{path}'; give a file")
@@ -76,7 +77,7 @@ def _bytes(path: Path, wanted: str) -> bytes:
                 f"{wanted} of at most {LARGEST >> 20} MB, got '{path}' of {size >> 20} MB; export fewer columns or a "
                 "coarser step"
             )
-        return path.read_bytes()
+        path.open("rb").close()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "a path that cannot be"
         raise LinkproofError(f"{wanted}, got '{path}' ({reason}); check the path") from error
@@ -127,4 +128,4 @@ def _known_words(start: bytes, encoding: str) -> int:
     """How many words of the beginning of a file, in letters that are not English, mean something in an encoding."""
     tokens = TOKEN.findall(start.decode(encoding, "ignore"))
     foreign = dict.fromkeys(token for token in tokens if not token.isascii() and len(token) > 1)
-    return sum(bool(known_meanings(token)) or parsed(token) is not None for token in foreign)
+    return sum(bool(known_parts(plain(token))) or parsed(token) is not None for token in foreign)

@@ -1,8 +1,11 @@
-"""The signal of a linkage that a header means: one, or none with the reason."""
+"""The signal of a linkage that a header means: the one of which all its words and its unit are true.
+
+Of every signal it is known which words are true of it and which it needs. No word of a header is passed over: one that
+is unknown, or true of no signal that the others mean, leaves the column to the mapping.
+"""
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -10,24 +13,27 @@ from typing import Final
 import numpy as np
 
 from analytic import signals
-from analytic.description.linkage import Linkage
-from analytic.errors import UnknownNameError, listed, shortened
+from analytic.description.linkage import GROUND, Linkage
+from analytic.errors import LinkproofError, UnknownNameError, listed, shortened
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.imported.columns import MAGNITUDE, TIME, Column
-from comparisons.imported.headers.header import SplitHeader, splits
-from comparisons.imported.headers.said import (
-    DIMENSIONS,
-    TURNING,
-    NotJudgedError,
-    Said,
-    by_owner,
-    check_known,
-    quantities_in,
-)
+from comparisons.imported.columns import TIME, Column
+from comparisons.imported.headers.header import splits
 from comparisons.imported.headers.units import OFFERED, Unit, parsed
-from comparisons.imported.headers.words import Names, Word, bodies, names_of, words
+from comparisons.imported.headers.words import Table, Word, named, words
 
-ORDERS: Final = {"displacement": ("S", "", "phi"), "speed": ("v", "v", "omega"), "acceleration": ("a", "a", "epsilon")}
+Words = frozenset[str]
+LONGEST: Final = 200  # characters of a header that is read
+# The quantity itself, its speed, its acceleration: of what moves along a line, of what turns.
+STRAIGHT: Final = ({"displacement"}, {"speed"}, {"acceleration"})
+TURNING: Final = ({"angle", "displacement"}, {"angular_speed", "speed"}, {"angular_acceleration", "acceleration"})
+AXES: Final = ("x", "y")
+COMPONENTS: Final = frozenset({*AXES, "z", "magnitude"})  # each of which has to be true: "vx" is a speed and x
+AROUND: Final = {"angular", "angle", "z"}  # true of all that turns
+OF_DRIVE: Final = ("phi", "omega", "epsilon", "Mkr", "Peq")
+
+
+class NotJudgedError(LinkproofError):
+    """A column that means no signal, or may mean several; the message is the reason."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,14 @@ class Meaning:
     taken: str = ""
 
 
+class _True:
+    """What is true of a signal: words for its ``quantity``, each set that it ``needs`` one of, and ``others``."""
+
+    def __init__(self, quantity: set[str], *needs: set[str], others: set[str]) -> None:
+        self.quantity, self.needs, self.others = quantity, needs, others
+        self.words: Words = frozenset(quantity.union(others, *needs))
+
+
 @dataclass(frozen=True)
 class Recognition:
     """Headers in the words of one linkage."""
@@ -47,18 +61,57 @@ class Recognition:
     linkage: Linkage
 
     @cached_property
-    def names(self) -> Names:
-        """Names of links, points and joints."""
-        return names_of(self.linkage)
+    def signals(self) -> tuple[str, ...]:
+        """Names of all signals, with the magnitudes of forces."""
+        return signals.names_with_magnitudes(Mechanism(self.linkage))
 
     @cached_property
-    def signals(self) -> tuple[str, ...]:
-        """Names of all signals, with the sizes of joint forces."""
-        known = signals.names(Mechanism(self.linkage))
-        sizes = [
-            f"{name[:-2]}:{MAGNITUDE}" for name in known if name.startswith("joint_force:") and name.endswith(":x")
-        ]
-        return (*known, *sizes)
+    def _names(self) -> Table:
+        points = {point for link in self.linkage.links.values() for point in link.points} | {*self.linkage.ground}
+        return named({*self.linkage.links, *points, *self.linkage.joint_names} - {GROUND})
+
+    @cached_property
+    def _true(self) -> dict[str, _True]:
+        linkage, drive = self.linkage, {"drive", f":{self.linkage.crank}"}
+        along, output = linkage.is_linear, linkage.output
+        driven = (*(STRAIGHT if along else TURNING), {"force"} if along else {"torque"})
+        others = {"linear", "length"} if along else AROUND
+        true = {TIME: _True({TIME}, {TIME}, others=set())}
+        for name, quantity in zip(OF_DRIVE, driven, strict=False):
+            true[name] = _True(quantity, drive if along else quantity | drive, others=others)
+        true["Peq"] = _True({"power"}, {"power"} | drive, others=set())
+        true["Teq"] = _True({"energy"}, {"kinetic"}, others=set())
+        true["Jeq"] = _True({"inertia"}, {"reduced"}, others={"torque"})  # "moment of inertia"
+        true["shaking_moment"] = _True({"torque"}, {"shaking"}, others={"reaction", "z"})
+        if output is not None:
+            slides = any(slider.point == output.point for slider in linkage.sliders)
+            owners = {"linear", f":{output.link}", f":{output.point}" if slides else ""}
+            for name, quantity in zip(signals.OUTPUT, STRAIGHT, strict=True):
+                true[name] = _True(quantity, quantity | {"output"}, others=owners)
+        parts = (name for name in self.signals if ":" in name and not name.startswith("transmission_angle"))
+        true |= {name: self._of_part(name) for name in parts}
+        return {name: true[name] for name in (TIME, *self.signals) if name in true}
+
+    def _of_part(self, name: str) -> _True:
+        """What is true of a signal of a point, a link or a joint, and of the force on the ground."""
+        kind, _, rest = name.partition(":")
+        part, _, component = rest.rpartition(":")
+        point, _, link = part.partition(":")
+        links = {f":{n}" for n, one in self.linkage.links.items() if point in one.points and link in ("", n)}
+        axes = {component[-1:]} & {*AXES}
+        needs = [axes] if axes else []
+        if kind == "point":
+            quantity = STRAIGHT[signals.ORDERS.index(component) // 2]
+            return _True(quantity, {f":{part}"}, *needs, others={"linear", "path", *links})
+        if kind == "link":
+            quantity = TURNING[tuple(signals.COMPONENTS["link"]).index(component)]
+            return _True(quantity, {f":{part}"}, others=AROUND)
+        owner = {f":{part}", f":{point}"} if kind == "joint_force" else {"shaking"}
+        return _True({"force"}, owner, *needs, others={"reaction", *(links if part else ())} | (axes or {"magnitude"}))
+
+    @cached_property
+    def _quantities(self) -> Words:
+        return Words().union(*(true.quantity for true in self._true.values()))
 
     def unit(self, name: str) -> Unit:
         """SI unit of a signal or of time."""
@@ -69,198 +122,104 @@ class Recognition:
 
     def si(self, name: str) -> str:
         """The name of the SI unit of a signal or of time."""
-        return "s" if name == TIME else "N" if name.endswith(f":{MAGNITUDE}") else signals.unit(name, self.linkage)
-
-    def printed_unit(self, column: Column, signal: str) -> tuple[Unit | None, str]:
-        """The unit that a header states where it measures a signal; None and "" if it states none."""
-        dimension = self.unit(signal).dimension
-        for split in splits(column.header, column.unit):
-            unit = parsed(split.unit)
-            if unit is not None and unit.measures(dimension):
-                return unit, split.unit
-        return None, ""
-
-    def meaning(self, column: Column) -> Meaning:
-        """What a column means; raises NotJudgedError with the reason, UnknownNameError for an unknown unit."""
-        tried = []
-        for split in splits(column.header, column.unit):
-            try:
-                return self._meaning(split, column)
-            except NotJudgedError as reason:
-                tried.append((split, reason))
-        raise tried[0][1] if tried[0][0].is_certain else tried[-1][1]
-
-    def _meaning(self, split: SplitHeader, column: Column) -> Meaning:
-        name = split.name.strip()
-        unit = parsed(split.unit) if split.unit else None
-        if name in self.signals or name == TIME:
-            return self._checked(Meaning(name, unit, split.unit), split)
-        named, taken = self._named(name, unit, column)
-        if named not in self.signals and named != TIME:
-            raise NotJudgedError(f"the linkage has no {named}")
-        return self._checked(Meaning(named, unit, split.unit, taken), split)
-
-    def _named(self, name: str, unit: Unit | None, column: Column) -> tuple[str, str]:
-        """What a name means; "M [Nm]" is a torque even where a point is called M."""
-        try:
-            return self._read(name, unit, column, self.names)
-        except NotJudgedError as reason:
-            if len(name) == 1 and unit:
-                with suppress(NotJudgedError):
-                    return self._read(name, unit, column, Names({}))
-            raise reason
-
-    def _read(self, name: str, unit: Unit | None, column: Column, names: Names) -> tuple[str, str]:
-        """The signal that a name in a unit means, and what was taken for granted."""
-        found = words(name, names)
-        check_known(found)
-        return self._signal(self._said(found, unit), column)
-
-    def _checked(self, meaning: Meaning, split: SplitHeader) -> Meaning:
-        if not split.unit:
-            return meaning
-        if meaning.unit is None:
-            if split.is_certain and not self._is_name(split.unit):
-                raise UnknownNameError(
-                    f"unit of '{shortened(split.name)}'", split.unit, self.offered_units(meaning.signal)
-                )
-            raise NotJudgedError(f"'{split.unit}' is no unit")
-        if not meaning.unit.measures(self.unit(meaning.signal).dimension):
-            raise NotJudgedError(f"'{split.unit}' is no unit of {meaning.signal}")
-        return meaning
+        return "s" if name == TIME else signals.unit(name, self.linkage)
 
     def offered_units(self, signal: str) -> list[str]:
         """Some names of units that a signal may be in."""
         return OFFERED.get(self.unit(signal).dimension) or [self.si(signal)]
 
-    def _is_name(self, text: str) -> bool:
-        """Whether what stands in brackets is more of the name: ``Torque (Motor1)``."""
-        return all(word.meanings or word.kind for word in words(text, self.names))
+    def printed_unit(self, column: Column, signal: str) -> tuple[Unit | None, str]:
+        """The unit that a header states where it measures a signal; None and "" if it states none."""
+        for _, text in splits(column.header, column.unit):
+            unit = parsed(text)
+            if unit is not None and unit.measures(self.unit(signal).dimension):
+                return unit, text
+        return None, ""
 
-    def _said(self, found: list[Word], unit: Unit | None) -> Said:
-        meanings = frozenset(m for word in found if not (word.kind and len(word.text) == 1) for m in word.meanings)
-        quantities, components = quantities_in(meanings)
-        joints, points = list(bodies(found, "joint")), list(bodies(found, "point"))
-        if unit is not None:
-            if not quantities and (joints or points or meanings & {"drive", "output"}):
-                quantities = frozenset(DIMENSIONS) - {"energy", "time", "inertia"}
-            fitting = frozenset(q for q in quantities if unit.measures(DIMENSIONS[q]))
-            quantities = fitting or quantities
-        elif not quantities and points and components:
-            quantities = frozenset({"displacement"})
-        return Said(quantities, components, meanings, tuple(bodies(found, "link")), tuple(points), tuple(joints))
+    def meaning(self, column: Column) -> Meaning:
+        """What a column means; raises NotJudgedError with the reason, UnknownNameError for an unknown unit."""
+        if len(column.header) > LONGEST:
+            raise NotJudgedError(f"its name '{shortened(column.header)}' is longer than {LONGEST} characters")
+        reasons, unknown = [], []
+        for name, text in splits(column.header, column.unit):
+            unit = parsed(text)
+            if text and unit is None:
+                unknown.append((name, text))
+                continue
+            try:
+                signal, taken = self._signal(name.strip(), unit, text, column)
+            except NotJudgedError as reason:
+                reasons.append(reason)
+            else:
+                return Meaning(signal, unit, text, taken)
+        for name, text in unknown:
+            try:
+                signal, _ = self._signal(name.strip(), None, "", column)
+            except NotJudgedError as reason:
+                reasons.append(reason)
+            else:
+                raise UnknownNameError(f"unit of '{shortened(name)}'", text, self.offered_units(signal))
+        raise reasons[0]
 
-    def _signal(self, said: Said, column: Column) -> tuple[str, str]:
-        """The signal of what was said, and what was taken for granted."""
-        if "elsewhere" in said.meanings:
-            raise NotJudgedError("the closed form has no such quantity")
-        if not said.quantities:
-            raise NotJudgedError("its name contains no known quantity")
-        quantities = by_owner(said)
-        if len(quantities) > 1:
-            raise NotJudgedError(f"it may be {' or '.join(sorted(quantities)).replace('_', ' ')}: add its unit")
-        (quantity,) = quantities
-        if quantity == "time":
-            return TIME, ""
-        if quantity in TURNING:
-            return self._turning(quantity, said)
-        if quantity in ORDERS:
-            return self._moving(quantity, said)
-        if quantity == "force":
-            return self._force(said, column)
-        return self._of_drive(quantity, said)
+    def _signal(self, name: str, unit: Unit | None, printed: str, column: Column) -> tuple[str, str]:
+        """The signal that a name in a unit means, and what was taken for granted."""
+        if name in self._true or name in self.signals:
+            if unit and not unit.measures(self.unit(name).dimension):
+                raise NotJudgedError(f"'{printed}' is no unit of {name}")
+            return name, ""
+        read = list(words(name, self._names))
+        for word in read:
+            if not word.meanings:
+                raise NotJudgedError(
+                    f"'{shortened(word.text)}' in its name is no link, point or joint, nor a known word"
+                )
+        fitting = self._fitting(read, unit)
+        if not fitting:
+            others = self._fitting(read, None) if unit else {}
+            raise NotJudgedError(f"'{printed}' is no unit of {listed(others)}" if others else self._why(read, unit))
+        named = {name: sum(word.startswith(":") for word in stated) for name, stated in fitting.items()}
+        best = [name for name in fitting if named[name] == max(named.values())]
+        best = [name for name in best if ":" not in name] or best
+        if len(best) > 1:
+            raise NotJudgedError(f"it may be {listed(best)}: add its unit, or the name and component that it lacks")
+        return best[0], self._taken(best[0], fitting[best[0]], column)
 
-    def _is_crank(self, said: Said) -> bool:
-        return all(link == self.linkage.crank for link in said.links)
+    def _fitting(self, read: list[Word], unit: Unit | None) -> dict[str, Words]:
+        """The signals of which all words are true and that need no other, each with what the words say of it."""
+        fitting = {}
+        for name, true in self._true.items():
+            true_words = [word.meanings & true.words for word in read if word.meanings & COMPONENTS <= true.words]
+            every = Words().union(*true_words)
+            is_place = name.startswith("point:") and name[-2] == ":"  # "D.x", without a word for it
+            measured = every & self._quantities
+            has_quantity = bool(measured & true.quantity) if measured else unit is not None or is_place
+            if (
+                len(true_words) == len(read)
+                and all(true_words)
+                and has_quantity
+                and all(every & need for need in true.needs)
+            ):
+                fitting[name] = every
+        return {n: stated for n, stated in fitting.items() if unit is None or unit.measures(self.unit(n).dimension)}
 
-    def _turning(self, quantity: str, said: Said) -> tuple[str, str]:
-        of_crank, of_link = TURNING[quantity]
-        if said.component in ("x", "y"):
-            raise NotJudgedError("it turns out of the plane of the linkage")
-        if said.joints or said.points or said.meanings & {"reaction", "output"}:
-            raise NotJudgedError("an angle is that of a link, and its name has a point or a joint")
-        if len(set(said.links)) > 1:
-            raise NotJudgedError(f"its name has the links {listed(said.links)}")
-        if not self._is_crank(said):
-            return f"link:{said.links[0]}:{of_link}", ""
-        if self.linkage.is_linear:
-            raise NotJudgedError("its name has no link, and the drive does not turn")
-        owned = said.links or "drive" in said.meanings
-        return of_crank, "" if owned else "its name has no link: taken as the crank's"
+    def _why(self, read: list[Word], unit: Unit | None) -> str:
+        """Why words that are all known mean no signal: what there is of their kind."""
+        stated = Words().union(*(word.meanings for word in read))
+        kind = [name for name, true in self._true.items() if stated & true.quantity]
+        kind = kind or [name for name in self._true if unit and unit.measures(self.unit(name).dimension)]
+        if "elsewhere" in stated or not kind:
+            return "the closed form has no such quantity"
+        return f"its name fits none of {listed(dict.fromkeys(one.rpartition(':')[0] or one for one in kind))}"
 
-    def _of_drive(self, quantity: str, said: Said) -> tuple[str, str]:
-        """Torque, power, kinetic energy and reduced inertia."""
-        if quantity == "torque" and said.meanings & {"shaking"}:
-            return "shaking_moment", ""
-        if not self._is_crank(said) or said.points or said.joints or said.meanings & {"reaction", "output"}:
-            raise NotJudgedError(f"the closed form has the {quantity} of the drive and of the whole linkage only")
-        if quantity == "torque" and said.component in ("x", "y"):
-            raise NotJudgedError("it acts out of the plane of the linkage")
-        if quantity == "energy" and "kinetic" not in said.meanings:
-            raise NotJudgedError("it may be kinetic or potential energy, or their sum")
-        if quantity == "inertia" and "reduced" not in said.meanings:
-            raise NotJudgedError("it may be the inertia of a link: that reduced to the crank is Jeq")
-        name = {"torque": "Mkr", "power": "Peq", "energy": "Teq", "inertia": "Jeq"}[quantity]
-        owned = said.links or "drive" in said.meanings or name in ("Teq", "Jeq")
-        return name, "" if owned else "its name has no drive: taken as the crank's"
-
-    def _moving(self, quantity: str, said: Said) -> tuple[str, str]:
-        of_output, of_point, of_drive = ORDERS[quantity]
-        component = said.component
-        if component == "z":
-            raise NotJudgedError("it moves out of the plane of the linkage")
-        points = dict.fromkeys(said.points)
-        if len(points) > 1 or (said.joints and not points):
-            raise NotJudgedError(f"its name has more than one point: {listed((*points, *said.joints))}")
-        if points and component in ("x", "y"):
-            return f"point:{next(iter(points))}:{of_point}{component}", ""
-        along = self.linkage.is_linear
-        if along and not points and ("drive" in said.meanings or self.linkage.crank in said.links):
-            return of_drive, ""
+    def _taken(self, signal: str, stated: Words, column: Column) -> str:
+        """What is taken for granted of a column that means a signal; raises NotJudgedError where its values differ."""
         output = self.linkage.output
-        slides = output is not None and any(slider.point == output.point for slider in self.linkage.sliders)
-        is_output = (
-            slides
-            and output is not None
-            and [*points] == [output.point]
-            and not said.links
-            and quantity in said.meanings
-        )
-        if (points and not is_output) or component or output is None or "path" in said.meanings:
-            known = listed(signals.moving_points(self.linkage))
-            raise NotJudgedError(f"its name has no point with a component, as in 'D.x' (points are {known})")
-        if said.links and set(said.links) != {output.link}:
-            raise NotJudgedError(f"it is of {listed(said.links)}, which is not the output, and has no point")
-        return of_output, f"taken as the output's, {output.point} along {_direction(output.along)}"
-
-    def _force(self, said: Said, column: Column) -> tuple[str, str]:
-        component = said.component
-        if component == "z":
-            raise NotJudgedError("it acts out of the plane of the linkage")
-        if "shaking" in said.meanings and component in ("x", "y"):
-            return f"shaking_force:{component}", ""
-        if "drive" in said.meanings and self.linkage.is_linear:
-            return "Mkr", ""
-        joints = self._joints(said)
-        if len(joints) != 1:
-            known = listed(joints or self.linkage.joint_names)
-            raise NotJudgedError(f"its name has not one joint (joints are {known})")
-        if component in ("x", "y"):
-            return f"joint_force:{joints[0]}:{component}", ""
-        if np.any(column.values < 0.0):
-            raise NotJudgedError(
-                "its name has no component, and it changes its sign, which the size of a force does not"
-            )
-        taken = "" if component else "its name has no component: taken as the size of the force"
-        return f"joint_force:{joints[0]}:{MAGNITUDE}", taken
-
-    def _joints(self, said: Said) -> list[str]:
-        """The joints that may be meant: those named, or those at the point named, on the link named if there is one."""
-        known = self.linkage.joint_names
-        named = set(said.joints) or {j for j in known for point in said.points if j.startswith(f"{point}:")}
-        on_link = {j for j in named for link in said.links if j.endswith(f":{link}")}
-        return sorted(on_link or named)
-
-
-def _direction(along: tuple[float, float]) -> str:
-    return f"[{along[0]:.4g}, {along[1]:.4g}]"
+        if signal in OF_DRIVE and not stated & {"drive", f":{self.linkage.crank}"}:
+            return "its name has no link: taken as the crank's"
+        if signal in ("S", "v", "a") and output is not None:
+            return f"taken as the output's, {output.point} along [{output.along[0]:.4g}, {output.along[1]:.4g}]"
+        if signal.endswith(signals.MAGNITUDE):
+            if np.any(column.values < 0.0):
+                raise NotJudgedError("its name has no component, and it changes its sign, as no size of a force does")
+            return "" if "magnitude" in stated else "its name has no component: taken as the size of the force"
+        return ""

@@ -268,9 +268,9 @@ def _integrated(segments: Segments, start_angle: float) -> Segments:
 
 
 def unwrapped(angle: Array) -> Array:
-    """Angles, rad, without the jumps of a whole turn that a tool makes at ±180° or 360°."""
-    unwound: Array = np.unwrap(angle)
-    return unwound
+    """Angles, rad, without the jumps of a whole turn that a tool makes at ±180° or 360°, even if they are degrees."""
+    turn = next((turn for turn in (2.0 * math.pi, 360.0) if np.ptp(angle) <= SLACK * turn), None)
+    return np.asarray(np.unwrap(angle, period=turn) if turn else angle)
 
 
 def regular(at: Array, resolution: Array) -> tuple[Array, Array]:

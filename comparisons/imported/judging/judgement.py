@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analytic.description.units import SI, factor
 from analytic.signals import unit
 from comparisons.faults.columns import Evidence
-from comparisons.faults.simulation import Simulation, is_angle, is_force
+from comparisons.faults.simulation import Simulation
 from comparisons.imported.judging.samples import Samples, jumps_of
 from comparisons.judging.deviations import Deviation
 from comparisons.judging.records import IMPORTED, Record, Verdict
@@ -167,7 +167,7 @@ def _verdict(
         open=open_,
         kept=kept,
         over=over & ~kept,
-        unit=_unit(one.name, model),
+        unit=unit(one.name, model.linkage),
         scale=scale,
         near_zero=near_zero,
         limit=limit,
@@ -177,7 +177,7 @@ def _verdict(
         worst_angle=float(model.motion.angle(one.time[worst])),
         truth_there=min(sides, key=lambda side: abs(side - one.values[worst])),
         outcome=outcome,
-        shown=in_file_units(_unit(one.name, model), model.linkage.units),
+        shown=in_file_units(unit(one.name, model.linkage), model.linkage.units),
     )
 
 
@@ -189,10 +189,6 @@ def in_file_units(si: str, units: Mapping[str, str]) -> tuple[str, float]:
     return (si, 1.0) if value == 1.0 else (units[kind].replace("*", " ") + solidus + rate, value)
 
 
-def _unit(name: str, model: Simulation) -> str:
-    return "N" if name.startswith("joint_force") else unit(name, model.linkage)
-
-
 def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
     """Of each signal what is large for its kind in this linkage and motion: a length, a force, a torque.
 
@@ -201,32 +197,11 @@ def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequenc
     """
     linkage, motion = model.linkage, model.motion
     length, speed = linkage.extent(), motion.peak_speed
-    time = np.linspace(0.0, motion.duration, 101)
-    hardest = float(np.max(np.abs(motion.acceleration(time)))) + speed**2
-    weight = sum(link.mass for link in linkage.links.values()) * float(np.hypot(*linkage.gravity))
+    hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, 101))))) + speed**2
     mass = sum(link.mass for link in linkage.links.values())
-    force = max(weight, mass * length * hardest * 0.1, *(p for p, n in _peaks(samples, truth) if "force" in n), 0.0)
-    scales = []
-    for one in samples:
-        name = one.name
-        part = name.rpartition(":")[2]
-        if is_angle(name):
-            scales.append(1.0)
-        elif is_force(name) and "force" in name:
-            scales.append(force)
-        elif name in ("Mkr", "shaking_moment", "Teq"):
-            scales.append(force * length * 0.1)
-        elif name == "Peq":
-            scales.append(force * length * speed * 0.1)
-        elif name in ("omega", "epsilon") or part in ("omega", "alpha"):
-            scales.append(speed if name == "omega" or part == "omega" else hardest)
-        elif name == "Jeq":
-            scales.append(0.0)
-        else:
-            order = 2 if name == "a" or part in ("ax", "ay") else 1 if name == "v" or part in ("vx", "vy") else 0
-            scales.append(length * (1.0, speed, hardest)[order])
-    return scales
-
-
-def _peaks(samples: Sequence[Samples], truth: Sequence[Array]) -> list[tuple[float, str]]:
-    return [(float(np.max(np.abs(t))), s.name) for s, t in zip(samples, truth, strict=True)]
+    forces = [float(np.max(np.abs(curve))) for one, curve in zip(samples, truth, strict=True) if "force" in one.name]
+    force = max(mass * float(np.hypot(*linkage.gravity)), mass * length * hardest * 0.1, *forces, 0.0)
+    torque = force * length * 0.1
+    turning = {"rad": 1.0, "rad/s": speed, "rad/s²": hardest, "J": torque, "N m": torque, "W": torque * speed}
+    scales = {**turning, "m": length, "m/s": length * speed, "m/s²": length * hardest, "N": force}
+    return [scales.get(unit(one.name, model.linkage), 0.0) for one in samples]

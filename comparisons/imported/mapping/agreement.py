@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from analytic.errors import UnknownNameError
 from comparisons.faults.fault import Correction
 from comparisons.imported.columns import NO_CORRECTION, TIME, Column, ResultTable
-from comparisons.imported.headers.meaning import Meaning, Recognition
-from comparisons.imported.headers.said import NotJudgedError
+from comparisons.imported.headers.meaning import Meaning, NotJudgedError, Recognition
 from comparisons.imported.headers.units import parsed
 from comparisons.imported.mapping.mapping_file import Mapping
 from comparisons.imported.mapping.schema import MappedColumn

@@ -4,54 +4,42 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 
 from analytic.errors import printable
 from comparisons.faults.fault import Correction
-from comparisons.imported.columns import NO_CORRECTION, keys
+from comparisons.imported.columns import keys
+from comparisons.imported.headers.meaning import Meaning
 
-TO_FILL_IN = '""  # fill in'
-
-
-@dataclass(frozen=True)
-class MappingLine:
-    """A column in a mapping: its header, where it stands if that does not tell it, what it is or why it is nothing."""
-
-    header: str
-    file: str = ""
-    table: int = 0
-    signal: str = ""
-    unit: str = ""
-    reason: str = ""
-    correction: Correction = NO_CORRECTION
-    scale: float = 1.0
+HEAD = """# Columns of result files as signals of {}: correct what is wrong, and give this file
+# to judge with --mapping. Corrections that a [[column]] has are applied as they stand here, as
+# the value sign * factor * value + offset (in the column's unit) at the time time + time_shift (s).
+"""
 
 
-def mapping_text(linkage: str, axis: str, lines: Iterable[MappingLine], ignored: Iterable[str]) -> str:
-    """The text of a mapping; a unit that is not known is left to be filled in, what is not judged is a comment."""
-    head = [
-        f"# Columns of result files as signals of {printable(linkage)}: correct what is wrong, and give this file",
-        "# to judge with --mapping. Corrections that a [[column]] has are applied as they stand here, as",
-        "# the value sign * factor * value + offset (in the column's unit) at the time time + time_shift (s).",
-    ]
-    head += [f'axis = "{axis}"'] if axis else []
-    ignored = list(ignored)
-    head += [f"ignore = [{', '.join(map(_quoted, ignored))}]"] if ignored else []
-    return "\n".join([*head, *(entry for line in lines for entry in ("", *_entry(line)))]) + "\n"
+def mapping_text(linkage: str, axis: str, entries: Iterable[Sequence[str]], ignored: Iterable[str]) -> str:
+    """The text of a mapping with these entries, which leave out the headers that are ignored."""
+    head = [f'axis = "{axis}"'] if axis else []
+    headers = ", ".join(map(_quoted, ignored))
+    head += [f"ignore = [{headers}]"] if headers else []
+    lines = "\n".join([*head, *(line for entry in entries for line in ("", *entry))])
+    return HEAD.format(printable(linkage)) + lines + "\n"
 
 
-def _entry(line: MappingLine) -> list[str]:
-    entry = ["[[column]]", f"header = {_quoted(line.header)}"]
-    entry += [f"file = {_quoted(line.file)}"] if line.file else []
-    entry += [f"table = {line.table}"] if line.table else []
-    if line.reason:
-        return [
-            f"# not judged: {printable(line.reason)}",
-            *(f"# {part}" for part in (*entry, 'signal = ""', 'unit = ""')),
-        ]
-    unit = _quoted(line.unit) if line.unit else TO_FILL_IN
-    return [*entry, f"signal = {_quoted(line.signal)}", f"unit = {unit}", *keys(line.correction, line.scale)]
+def entry(
+    header: str, place: Mapping[str, str | int], meaning: Meaning | None, reason: str, correction: Correction
+) -> list[str]:
+    """The lines of a column: its header, where it stands if that does not tell it, and what it is.
+
+    A unit that is not known is left to be filled in, what is not judged is a comment.
+    """
+    lines = ["[[column]]", f"header = {_quoted(header)}"]
+    lines += [f"{key} = {_quoted(at) if isinstance(at, str) else at}" for key, at in place.items() if at]
+    if meaning is None or reason:
+        return [f"# not judged: {printable(reason)}", *(f"# {line}" for line in (*lines, 'signal = ""', 'unit = ""'))]
+    unit = _quoted(meaning.printed) if meaning.printed else '""  # fill in'
+    own = keys(correction, meaning.unit.factor if meaning.unit else 1.0)
+    return [*lines, f"signal = {_quoted(meaning.signal)}", f"unit = {unit}", *own]
 
 
 def _quoted(text: str) -> str:

@@ -46,7 +46,7 @@ class ClusterPool:
     hosts: dict[str, str] = field(default_factory=dict)  # the kind of every machine so far, by its name
     machines: dict[str, DaskMachine] = field(default_factory=dict)  # by the address of the worker that takes jobs
     _threads: dict[str, int] = field(default_factory=dict)
-    _known: dict[str, object] = field(default_factory=dict)  # a machine, or what a worker has answered instead
+    _asked: dict[str, futures.Future[object]] = field(default_factory=dict)  # a worker's machine, or an exception
     _preferred: dict[Hashable, str] = field(default_factory=dict)  # machine of each place
     _looked: float = -PULSE
     _seen: float = field(default_factory=time.monotonic)  # when a worker was there
@@ -70,12 +70,14 @@ class ClusterPool:
         if fault := self._difference({name: packages[name] for name in DASK}, DASK):
             raise LinkproofError(f"scheduler {self.address}: {fault}")
         self.refresh()
-        if not self._known:
+        if not self._asked:
             raise LinkproofError(
                 f"expected workers at {self.address}, got none: start some with: dask worker {self.address} --no-nanny"
             )
-        for address, found in self._known.items():
-            if fault := self._fault(found):
+        futures.wait(self._asked.values(), STARTUP_TIMEOUT)
+        self._take_answers()
+        for address, asked in self._asked.items():
+            if fault := self._fault(asked.result() if asked.done() else TimeoutError()):
                 raise LinkproofError(f"worker {address}: {fault}")
         if self.alone and any(self._answer(self.client.scheduler.processing, workers=None).values()):
             raise LinkproofError(f"expected idle workers at {self.address} for timed runs, got some at work: wait")
@@ -90,18 +92,8 @@ class ClusterPool:
         if time.monotonic() < self._looked + PULSE:
             return False
         self._threads = self._answer(self.client.scheduler.ncores)
-        self._known = {address: found for address, found in self._known.items() if address in self._threads}
-        if new := [address for address in self._threads if address not in self._known]:
-            try:  # not by ``submit``, which would wait for a worker that dies meanwhile
-                self._known |= self._answer(self.client._run, this_machine, workers=new, on_error="return")
-            except PoolLostError as error:
-                self._known |= dict.fromkeys(new, error)
-        self.machines = {}
-        for address, found in self._known.items():
-            if isinstance(found, DaskMachine) and not self._fault(found):
-                self.hosts[found.host] = found.kind
-                if not self.alone or found.host not in {machine.host for machine in self.machines.values()}:
-                    self.machines[address] = found
+        self._asked = {address: self._asked.get(address) or self._ask(address) for address in self._threads}
+        self._take_answers()
         self._looked = time.monotonic()
         if self.machines:
             self._seen = self._looked
@@ -139,6 +131,26 @@ class ClusterPool:
             self._preferred[place] = min(there, key=lambda host: places[host])
         return there[self._preferred[place]]
 
+    def _ask(self, address: str) -> futures.Future[object]:
+        """Ask a worker for its machine; not by ``submit``, which waits for ever for a worker that dies meanwhile."""
+
+        async def answer() -> object:
+            try:
+                return (await self.client._run(this_machine, workers=[address], on_error="return"))[address]
+            except Exception as error:
+                return error
+
+        return asyncio.run_coroutine_threadsafe(answer(), self.client.loop.asyncio_loop)
+
+    def _take_answers(self) -> None:
+        """Find the workers that have answered by now, and can do the jobs; ``alone`` takes one of each machine."""
+        self.machines = {}
+        for address, found in [(address, asked.result()) for address, asked in self._asked.items() if asked.done()]:
+            if isinstance(found, DaskMachine) and not self._fault(found):
+                self.hosts[found.host] = found.kind
+                if not self.alone or found.host not in {machine.host for machine in self.machines.values()}:
+                    self.machines[address] = found
+
     def _fault(self, found: object) -> str:
         """Why a worker cannot do the jobs of this process; empty if it can."""
         if isinstance(found, ImportError):
@@ -166,11 +178,11 @@ class ClusterPool:
         return ""
 
     def _answer(self, question: Callable[..., Any], *args: Any, **words: Any) -> Any:  # noqa: ANN401
-        """The answer of the scheduler; raises PoolLostError if it, or a worker that it asks, gives none in time."""
+        """The answer of the scheduler; raises PoolLostError if it gives none in time."""
         try:
             return self.client.sync(question, *args, callback_timeout=STARTUP_TIMEOUT, **words)
         except Exception as error:  # the end of a connection has many names
-            raise PoolLostError(f"the scheduler at {self.address}, or a worker, does not answer") from error
+            raise PoolLostError(f"the scheduler at {self.address} does not answer") from error
 
 
 @dataclass

@@ -20,7 +20,7 @@ from comparisons.runs.workers import LastingPool
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK
-from comparisons.work_precision.records import KIND, Bench, rows, save
+from comparisons.work_precision.records import KIND, Bench, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, method_descriptions
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
@@ -123,10 +123,10 @@ def _document(options: BenchOptions, command: str, wanted: BenchRequest, measure
         "methods": method_descriptions(wanted),
         "costs": _costs(list(linkages.values()), wanted.engines) if options.costs else [],
         "quantities": list(measured.quantities),
-        "records": rows(measured.points),
+        "records": [point.data for point in measured.points],
     }
 
 
 def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:
     """What each output and load costs, in the linkage with most to leave out and the engines that are installed."""
-    return rows(costs.measure(costs.most_reducible(linkages), installed(engines)))
+    return [asdict(cost) for cost in costs.measure(costs.most_reducible(linkages), installed(engines))]

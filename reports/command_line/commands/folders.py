@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 from analytic.errors import LinkproofError
-from comparisons.campaign.results import load
+from comparisons.campaign.results import is_saved, load
 from comparisons.folders import merging
 from comparisons.folders.difference import difference
 from comparisons.folders.merging import MergedFolder
+from comparisons.folders.studies import study_differences
 from comparisons.folders.tables import write_tables
 from comparisons.folders.verification import verify as verify_folder
 from reports.command_line.commands.compare import report as report_saved
 from reports.command_line.destination import Destination
 from reports.document.terminal import show
-from reports.records.differences import difference_printout
+from reports.records.differences import difference_printout, study_printout
 from reports.records.findings import verification_printout, verification_told
 from reports.requests import FAILED, PASSED
 
@@ -34,10 +36,16 @@ def diff(before: Path, after: Path, destination: Destination) -> int:
     """Print what has moved between two folders; returns the exit code: 1 where it is more than is allowed."""
     destination.check("")
     _refuse_merged(before, after)
-    found = difference(load(before, with_sheets=False), load(after, with_sheets=False))
-    destination.write_json(found.told)
-    destination.print_out(difference_printout(found))
-    return FAILED if found.beyond else PASSED
+    studies = tuple(study_differences(before, after))
+    campaign = None
+    if (is_saved(before) and is_saved(after)) or not studies:
+        campaign = difference(load(before, with_sheets=False), load(after, with_sheets=False))
+    others = {study.kind: asdict(study) for study in studies}
+    destination.write_json({**(campaign.told if campaign else {}), **others})
+    for printout in (*([difference_printout(campaign)] if campaign else []), *map(study_printout, studies)):
+        destination.print_out(printout)
+    is_worse = any(move.is_worse for study in studies for move in study.moves)
+    return FAILED if is_worse or (campaign and campaign.beyond) else PASSED
 
 
 def _refuse_merged(*folders: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from analytic.description.crank_motion import CrankMotion
@@ -17,20 +17,25 @@ from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.mapping.writing import with_proposals
 from comparisons.judging.records import Verdict, run_record
 from comparisons.runs.files import check_writable, write_text
-from reports.command_line.destination import Destination
+from reports.command_line.destination import STDOUT, Destination, check_files, files_of, write_files
 from reports.imported.document import blank_of, document, with_cause
 from reports.imported.terminal import printout, sentence, sentences
 from reports.requests import FAILED, PASSED
 from reports.requests.judge import check_judgement, judgement_of
 from reports.requests.options.declaring import command_line
-from reports.requests.options.linkage import JudgeOptions
+from reports.requests.options.linkage import JudgeFiles, JudgeOptions
+from reports.requests.options.output import OutputOptions
 
 PAGE = "index.html"
 
 
-def judge(options: JudgeOptions, destination: Destination, write_mapping: Path | None = None) -> int:
+def judge(
+    options: JudgeOptions, destination: Destination, pictures: JudgeFiles, write_mapping: Path | None = None
+) -> int:
     """Judge result files, print and write what came of it; returns the exit code."""
     destination.check(PAGE)
+    named = files_of(pictures, OutputOptions(json=destination.json))
+    check_files(named, {"the linkage's file": Path(options.mechanism), **{f"'{one}'": one for one in options.results}})
     check_judgement(options)
     if write_mapping is not None:
         _check_is_new(write_mapping, options.mapping)
@@ -52,10 +57,16 @@ def judge(options: JudgeOptions, destination: Destination, write_mapping: Path |
         _write_page(options, judgement, command, destination.out)
         destination.write_pages(processes=0)
     files = ", ".join(str(path) for path in options.results)
+    title = f"{linkage.name} ({linkage.variant}) against {files}"
+    if pictures.svg is not None:
+        from reports.imported.picture import svg  # noqa: PLC0415 - matplotlib, where a picture is drawn
+
+        write_files({pictures.svg: svg(judgement, title)})
     destination.write_json(document(judgement, blank_of(judgement, files), command, sentence(judgement)))
-    if destination.quiet:
+    if destination.quiet and pictures.svg != STDOUT:
         destination.print(sentence(judgement))
-    destination.print_out(printout(judgement, f"{linkage.name} ({linkage.variant}) against {files}"))
+    if pictures.svg != STDOUT:
+        destination.print_out(printout(judgement, title))
     if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
         raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")
     return PASSED if judgement.passed else FAILED
@@ -76,11 +87,16 @@ def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: st
     run = run_record(
         blank,
         (with_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
-        (check.record(blank) for check in judgement.checks),
+        (),
         {verdict.name: verdict.deviation(motion).curve for verdict in judgement.verdicts},
         {f"cause {n}": finding.likeliest.words for n, finding in enumerate(judgement.explanation.findings, start=1)},
     )
     motions = (motion,) if isinstance(motion, CrankMotion) else ()
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
-    told = {**saved_document(request, command), "judgement": sentences(judgement)}
+    from reports.imported.picture import judged_curves  # noqa: PLC0415 - matplotlib, where a picture is drawn
+
+    lines = [*sentences(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
+    lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
+    curves = [asdict(curve) for curve in judged_curves(judgement)]
+    told = {**saved_document(request, command), "judgement": lines, "judged_curves": curves}
     save(folder, told, [run], [usual_sheet(linkage, motions, options.regime)])

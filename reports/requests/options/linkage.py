@@ -62,3 +62,12 @@ class JudgeOptions(MotionOptions):
     limit: Annotated[float, Option("Largest error allowed, as a share of the closed form's peak.", "SHARE")] = (
         DEFAULT_LIMIT
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgeFiles:
+    """Files that ``linkproof judge`` writes besides those of every command."""
+
+    svg: Annotated[
+        str | None, Option("Draw the worst curves, the differences and what the cause leaves.", "FILE|-")
+    ] = None

@@ -24,7 +24,7 @@ linkproof.bench = (() => {
       `${words}: largest ${short(largest)}, RMS ${short(mean)} of ${peak} ${unit}`,
       `${point.step ? `${Math.round(point.steps_per_turn)} steps a turn, ${point.step} s` : "step fixed by the adapter"}; ` +
         (sweep.runs > 1 ? `${sweep.runs} runs, extrapolated` : "1 run"),
-      `stepping ${time(point.seconds_min)}, median ${time(point.seconds_median)}`,
+      `stepping ${time(point.seconds)}, median ${time(point.seconds_median)}`,
       `set-up ${time(point.setup_seconds)}, read-out ${time(point.readout_seconds)}`,
       `${point.steps} steps, ${point.solver_work} ${sweep.work_unit}${sweep.solver && `; ${sweep.solver}`}`,
       ends && `${order ? `order ${order.toFixed(1)}` : "no steady order"}; ${ends}`,

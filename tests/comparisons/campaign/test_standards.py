@@ -118,7 +118,7 @@ def test_a_document_holds_limits_figures_and_notes(folder):
     told = _campaign(folder).told
     assert told["limits"][0]["value"] == 0.25
     assert len(told["limits"]) == 1 + len(shipped_limits().rows)
-    assert all(row["recorded"] is None and row["now"] is not None and row["sentence"] for row in told["figures"])
+    assert all(one.recorded is None and one.now is not None and one.sentence for one in told["figures"])
     assert told["notes"]
 
 

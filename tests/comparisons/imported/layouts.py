@@ -4,9 +4,11 @@ They follow files of the tools themselves: Adams ``.res`` as Adams/Solver 2022 w
 Adams/PostProcessor does, OpenModelica's CSV, and SolidWorks Motion's export of plots.
 """
 
+import io
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.io import savemat
 
 
 @dataclass(frozen=True)
@@ -97,3 +99,40 @@ def modelica(channels, *, digits=16):
     """OpenModelica's CSV: quoted names of variables, the first of them ``time``, in SI units."""
     headers = ",".join(f'"{c.header}"' for c in channels)
     return "\n".join([headers, *(",".join(row) for row in _rows(channels, lambda x: format(x, f".{digits}g")))]) + "\n"
+
+
+def workbook(channels):
+    """An Excel workbook, its first sheet without numbers."""
+    from openpyxl import Workbook  # noqa: PLC0415 - an extra
+
+    book, content = Workbook(), io.BytesIO()
+    book.active.append(["Exported by hand", 3])
+    sheet = book.create_sheet("curves")
+    for row in ([f"{c.header} [{c.unit}]" for c in channels], *_rows(channels, float)):
+        sheet.append(row)
+    book.save(content)
+    return content.getvalue()
+
+
+def trajectory(channels, *, transposed, kind=np.float64):
+    """OpenModelica's and Dymola's ``.mat``: the time first, the last with the other sign, and a parameter."""
+    names = [c.header for c in channels] + ["mass"]
+    count = len(channels)
+    info = np.array([[0, 1], *[[2, n + 1] for n in range(1, count - 1)], [2, -count], [1, 2]])
+    info = np.hstack([info, np.zeros((count + 1, 2), dtype=int)])
+    values = np.column_stack([c.values for c in channels]).astype(kind)
+    values[:, -1] *= -1.0
+    letters = np.array([list(name.ljust(max(map(len, names)))) for name in names])
+    parts = {"name": letters, "dataInfo": info, "data_1": np.array([[0.0, 2.5], [1.0, 2.5]]), "data_2": values}
+    parts = {key: np.ascontiguousarray(part.T) for key, part in parts.items()} if transposed else parts
+    order = ["Atrajectory", "1.1", "", "binTrans" if transposed else "binNormal"]
+    content = io.BytesIO()
+    savemat(content, {"Aclass": np.array([list(line.ljust(11)) for line in order]), **parts}, format="4")
+    return content.getvalue()
+
+
+def matlab(**arrays):
+    """Arrays of MATLAB by their names."""
+    content = io.BytesIO()
+    savemat(content, arrays)
+    return content.getvalue()

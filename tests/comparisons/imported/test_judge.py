@@ -39,8 +39,6 @@ def test_a_planted_fault_is_the_likeliest_cause_and_a_clean_export_raises_no_ala
     assert is_right(export, judgement)
     if export.expected:
         assert judgement.passed is not any(verdict.error_max > 0.01 for verdict in judgement.verdicts)
-    else:
-        assert all(check.passed for check in judgement.checks)
 
 
 def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
@@ -198,21 +196,6 @@ def test_a_peak_between_the_samples_is_said():
     judgement = judge(JUKI, exported(JUKI, steady, ("Mkr", "S"), time), steady)
     assert judgement.passed
     assert {name for name, _ in judgement.missed} == {"Mkr"}
-
-
-def test_columns_that_do_not_agree_with_one_another_are_said():
-    def change(values, _):
-        return {**values, "v": 1.2 * values["v"], "Peq": 0.5 * values["Peq"]}
-
-    names = ("phi", "omega", "Mkr", "Peq", "S", "v", "point:A:x", "point:A:y")
-    judgement = judge(JUKI, exported(JUKI, QUINTIC, names, TIME, change=change))
-    passed = {check.name: check.passed for check in judgement.checks}
-    assert passed == {
-        "omega = dphi/dt": True,
-        "v = dS/dt": False,
-        "Peq = Mkr omega": False,
-        "length of crank from A to O1": True,
-    }
 
 
 def test_a_mirrored_export_of_a_regime_is_not_hidden():

@@ -71,8 +71,47 @@ def test_scientific_numbers_are_half_a_unit_of_their_last_digit_sharp(tmp_path):
 
 def _torque(tmp_path, name, text):
     path = tmp_path / name
-    path.write_text(text)
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return path
+
+
+def test_a_workbook_is_read_sheet_by_sheet(tmp_path):
+    pytest.importorskip("openpyxl")
+    channels = [Channel("Zeit", "s", np.arange(5) * 0.1), Channel("Antriebsmoment", "N*m", np.cos(np.arange(5)))]
+    path = _torque(tmp_path, "run.xlsx", layouts.workbook(channels))
+    (signal,) = read_results([path], JUKI).signals
+    np.testing.assert_array_equal(signal.values, np.cos(np.arange(5)))
+    assert (signal.name, signal.column.place) == ("Mkr", f"{path}[curves]:1 (column 2)")
+
+
+@pytest.mark.parametrize("transposed", [True, False])
+@pytest.mark.parametrize(("kind", "sharp"), [(np.float64, 1e-15), (np.float32, 1e-6)])
+def test_a_trajectory_of_modelica_is_in_si_units_with_the_digits_of_its_numbers(tmp_path, transposed, kind, sharp):
+    time = np.linspace(0.0, 1.0, 11)
+    channels = [Channel("time", "", time), Channel("crank.phi", "", time**2), Channel("motor.tau", "", np.cos(time))]
+    path = _torque(tmp_path, "run.mat", layouts.trajectory(channels, transposed=transposed, kind=kind))
+    angle, torque = read_results([path], JUKI).signals
+    assert (angle.name, torque.name) == ("phi", "Mkr")
+    np.testing.assert_allclose(torque.values, np.cos(time), rtol=sharp)
+    assert np.all(np.abs(torque.values - np.cos(time)) <= torque.resolution)
+    assert np.max(torque.resolution) < sharp
+
+
+@pytest.mark.parametrize("place", [128, 140, 150, 176])
+def test_a_damaged_matlab_file_is_refused_whatever_its_reader_does(tmp_path, place):
+    content = bytearray(layouts.matlab(t=np.arange(9.0), Mkr=np.arange(9.0)))
+    content[place : place + 8] = b"\xff" * 8
+    with pytest.raises(LinkproofError, match="a MATLAB file that cannot be read"):
+        read_results([_torque(tmp_path, "run.mat", bytes(content))], JUKI)
+
+
+def test_arrays_of_matlab_are_columns_by_their_names_and_wait_for_units(tmp_path):
+    time = np.linspace(0.0, 1.0, 11)
+    path = _torque(tmp_path, "run.mat", layouts.matlab(t=time, Mkr=np.cos(time)[:, None], D=np.zeros((11, 2)), n=3.0))
+    (table,) = result_tables(path)
+    assert [column.header for column in table.columns] == ["t", "Mkr", "D(1)", "D(2)"]
+    with pytest.raises(MappingNeededError, match="expected a unit of time in the header 't' and 1 more"):
+        read_results([path], JUKI)
 
 
 def test_adams_results_say_their_units(tmp_path):
@@ -148,7 +187,7 @@ TAGS = [
         st.lists(st.sampled_from(CELLS)).map(lambda words: "".join(words).encode()),
         st.lists(st.sampled_from(TAGS)).map(lambda tags: "".join(["<Results>", *tags]).encode()),
     ),
-    name=st.sampled_from(["run.csv", "run.res", "run.tab"]),
+    name=st.sampled_from(["run.csv", "run.res", "run.tab", "run.xlsx"]),
 )
 def test_no_bytes_end_in_a_traceback(tmp_path_factory, content, name):
     path = tmp_path_factory.getbasetemp() / name
@@ -158,6 +197,42 @@ def test_no_bytes_end_in_a_traceback(tmp_path_factory, content, name):
     except LinkproofError:
         return
     assert results.signals
+
+
+def _damaged(content, random):
+    """A file after one to three accidents: cut, bytes lost, repeated or overwritten, words that are none of its own."""
+    for _ in range(random.integers(1, 4)):
+        at, size = random.integers(len(content) + 1), random.integers(1, 40)
+        words = (b"9e299", b"1" * 5000, b"nan", b'"', b"\x00", b"\xff", "٣".encode(), b"A" * 5000, b";", b"\n\n", b"e")
+        content = (
+            content[:at],
+            content[:at] + content[at + size :],
+            content[:at] + content[max(0, at - size) :],
+            content[:at] + random.bytes(size) + content[at + size :],
+            content[:at] + words[random.integers(len(words))] + content[at:],
+        )[random.integers(5)]
+    return content
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_damaged_files_are_read_or_refused_in_a_sentence(tmp_path, seed):
+    random, time = np.random.default_rng(seed), np.linspace(0.0, 1.0, 30)
+    channels = [Channel("time", "s", time), Channel("MOTION_1.TZ", "N*m", np.cos(time))]
+    written = {
+        "a.csv": layouts.csv(channels, delimiter=";", decimal=","),
+        "b.csv": layouts.solidworks([("Motor Torque1", channels)]),
+        "a.tab": layouts.adams_table(channels),
+        "a.res": layouts.adams_results(channels),
+        "b.res": layouts.robotran(channels),
+    }
+    name = list(written)[seed % len(written)]
+    try:
+        outcome = read_results([_torque(tmp_path, name, _damaged(written[name].encode(), random))], JUKI).signals
+    except LinkproofError as refusal:
+        outcome = str(refusal)
+    assert outcome
+    assert "\n" not in outcome
+    assert len(outcome) <= 1500
 
 
 def test_a_fault_far_down_a_long_file_is_told_by_its_line(tmp_path):

@@ -26,7 +26,7 @@ def planted(fault, simulation):
 
 def misses(linkage, every=1, first=0):
     simulation, missed = Simulation(linkage, MOTION), []
-    faults = [*motion_settings(MOTION, from_column=False), *model_faults(simulation)]
+    faults = [*motion_settings(MOTION), *model_faults(simulation)]
     for fault in faults[first::every]:
         results = exported(linkage, MOTION, NAMES, TIME, digits=7, model=planted(fault, simulation))
         judgement = judge(linkage, results, MOTION)

@@ -54,7 +54,7 @@ def test_plots_of_solidworks_in_one_file_have_a_time_each(tmp_path):
     assert results.signals[1].taken == "its name has no link: taken as the crank's"
     ((column, reason),) = results.not_judged
     assert column.header == "Reaction Force3 (newton)"
-    assert "joints are A, D, O1, needle_bar on ground" in reason
+    assert "fits none of joint_force:A, joint_force:D, joint_force:O1, joint_force:needle_bar on ground" in reason
 
 
 def test_modelica_files_are_in_si_units_and_that_is_said(tmp_path):
@@ -200,6 +200,8 @@ def test_folders_and_missing_files_are_told(tmp_path):
         ),
         (f"Time [s],Torque [Nm]\n{ROWS}5,{'1' * 10**6}\n", "run.csv:6: expected a finite number in column 2, got '111"),
         (f"Time [s],{'Drehmoment' * 500}\n{ROWS}", "'DrehmomentDrehmoment"),
+        ("t [s],M [Nm]\n0,1\n" * 1001, "expected at most 1000 tables"),
+        ("t [s]" + ",M [Nm]" * 20_000 + "\n" + "0" + ",1" * 20_000, "run.csv:2: expected at most 10000 columns"),
     ],
 )
 def test_numbers_that_are_none_and_endless_words_are_refused_at_once(tmp_path, text, expected):

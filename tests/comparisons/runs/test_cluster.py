@@ -110,10 +110,8 @@ def test_a_job_over_its_time_costs_itself_alone(pool):
     assert list(pool.run(job, [("fine", 1)])) == [(0, 1)]
 
 
-def test_a_process_is_kept_for_the_next_job(pool):
-    processes = {found for _, found in pool.run(os.getpid, [()] * 20)}
-    assert processes == {found for _, found in pool.run(os.getpid, [()] * 20)}
-    assert len(processes) <= 2
+def test_a_process_is_used_for_the_next_job_too(pool):
+    assert len({found for _ in range(2) for _, found in pool.run(os.getpid, [()] * 20)}) <= 2
 
 
 def test_a_study_keeps_what_a_cluster_makes(pool, tmp_path):
@@ -125,11 +123,12 @@ def test_a_study_keeps_what_a_cluster_makes(pool, tmp_path):
     assert sorted(journal.records.keys) == sorted(task.key for task in tasks)
 
 
-def test_timed_jobs_of_one_machine_never_overlap(pool):
+def test_timed_jobs_of_one_machine_never_overlap_and_a_client_stays_open(pool):
     assert len(pool.machines) == 2
     with opened(pool.client, EVERY_CORE, alone=True) as alone:
         times = sorted(found for _, found in alone.run(job, [("clocked", n) for n in range(5)]))
     assert all(one[1] <= other[0] for one, other in pairwise(times))
+    assert pool.client.status == "running"
 
 
 def test_timed_jobs_want_machines_of_one_kind(pool):
@@ -155,12 +154,6 @@ def test_closing_ends_what_jobs_have_started(pool, tmp_path):
     processes = [int(path.read_text()) for path in paths]
     results.close()
     assert wait_for(lambda: not any(map(runs, processes)))
-
-
-def test_a_client_may_be_handed_in_and_is_left_open(pool):
-    with opened(pool.client, EVERY_CORE) as other:
-        assert dict(other.run(job, [("fine", 3)])) == {0: 3}
-    assert pool.client.status == "running"
 
 
 def test_functions_of_python_take_a_client(pool):

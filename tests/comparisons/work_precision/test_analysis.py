@@ -25,7 +25,7 @@ def test_order_and_floor_of_every_sweep_are_found_and_written_into_its_points():
     assert found["fourth"].order == pytest.approx(4.0)
     assert found["second"].floor.cause is Cause.FALLING
     completed = judged(points([*SECOND, setting_row("tuned", 1e-4, 1e-2)]))
-    orders = {(one.setting, one.errors["Mkr"].order) for one in completed}
+    orders = {(one.setting, one.orders.get("Mkr")) for one in completed}
     assert orders == {("second", found["second"].order), ("tuned", None)}
 
 
@@ -48,7 +48,7 @@ def test_the_cheapest_point_that_holds_an_error_is_chosen():
 
 def test_what_builds_for_long_and_steps_fast_is_not_cheap():
     slow, built = (setting_row(name, 1e-4, 0.0, **spent) for name, spent in (
-        ("tuned", {"seconds_min": 0.3, "setup_seconds": 0.1}), ("best", {"seconds_min": 0.04, "setup_seconds": 0.65})
+        ("tuned", {"seconds": 0.3, "setup_seconds": 0.1}), ("best", {"seconds": 0.04, "setup_seconds": 0.65})
     ))  # fmt: skip
     assert choices([slow, built], [1e-3])[0].record == slow
     assert on_front([slow, built]) == [slow]
@@ -58,7 +58,7 @@ def test_an_error_nobody_reaches_names_the_closest():
     last = choices(SECOND)[-1]
     assert last.record is None
     assert last.closest == SECOND[-1]
-    assert choices([row(outcome="diverged", error_max=None, seconds_min=None)]) == ()
+    assert choices([row(outcome="diverged", error_max=None, seconds=0.0, repeats=())]) == ()
 
 
 def test_a_lucky_coarse_step_is_not_chosen():
@@ -79,14 +79,14 @@ def test_the_front_leaves_nothing_better_out():
         cheaper = [other for other in records if other != one and other.total_seconds <= one.total_seconds]
         beaten = any(other.error_max <= one.error_max for other in cheaper)
         assert (one in front) is not beaten
-    assert {one.errors["Mkr"].on_front for one in judged(points(records)) if one.setting == "tuned"} == {True}
+    assert {one.fronts for one in judged(points(records)) if one.setting == "tuned"} == {("Mkr",)}
 
 
 def test_single_runs_and_extrapolated_ones_have_fronts_of_their_own():
     single, several = apart([*SECOND, *FOURTH])
     assert (single, several) == (SECOND, FOURTH)
     told = judged(points([*SECOND, *FOURTH]))
-    assert all(one.errors["Mkr"].on_front for one in told)
+    assert all(one.fronts == ("Mkr",) for one in told)
     assert len(on_front([*SECOND, *FOURTH])) < len(told)
 
 
@@ -109,7 +109,7 @@ def test_engines_quantities_and_places_are_kept_apart():
 
 def test_sweeps_are_methods_that_finished_coarse_to_fine():
     sweep = sweep_rows([1e-1, 1e-2, 1e-3])
-    failed = row(outcome="diverged", error_max=None, seconds_min=None, step=1e-9)
+    failed = row(outcome="diverged", error_max=None, seconds=0.0, repeats=(), step=1e-9)
     (found,) = method_sweeps([sweep[2], setting_row("best", 1e-9, 1.0), sweep[0], failed, sweep[1]])
     assert found.numbers.errors == (1e-1, 1e-2, 1e-3)
     assert list(found.numbers.steps) == sorted(found.numbers.steps, reverse=True)

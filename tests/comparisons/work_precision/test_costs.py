@@ -1,6 +1,7 @@
 """Costs: every repeat of every reduction is kept, and survives JSON; a reduction takes out what it says."""
 
 import json
+from dataclasses import asdict
 
 import pytest
 
@@ -10,7 +11,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
 from comparisons.work_precision import costs
 from comparisons.work_precision.costs import REDUCTIONS, ROUNDS, measure, most_reducible
-from comparisons.work_precision.records import Bench, rows
+from comparisons.work_precision.records import Bench
 from engines.contract import Outcome, Run
 from engines.mechanics.joints import JointEquations
 from engines.scene import Prescribed
@@ -30,7 +31,7 @@ def test_every_reduction_is_run_in_turn_there_and_back_records_no_more_than_it_s
     assert all(0.0 < inside <= whole for c in measured for inside, whole in zip(c.stepping, c.seconds, strict=True))
     channels, turns = [one.channels for one in REDUCTIONS], [args[1].channels for args in run[1:]]
     assert turns == [*channels, *reversed(channels), *channels]
-    document = {"costs": json.loads(json.dumps(rows(measured), allow_nan=False))}
+    document = {"costs": json.loads(json.dumps([asdict(one) for one in measured], allow_nan=False))}
     assert list(Bench(document).costs) == measured
 
 

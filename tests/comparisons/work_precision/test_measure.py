@@ -22,12 +22,17 @@ EXACT = Method("exact", "")
 FOUR = ("Mkr", "Jeq", "phi", "joint_force")
 
 
+def by_name(measurement):
+    return {one.quantity: one for one in measurement.errors}
+
+
 def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
     measurement = measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=True)
     assert measurement.outcome == "finished"
-    assert set(measurement.errors) == set(FOUR)
-    assert all(error.error_rms <= error.error_max < 1e-12 and error.peak > 0.0 for error in measurement.errors.values())
-    assert measurement.errors["Mkr"].unit == "N m"
+    errors = by_name(measurement)
+    assert set(errors) == set(FOUR)
+    assert all(error.error_rms <= error.error_max < 1e-12 and error.peak > 0.0 for error in errors.values())
+    assert errors["Mkr"].unit == "N m"
     assert min(measurement.seconds, measurement.steps, measurement.calibration) > 0
     assert min(measurement.setup, measurement.readout) >= 0.0
 
@@ -57,7 +62,7 @@ def test_the_worst_joint_stands_for_all(monkeypatch):
         return replace(history, joint_force=grown)
 
     measurement = _measured(monkeypatch, enlarged, FOUR)
-    assert measurement.errors["joint_force"].error_max == pytest.approx(0.02, rel=1e-9)
+    assert by_name(measurement)["joint_force"].error_max == pytest.approx(0.02, rel=1e-9)
     assert [one.name for one in chosen(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
 
 
@@ -68,10 +73,11 @@ def test_what_an_engine_does_not_tell_costs_that_quantity_alone(monkeypatch):
 
     measurement = _measured(monkeypatch, partial, FOUR)
     assert (measurement.outcome, measurement.runs) == ("finished", 2)
-    assert set(measurement.errors) == {"Jeq", "phi", "joint_force"}
-    assert measurement.left_out["Mkr"] == "Mkr computed by the adapter"
-    assert "joint_force:A" not in measurement.left_out["joint_force"]
-    assert measurement.left_out["joint_force"].endswith("not offered")
+    errors = by_name(measurement)
+    assert {name for name, one in errors.items() if one.error_max is not None} == {"Jeq", "phi", "joint_force"}
+    assert (errors["Mkr"].outcome, errors["Mkr"].detail) == ("not-provided", "Mkr computed by the adapter")
+    assert "joint_force:A" not in errors["joint_force"].detail
+    assert errors["joint_force"].detail.endswith("not offered")
 
 
 def test_an_engine_that_tells_nothing_asked_for_gives_nothing(monkeypatch):
@@ -81,7 +87,7 @@ def test_an_engine_that_tells_nothing_asked_for_gives_nothing(monkeypatch):
 
 def test_a_repeat_takes_no_errors():
     measurement = measure(PICKLED, "direct", Setting.TUNED, None, FOUR, with_errors=False)
-    assert (measurement.outcome, dict(measurement.errors)) == ("finished", {})
+    assert (measurement.outcome, measurement.errors) == ("finished", ())
 
 
 def test_what_an_engine_raises_is_told():

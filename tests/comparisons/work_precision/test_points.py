@@ -5,9 +5,9 @@ import math
 
 import pytest
 
+from comparisons.judging.records import QuantityRecord
 from comparisons.work_precision.measure import Measurement
 from comparisons.work_precision.points import FEWEST, FULL, OUT_OF_TIME, QUICK, Point, Sweep, planned_sweeps
-from comparisons.work_precision.records import PointError
 from engines.contract import Method, Setting
 
 METHOD = Method("plain", "as it comes", effort_unit="iterations")
@@ -19,9 +19,8 @@ def _sweep(budget=math.inf):
 
 
 def _made(error, seconds=1e-3, also=None, setup=0.0):
-    errors = {"Mkr": PointError("N m", error, error, 1.0)} | (
-        {"Jeq": PointError("kg m²", also, also, 1.0)} if also else {}
-    )
+    found = {"Mkr": error} | ({"Jeq": also} if also else {})
+    errors = tuple(QuantityRecord(name, error_max=one) for name, one in found.items())
     return Measurement("finished", seconds=seconds, setup=setup, errors=errors)
 
 

@@ -1,10 +1,11 @@
 """The benchmark's page: complete, escaped, offline, the same text for the same benchmark."""
 
 import re
+from dataclasses import asdict
 
 import pytest
 
-from comparisons.work_precision.records import KIND, Bench, MeasuredCost, load, rows, save
+from comparisons.work_precision.records import KIND, Bench, MeasuredCost, load, save
 from reports.document import html
 from reports.document.parts import Fold, Section
 from reports.work_precision.page import page
@@ -55,7 +56,7 @@ def _section(made, key) -> Section:
 
 def test_costs_have_a_section_where_they_were_measured():
     cost = MeasuredCost("made-up", "base", "alpha", "everything", "", seconds=(1.0, 0.5, 0.75))
-    made = page(Bench({**BENCH.document, "costs": rows([cost])}))
+    made = page(Bench({**BENCH.document, "costs": [asdict(cost)]}))
     assert _section(made, "costs").heading == "What each output and load costs"
 
 

@@ -1,6 +1,8 @@
 """The benchmark in a terminal."""
 
-from comparisons.work_precision.records import Bench, MeasuredCost, rows
+from dataclasses import asdict
+
+from comparisons.work_precision.records import Bench, MeasuredCost
 from reports.document.terminal import rendered
 from reports.work_precision.terminal import printout
 from tests.reports.made_up_bench import made_up_bench, nothing_finished
@@ -34,7 +36,7 @@ def test_an_engine_that_is_absent_says_so():
 
 def test_costs_stand_below_where_they_were_measured():
     cost = MeasuredCost("made-up", "base", "alpha", "Jeq <alone>", "", seconds=(1.0, 0.5, 0.75))
-    text = _text(Bench({**made_up_bench().document, "costs": rows([cost])}))
+    text = _text(Bench({**made_up_bench().document, "costs": [asdict(cost)]}))
     assert "Jeq <alone> 500 ms (100 %)" in " ".join(text.split())
 
 

@@ -33,14 +33,12 @@ def test_floor_is_said_only_of_an_error_that_a_finer_step_does_not_lower():
 
 
 def test_what_an_engine_does_not_tell_is_said_once_where_it_is_missing():
-    told = {"left_out": {"Jeq": "Jeq computed by the adapter"}}
+    told = {"lacking": {"Jeq": "Jeq computed by the adapter"}}
     rows = [row(**told), setting_row("tuned", 1e-3, 1e-2, **told), row(quantity="Jeq", engine="beta")]
     alpha, beta = _facts(rows, "Jeq")
     assert failed_methods(alpha) == ("plain, tuned: not-provided: Jeq computed by the adapter",)
     assert failed_methods(beta) == failed_methods(_facts(rows)[0]) == ()
-    (alpha,) = _facts(
-        [row(quantity="joint_force", left_out={"joint_force": "joint_force:A not offered"})], "joint_force"
-    )
+    (alpha,) = _facts([row(quantity="joint_force", detail_of="joint_force:A not offered")], "joint_force")
     assert failed_methods(alpha) == ("joint_force:A not offered",)
 
 

@@ -21,9 +21,9 @@ def folder(tmp_path_factory):
 def worse(folder, tmp_path_factory):
     """The same from another machine, with an error over its limit."""
 
-    def edit(told, _):
+    def edit(told, run):
         told["environment"]["machine"] = "another"
-        row(told, "Mkr").update(error_max=0.5, outcome="over-limit", detail="too far")
+        row(run, "Mkr").update(error_max=0.5, outcome="over-limit", detail="too far")
 
     return changed(folder, tmp_path_factory.mktemp("worse") / "b", edit)
 

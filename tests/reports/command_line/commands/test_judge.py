@@ -1,7 +1,9 @@
 """``linkproof judge`` as a user meets it: verdict first, causes, corrections, exit codes, JSON, the mapping."""
 
 import json
+import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -51,8 +53,8 @@ def test_a_right_file_passes_and_the_limit_is_said(run):
 def test_a_sign_is_named_offered_and_passes_once_the_mapping_agrees(run, tmp_path):
     code, text = run("--regime", "run-up", "--write-mapping", "mapping.toml", factor=-1.0)
     assert code == 1
-    assert text.splitlines()[2].startswith("Likeliest cause: Mkr has the other sign")
-    assert "  Mkr: sign = -1\n" in text
+    assert text.splitlines()[2].startswith("Likely cause of the difference in Mkr: Mkr has the other sign")
+    assert "accept it in the mapping: Mkr: sign = -1.\n" in text
     mapping = tmp_path / "mapping.toml"
     lines = mapping.read_text().splitlines()
     agreed = [line.removeprefix("# ") if "sign = -1" in line else line for line in lines]
@@ -107,6 +109,33 @@ def test_the_page_begins_with_the_verdict_and_its_cause(run, tmp_path):
     assert "not installed" not in page
     summary = (tmp_path / "page" / "RESULTS.md").read_text(encoding="utf-8")
     assert "Mkr has the other sign" in summary
+
+    assert "Mkr of the file and of the closed form" in page
+    assert (tmp_path / "page" / "figures" / "index" / "judged-Mkr.svg").is_file()
+
+
+def test_the_picture_has_both_curves_what_the_cause_leaves_the_worst_place_and_a_caption(run, tmp_path):
+    code, text = run("--regime", "run-up", "--svg", "curve.svg", factor=-1.0)
+    assert (code, "Likely cause" in text) == (1, True)
+    root = ElementTree.parse(tmp_path / "curve.svg").getroot()
+    tag = root.tag.removesuffix("svg")
+    words = ["".join(one.itertext()) for one in root.iter(f"{tag}text")]
+    for part in ("juki-mf7923d (as-built) against run.csv", "Likely cause: Mkr has the other sign.", "closed form",
+                 "file", "without the cause", "Mkr, N m", "difference, N m", "time, s"):  # fmt: skip
+        assert part in words
+    (time,) = [float(one.split()[2]) for one in words if one.startswith("worst at")]
+    rows = np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)
+    assert time == pytest.approx(rows[np.argmax(np.abs(rows[:, 1])), 0])
+    paths = [one for one in root.iter(f"{tag}path") if len(re.findall("[ML]", one.get("d", ""))) > 1]
+    reference, file, without, difference, left = [
+        np.array([float(y) for y in re.findall(r"[ML] \S+ (\S+)", path.get("d"))])
+        for path in paths
+        if re.search("#a9b3bf|#0072b2|#00855f", path.get("style", "")) and "M" in path.get("d")
+    ][:5]
+    assert np.corrcoef(reference, file)[0, 1] < -0.99
+    assert np.ptp(without) == pytest.approx(np.ptp(reference), rel=0.1)
+    assert np.ptp(left) < 1e-3 * np.ptp(difference)
+    assert run("--regime", "run-up", "--svg", "-")[1].startswith("<?xml")
 
 
 def test_an_open_signal_is_in_the_headline_with_its_cure_and_the_exit_code_is_not_zero(run, tmp_path):
