@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import TypeVar
 
 from comparisons.judging.baseline import Baseline
 from comparisons.judging.limits import LimitTable, shipped_limits
 from comparisons.judging.records import Record, Verdict
 from engines.contract import Origin, Setting
+
+K = TypeVar("K", bound=Hashable)
+V = TypeVar("V")
 
 
 @dataclass(frozen=True)
@@ -66,3 +70,11 @@ def judge(record: Record) -> Record:
 def deciding(records: Sequence[Record]) -> Sequence[Record]:
     """Those that say whether a campaign has passed: naive ones only where nothing else ran."""
     return [record for record in records if record.setting != Setting.NAIVE] or records
+
+
+def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
+    """What is second in pairs by what is first, both in the order of the pairs."""
+    groups: dict[K, list[V]] = {}
+    for key, one in pairs:
+        groups.setdefault(key, []).append(one)
+    return groups

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any, Final
 
 from analytic.errors import LinkproofError
+from comparisons.judging.verdicts import grouped
 from comparisons.runs.environment import environment
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
@@ -112,9 +113,7 @@ def _read(row: Mapping[str, Any], _: object) -> CellResult:
 
 def _made(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cell]) -> list[CellResult]:
     """Results of cells, in their order."""
-    by_seconds: dict[float, list[Task]] = {}
-    for cell in chosen:
-        by_seconds.setdefault(_seconds(request, cell), []).append(Task(cell.key, (cell,), cell.key))
+    by_seconds = grouped((_seconds(request, cell), Task(cell.key, (cell,), cell.key)) for cell in chosen)
     study.expect(task for tasks in by_seconds.values() for task in tasks)
     for seconds in sorted(by_seconds):
         for _ in study.make(by_seconds[seconds], Bounds(seconds, MEMORY)):

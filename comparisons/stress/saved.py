@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
+from comparisons.judging.verdicts import grouped
 from comparisons.runs.study_folder import load_study, save_study, usable
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict, from_document
 
 KIND: Final = "stress"
-Item = TypeVar("Item")
 Line = tuple[str, str, str, str]  # axis, row, engine, usage
 
 
@@ -59,12 +59,12 @@ class Stress:
     @cached_property
     def lines(self) -> Mapping[Line, Sequence[CellResult]]:
         """The cells of each line."""
-        return _grouped((result.cell.line, result) for result in self.results)
+        return grouped((result.cell.line, result) for result in self.results)
 
     @cached_property
     def line_borders(self) -> Mapping[Line, Sequence[Border]]:
         """The borders of each line that has any."""
-        return _grouped((border.line, border) for border in self.borders)
+        return grouped((border.line, border) for border in self.borders)
 
     @cached_property
     def axes(self) -> tuple[str, ...]:
@@ -97,13 +97,6 @@ class Stress:
             result.verdict for result in self.results
             if engine in ("", result.cell.engine) and axis in ("", result.cell.axis)
         )  # fmt: skip
-
-
-def _grouped(pairs: Iterable[tuple[Line, Item]]) -> dict[Line, list[Item]]:
-    groups: dict[Line, list[Item]] = {}
-    for line, item in pairs:
-        groups.setdefault(line, []).append(item)
-    return groups
 
 
 def _place(cell: Cell) -> tuple[object, ...]:

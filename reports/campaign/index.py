@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
+from comparisons.judging.verdicts import grouped
 from engines.contract import Setting
 from reports.campaign.cards import card
 from reports.campaign.verdict import CHECKS, Held, Trust, listed, ratio, verdict
@@ -177,13 +178,10 @@ def _family_cell(trust: Trust, engine: str, setting: str, name: str) -> TableCel
 
 def _reasons(trust: Trust) -> list[str]:
     """Why engines gave nothing, each reason of an engine once, with the settings that it holds for."""
-    found: dict[tuple[str, str], dict[str, None]] = {}
-    for (engine, setting), families in trust.held.items():
-        for record in (record for held in families.values() for record in held.records):
-            if record.error_max is None and record.detail:
-                found.setdefault((engine, record.detail), {})[setting] = None
+    records = [one for families in trust.held.values() for held in families.values() for one in held.records]
+    found = grouped(((r.engine, r.detail), r.setting) for r in records if r.error_max is None and r.detail)
     return [
-        f"{engine}{'' if len(settings) == len(trust.settings) else f' {listed(settings)}'}: {detail}"
+        f"{engine}{'' if len({*settings}) == len(trust.settings) else f' {listed(dict.fromkeys(settings))}'}: {detail}"
         for (engine, detail), settings in found.items()
     ]
 

@@ -9,12 +9,14 @@ from types import MappingProxyType
 
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
+from comparisons.judging.verdicts import grouped
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
 from reports.records.changed_figures import changed_figures
 from reports.records.environment import side_by_side
+from reports.records.matrix import is_within
 from reports.records.origins import exceptions, origin_words
 from reports.records.views import family
 
@@ -129,12 +131,9 @@ def _detail(record: Record) -> tuple[TableCell | str, ...]:
 
 def _reasons(runs: Iterable[RunRecord]) -> list[str]:
     """Why runs gave nothing, and which records the baseline rather than the limit caught; each once, with where."""
-    reasons: dict[tuple[str, str], dict[str, None]] = {}
-    for record in (record for run in runs for record in run.every):
-        within = record.error_max is not None and record.limit is not None and record.error_max <= record.limit
-        if record.detail and (record.error_max is None or within):
-            reasons.setdefault((f"{record.engine} {record.setting}", record.detail), {})[record.mechanism] = None
-    return [f"{run}, {', '.join(where)}: {detail}" for (run, detail), where in reasons.items()]
+    told = (one for run in runs for one in run.every if one.detail and (one.error_max is None or is_within(one)))
+    reasons = grouped(((f"{one.engine} {one.setting}", one.detail), one.mechanism) for one in told)
+    return [f"{run}, {', '.join(dict.fromkeys(where))}: {detail}" for (run, detail), where in reasons.items()]
 
 
 def _closing_line(runs: Iterable[RunRecord]) -> str:

@@ -11,7 +11,7 @@ from typing import Final
 from analytic.description.linkage import ReleasedRegime
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Record, Verdict
-from comparisons.judging.verdicts import deciding
+from comparisons.judging.verdicts import deciding, grouped
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
@@ -207,10 +207,8 @@ def _is_red(results: Results) -> bool:
 def _nearest(trust: Trust, engines: Sequence[str], setting: str, *, timed: bool) -> str:
     if len(engines) < 2:
         return ""
-    leaders: dict[str, list[str]] = {}
-    for name in trust.families:
-        if name != CHECKS and (leader := trust.nearest(setting, name)):
-            leaders.setdefault(leader, []).append(name)
+    nearest = {name: trust.nearest(setting, name) for name in trust.families if name != CHECKS}
+    leaders = grouped((leader, name) for name, leader in nearest.items() if leader)
     right = [name for name in engines if not any(held.failed for held in trust.held.get((name, setting), {}).values())]
     times = {name: sum(seconds) for name in right if (seconds := trust.seconds(name, setting)) is not None}
     quickest = min(times, key=lambda name: times[name], default="") if timed else ""
@@ -231,10 +229,7 @@ def _untuned(trust: Trust, engines: Sequence[str]) -> str:
 
 def _grouped(families: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
     """Engines with the same families together: names, families; those without any are left out."""
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for name, found in families.items():
-        if found:
-            groups.setdefault(tuple(found), []).append(name)
+    groups = grouped((tuple(found), name) for name, found in families.items() if found)
     return [(listed(names), listed(found)) for found, names in groups.items()]
 
 

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from comparisons.judging.records import Record
+from comparisons.judging.verdicts import grouped
 from reports.document.chart import Chart, Curve, Ink, Mark, Panel
 from reports.document.templates import plain
 from reports.records.views import SETTINGS, Regime, View, columns, engines, family, worst
@@ -50,7 +51,5 @@ def errors_chart(view: View, regime: Regime) -> Chart:
 
 def worst_of_families(records: Sequence[Record]) -> list[Record]:
     """One record per run and family of quantities."""
-    groups: dict[tuple[str, ...], list[Record]] = {}
-    for record in records:
-        groups.setdefault((*record.run, family(record.quantity)), []).append(record)
+    groups = grouped(((*record.run, family(record.quantity)), record) for record in records)
     return [worst(group) for group in groups.values()]

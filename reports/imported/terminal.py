@@ -13,6 +13,7 @@ from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
 from comparisons.judging.records import Verdict
+from comparisons.judging.verdicts import grouped
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
@@ -98,10 +99,7 @@ def _with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
 
 def _open(judgement: ImportedJudgement) -> list[str]:
     """Why signals are open, those with the same cure together."""
-    reasons: dict[str, list[str]] = {}
-    for verdict in judgement.verdicts:
-        if verdict.outcome is Verdict.UNDEFINED:
-            reasons.setdefault(verdict.detail, []).append(verdict.name)
+    reasons = grouped((one.detail, one.name) for one in judgement.verdicts if one.outcome is Verdict.UNDEFINED)
     return [f"{_few(names)} {'is' if len(names) == 1 else 'are'} undecided: {why}." for why, names in reasons.items()]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import LimitTable
 from comparisons.judging.records import IMPORTED, Record, Verdict
+from comparisons.judging.verdicts import grouped
 from reports.document.numbers import bound
 from reports.document.parts import Table
 from reports.document.templates import plain
@@ -21,9 +22,13 @@ def past_baseline(results: Results) -> tuple[str, ...]:
     return tuple(
         f"{r.mechanism} ({r.variant}), {r.regime}, {r.engine} {r.setting}, {r.quantity}: {r.detail}"
         for r in every_record(results)
-        if r.outcome == Verdict.OVER_LIMIT.value and r.baseline is not None
-        if r.error_max is not None and r.limit and r.error_max <= r.limit
+        if r.outcome == Verdict.OVER_LIMIT.value and r.baseline is not None and is_within(r)
     )
+
+
+def is_within(record: Record) -> bool:
+    """Whether there is an error within the limit, so that only the baseline can have caught it."""
+    return record.error_max is not None and record.limit is not None and record.error_max <= record.limit
 
 
 def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
@@ -38,10 +43,7 @@ def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
 def limit_table(results: Results) -> Table:
     """The limits these records are held against, largest first within the order of the quantities."""
     names = [name for part in columns(results) for name in part]
-    groups: dict[tuple[float, str], list[Record]] = {}
-    for record in every_record(results):
-        value, reason = _limit(record, results.limits)
-        groups.setdefault((value, reason), []).append(record)
+    groups = grouped((_limit(record, results.limits), record) for record in every_record(results))
     rows = []
     for (value, reason), records in groups.items():
         held = {family(record.quantity) for record in records}

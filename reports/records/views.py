@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -17,6 +17,7 @@ from comparisons.judging.deviations import near_jumps
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
 from comparisons.judging.records import CONTROL, Record
 from engines.contract import Setting
+from reports.document.parts import TableCell
 from reports.document.templates import plain, worded
 
 Array = NDArray[np.float64]
@@ -194,3 +195,12 @@ def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
         return *run, families[family(record.quantity)], record.quantity
 
     return tuple(sorted(records, key=rank))
+
+
+def once(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -> Iterator[tuple[TableCell | str, ...]]:
+    """Rows, of whose first words, so many ``heads``, those are left out that the row before begins with too."""
+    before: tuple[TableCell | str, ...] = ()
+    for row in rows:
+        words = ("" if row[: n + 1] == before[: n + 1] else word for n, word in enumerate(row[:heads]))
+        yield (*words, *row[heads:])
+        before = row[:heads]

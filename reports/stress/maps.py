@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from comparisons.judging.verdicts import grouped
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cell_result import CellResult
@@ -21,10 +22,7 @@ FLAGGED = "Flagged: "  # stands in a reason between what is wrong and what the c
 def map_data(stress: Stress, axis: str) -> dict[str, Any]:
     """The map of one axis, JSON-ready: for its script and its figure."""
     known, values = axes()[axis], stress.columns[axis]
-    rows: dict[str, list[dict[str, Any]]] = {}
-    for line in stress.lines:
-        if line[0] == axis:
-            rows.setdefault(line[1], []).append(_line(stress, line, values))
+    rows = grouped((line[1], _line(stress, line, values)) for line in stress.lines if line[0] == axis)
     return {
         "axis": axis,
         "title": known.title,

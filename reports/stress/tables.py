@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 
+from comparisons.judging.verdicts import grouped
 from comparisons.stress.cell_result import CellResult, StressVerdict
 from comparisons.stress.saved import Stress
 from reports.document.parts import Facts, Mono, Table, TableCell, Words
 from reports.document.templates import sentence
+from reports.records.views import once
 from reports.stress.facts import APART, SIGNS, SILENT, axis_title, border_words, shown_verdicts, value_words
 
 LOUD = (StressVerdict.MISSED, StressVerdict.ALARM)
@@ -73,23 +75,17 @@ def _compact(count: Counter[StressVerdict]) -> TableCell:
 
 def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
     """A row to a border; what it shares with the one before is left out. ``name`` is how an axis is named."""
-    rows: list[tuple[TableCell | Words, ...]] = []
-    before: tuple[str, ...] = ()
-    for border in stress.borders:
-        place = (name(border.axis), *border.line[1:])
-        shown = [word if place[: n + 1] != before[: n + 1] else "" for n, word in enumerate(place)]
-        rows.append((*shown, TableCell(border_words(border), colour=SIGNS[border.verdict].terminal)))
-        before = place
+    rows = once(
+        ((name(one.axis), *one.line[1:], TableCell(border_words(one), colour=SIGNS[one.verdict].terminal))
+         for one in stress.borders), heads=4)  # fmt: skip
     return Table("", ("axis", "row", "engine", "usage", "last within, first beyond"), tuple(rows), align="l")
 
 
 def incident_table(results: Iterable[CellResult]) -> Table:
     """A row per cell, with its reason and command; of many, the first of each axis and engine, with their number."""
     found = sorted(results, key=lambda one: one.cell.engine)
-    groups: dict[object, list[CellResult]] = {}
-    for one in found:
-        key = one.cell if len(found) <= MOST_ALONE else (one.cell.engine, one.cell.axis)
-        groups.setdefault(key, []).append(one)
+    is_long = len(found) > MOST_ALONE
+    groups = grouped(((one.cell.engine, one.cell.axis) if is_long else one.cell, one) for one in found)
     rows = tuple(_incident(first, len(others)) for first, *others in groups.values())
     return Table("", INCIDENT, rows, align="llrl", style="incidents")
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from comparisons.stress.cell_result import CellResult
 from comparisons.stress.saved import Stress
-from reports.document.numbers import seconds
 from reports.document.parts import Paragraph
 from reports.document.terminal import Printed, Printout
-from reports.stress.facts import SIGNS, against, axis_title, shown_verdicts, value_words
+from reports.stress.facts import SIGNS, axis_title, shown_verdicts, value_words
+from reports.stress.maps import story
 from reports.stress.tables import LOUD, border_table, count_table, told
 
 
@@ -33,15 +33,5 @@ def _incident(result: CellResult) -> Paragraph:
 
 def cell_details(result: CellResult) -> str:
     """All that is known of one cell, a line to a fact."""
-    facts = (
-        result.reason,
-        _worst("deviation", against(result.nearest)),
-        _worst("invariant", against(result.worst_check)),
-        f"{result.steps} steps in {seconds(result.seconds)}; "
-        f"{', '.join(f'{name} {value}' for name, value in result.differing.items())}",
-    )
-    return "\n  ".join([f"{result.cell.key}: {result.verdict.value}", *filter(None, facts)])
-
-
-def _worst(kind: str, words: str) -> str:
-    return words and f"worst {kind}: {words}"
+    facts = (f"{name}: {words}" for name, words in story(result).items())
+    return "\n  ".join([f"{result.cell.key}: {result.verdict.value}", *facts])

@@ -6,13 +6,15 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 
+from comparisons.judging.verdicts import grouped
 from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
 from comparisons.work_precision.records import BenchRecord
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import Fold, Paragraph, Section, Table, TableCell
 from reports.document.templates import sentence
-from reports.work_precision.words import judged_by, label_of, once, way_words
+from reports.records.views import once
+from reports.work_precision.words import judged_by, label_of, way_words
 
 # Errors that the page begins with, by their places among those wanted.
 NAMED = (0, 1, 4)
@@ -35,11 +37,8 @@ def _share(error: float) -> str:
 
 def _winners(places: Sequence[PlaceFacts], column: int) -> list[tuple[str, str, int]]:
     """The engines that are the cheapest somewhere, their times and in how many places, those of most first."""
-    wins: dict[str, list[Found]] = {}
-    for place in places:
-        if met := _met((one for one in place.engines(place.foremost) if not one.is_control), column):
-            best = min(met, key=_time)
-            wins.setdefault(best[0].engine, []).append(best)
+    found = [_met((one for one in place.engines(place.foremost) if not one.is_control), column) for place in places]
+    wins = grouped((best[0].engine, best) for met in found if met for best in (min(met, key=_time),))
     return [(name, _span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
 
 
@@ -79,9 +78,7 @@ def _table(caption: str, corner: str, groups: Mapping[str, Sequence[PlaceFacts]]
 
 def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[TableCell | str, ...]]:
     for name, places in groups.items():
-        engines: dict[str, list[EngineFacts]] = {}
-        for facts in (one for place in places for one in place.engines(place.foremost)):
-            engines.setdefault(label_of(facts), []).append(facts)
+        engines = grouped((label_of(one), one) for place in places for one in place.engines(place.foremost))
         for label, mine in engines.items():
             cells = [(cell, len(list(same))) for cell, same in groupby(_cell(mine, n) for n in range(len(WANTED)))]
             yield name, label, *(TableCell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)

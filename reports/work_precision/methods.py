@@ -9,7 +9,8 @@ from comparisons.work_precision.places import EngineFacts, Regimes
 from reports.document.numbers import ABSENT, error, seconds
 from reports.document.parts import Fold, Section, Table, TableCell
 from reports.document.templates import sentence
-from reports.work_precision.words import comparison_words, judged_by, label_of, limit_words, once, way
+from reports.records.views import once
+from reports.work_precision.words import comparison_words, judged_by, label_of, limit_words, way
 
 # Of one engine in one place: a row's head and its cell there.
 Rows = Callable[[EngineFacts], Iterator[tuple[TableCell, TableCell]]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from comparisons.judging.verdicts import grouped
 from comparisons.runs.record_file import RECORDS
 from comparisons.work_precision.places import PlaceFacts, by_regime, places
 from comparisons.work_precision.records import KIND, Bench
@@ -43,11 +44,12 @@ def page(bench: Bench) -> Page:
 
 def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
     """What gave nothing: each reason once, with the places it was given in."""
-    told: dict[str, list[str]] = {}
-    for place in every:
-        for facts in place.engines(place.foremost):
-            for reason in failed_methods(facts):
-                told.setdefault(f"{label_of(facts)}, {reason}", []).append(f"{place.mechanism} in {place.regime}")
+    told = grouped(
+        (f"{label_of(facts)}, {reason}", f"{place.mechanism} in {place.regime}")
+        for place in every
+        for facts in place.engines(place.foremost)
+        for reason in failed_methods(facts)
+    )
     where = {reason: ", ".join(met) if len(met) < len(every) else "everywhere" for reason, met in told.items()}
     return tuple(f"{reason} ({place})" for reason, place in where.items())
 

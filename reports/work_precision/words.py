@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-
+from comparisons.judging.verdicts import grouped
 from comparisons.work_precision.analysis import MethodSweep, SettingComparison
 from comparisons.work_precision.places import EngineFacts, Regimes
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
 from engines.contract import Setting
 from reports.document.numbers import bound, error, figure, seconds
-from reports.document.parts import TableCell
 from reports.document.templates import plain, sentence
 
 # Times closer than this are the same time, however quiet the machine.
@@ -101,21 +99,11 @@ def judged_by(regimes: Regimes) -> str:
     return " or ".join(dict.fromkeys(plain(place.foremost) for places in regimes.values() for place in places))
 
 
-def once(rows: Iterable[tuple[TableCell | str, ...]]) -> Iterator[tuple[TableCell | str, ...]]:
-    """Rows whose first word is left out where the row before begins with it too."""
-    before: TableCell | str = ""
-    for first, *others in rows:
-        yield ("" if first == before else first, *others)
-        before = first
-
-
 def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
     """Methods and settings that never finished anything, by reason; then what of a quantity was left out."""
     finished = {record.setting for record in facts.records if record.finished}
     reasons = {r.setting: f"{r.outcome}: {r.detail}" for r in reversed(facts.records) if not r.finished}
-    names: dict[str, list[str]] = {}
-    for name in dict.fromkeys(record.setting for record in facts.records):
-        if name not in finished:
-            names.setdefault(reasons[name], []).append(name or facts.engine)
+    every = dict.fromkeys(record.setting for record in facts.records)
+    names = grouped((reasons[name], name or facts.engine) for name in every if name not in finished)
     left_out = dict.fromkeys(r.error.detail for r in facts.records if r.finished and r.error and r.error.detail)
     return (*(f"{', '.join(same)}: {reason}" for reason, same in names.items()), *left_out)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from comparisons.campaign.results import Results
-from reports.records.views import View, anchor, engines, short_title, views
+from reports.records.views import View, anchor, engines, once, short_title, views
 from tests.analytic.drives import driven
 from tests.reports.made_up_results import made_up_results
 
@@ -49,3 +49,14 @@ def test_anchors_hold_no_character_that_a_link_cannot():
         anchor("juki-mf7923d", "as-built", "joint_force:P4 in rocker")
         == "juki-mf7923d-as-built-joint_force-P4-in-rocker"
     )
+
+
+@pytest.mark.parametrize(
+    ("heads", "shown"),
+    [
+        (1, [("a", "x", "1"), ("", "x", "2"), ("b", "x", "3"), ("", "y", "4")]),
+        (2, [("a", "x", "1"), ("", "", "2"), ("b", "x", "3"), ("", "y", "4")]),
+    ],
+)
+def test_what_rows_share_stands_once(heads, shown):
+    assert list(once([("a", "x", "1"), ("a", "x", "2"), ("b", "x", "3"), ("b", "y", "4")], heads)) == shown

@@ -3,7 +3,7 @@
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.places import places
 from comparisons.work_precision.records import Bench
-from reports.work_precision.words import comparison_words, failed_methods, label_of, limit_words, once, way_words
+from reports.work_precision.words import comparison_words, failed_methods, label_of, limit_words, way_words
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -52,10 +52,6 @@ def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
     assert told(0.1)["best"] == "; no method measured gets there"
     assert told(0.1)["tuned"].startswith("; on the front of single runs: plain takes 15.8 ms")
     assert told(0.01)["tuned"].startswith("; 1.1 × the front")
-
-
-def test_what_rows_share_is_said_once():
-    assert list(once([("a", "1"), ("a", "2"), ("b", "3")])) == [("a", "1"), ("", "2"), ("b", "3")]
 
 
 def test_the_control_is_held_against_nothing():

@@ -62,7 +62,7 @@ def test_a_cell_alone_is_told_in_full(capsys):
     assert run(StressOptions(words=(CELL,)), Destination()) == 0
     told = " ".join(capsys.readouterr().out.split())
     assert told.startswith(f"{CELL}: within limit")
-    assert "worst invariant:" in told
+    assert "Worst invariant:" in told
 
 
 def test_a_cell_may_take_as_long_as_it_is_given(capsys):
