@@ -84,7 +84,7 @@ class Point:
 
 
 @dataclass
-class Sweep:
+class PointSweep:
     """A sweep under way: the points still to come, coarse to fine, and what came of those done.
 
     ``ended`` says why it went no further, once it has ended.
@@ -144,12 +144,12 @@ class Sweep:
 
 def planned_sweeps(
     case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent, *, efforts: bool
-) -> list[Sweep]:
+) -> list[PointSweep]:
     """The sweeps of one engine on one case: its settings, its methods, and these at other solver efforts if asked."""
     if extent.fronts_only:
         settings = [setting for setting in settings if setting is not Setting.BEST]
         methods = [*_last(methods, extrapolated=False), *_last(methods, extrapolated=True)]
-    sweeps = [Sweep([Point(case, engine, setting)], math.inf) for setting in settings]
+    sweeps = [PointSweep([Point(case, engine, setting)], math.inf) for setting in settings]
     for method in methods:
         sweeps.append(_sweep(case, engine, method, extent.steps_per_turn, extent))
         if efforts and extent.effort_stride:
@@ -163,8 +163,8 @@ def _last(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
     return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
 
 
-def _sweep(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> Sweep:
-    return Sweep([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
+def _sweep(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> PointSweep:
+    return PointSweep([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
 
 
 def _other_efforts(method: Method) -> list[Method]:

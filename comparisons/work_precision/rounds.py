@@ -19,7 +19,7 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.study import Announce, Study, Task, Written
 from comparisons.runs.workers import Bounds, Pool
 from comparisons.work_precision.measure import Measurement, longest_step, measure
-from comparisons.work_precision.points import Extent, Point, Sweep
+from comparisons.work_precision.points import Extent, Point, PointSweep
 from comparisons.work_precision.records import METHOD, SETTING, PointRecord
 from engines.contract import Outcome, StudiedEngine
 from engines.registry import why_unavailable
@@ -113,7 +113,7 @@ def _read(row: Mapping[str, Any], _: object) -> Measurement:
     return _MEASUREMENT.validate_python(row)
 
 
-def records(case: Case, sweep: Sweep, rounds: Rounds) -> Iterator[PointRecord]:
+def records(case: Case, sweep: PointSweep, rounds: Rounds) -> Iterator[PointRecord]:
     """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
     adapter = engine(sweep.points[0].engine)
     unit = adapter.work_unit if isinstance(adapter, StudiedEngine) else ""

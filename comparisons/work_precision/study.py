@@ -21,7 +21,7 @@ from comparisons.runs.study import Announce
 from comparisons.runs.timing import Noise
 from comparisons.runs.workers import ONE_BY_ONE, Pool
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.points import FULL, Extent, Point, Sweep, planned_sweeps
+from comparisons.work_precision.points import FULL, Extent, Point, PointSweep, planned_sweeps
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
 from comparisons.work_precision.rounds import Rounds, records
 from engines.contract import Method, Setting, StudiedEngine
@@ -97,7 +97,7 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
     return Measured(judged(_records(request, sweeps, rounds)), request.quantities, noise, uses)
 
 
-def _first_uses(sweeps: Sequence[Sweep], engine: str) -> tuple[float, ...]:
+def _first_uses(sweeps: Sequence[PointSweep], engine: str) -> tuple[float, ...]:
     """What the first runs of an engine took beyond the second, s: one in every process that measured it."""
     mine = (one for sweep in sweeps if sweep.points[0].engine == engine for one in sweep.measurements)
     return tuple(one.first_use for one in mine if one.first_use > 0.0)
@@ -125,7 +125,7 @@ def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
     return [method for method in offered if not request.methods or method.name in request.methods]
 
 
-def _sweeps(request: BenchRequest) -> Iterator[Sweep]:
+def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
     """All sweeps of the request; an engine that is not installed has one point that says so."""
     known: set[tuple[str, str]] = set()
     for number, case in enumerate(request.cases):
@@ -134,13 +134,13 @@ def _sweeps(request: BenchRequest) -> Iterator[Sweep]:
         known.add((linkage.name, linkage.variant))
         for name in request.engines:
             if why_unavailable(engine(name)) is not None:
-                yield Sweep([Point(number, name)], 0.0)
+                yield PointSweep([Point(number, name)], 0.0)
             else:
                 methods = _methods(request, case, name)
                 yield from planned_sweeps(number, name, methods, request.settings, request.extent, efforts=first)
 
 
-def _turns(cases: Sequence[Case], sweeps: Sequence[Sweep]) -> list[list[Sweep]]:
+def _turns(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[list[PointSweep]]:
     """Sweeps that are measured to their ends and repeated, one group after the other: those of a case at a time.
 
     Where the time ends first, a linkage of each structure has whole curves, rather than every linkage a point: the
@@ -153,14 +153,14 @@ def _turns(cases: Sequence[Case], sweeps: Sequence[Sweep]) -> list[list[Sweep]]:
         repeated.append(kinds in known)
         known.add(kinds)
 
-    def place(sweep: Sweep) -> tuple[bool, bool, int]:
+    def place(sweep: PointSweep) -> tuple[bool, bool, int]:
         point = sweep.points[0]
         return repeated[point.case], point.method is not None and point.method.runs > 1, point.case
 
     return [list(group) for _, group in groupby(sorted(sweeps, key=place), place)]
 
 
-def _records(request: BenchRequest, sweeps: Sequence[Sweep], rounds: Rounds) -> list[PointRecord]:
+def _records(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> list[PointRecord]:
     """All records, by case and engine in the requested order, then as measured."""
     places = {name: place for place, name in enumerate(request.engines)}
     ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].engine]))

@@ -7,7 +7,7 @@ import pytest
 
 from comparisons.judging.records import QuantityRecord
 from comparisons.work_precision.measure import Measurement
-from comparisons.work_precision.points import FEWEST, FULL, OUT_OF_TIME, QUICK, Point, Sweep, planned_sweeps
+from comparisons.work_precision.points import FEWEST, FULL, OUT_OF_TIME, QUICK, Point, PointSweep, planned_sweeps
 from engines.contract import Method, Setting
 
 METHOD = Method("plain", "as it comes", effort_unit="iterations")
@@ -15,7 +15,7 @@ STEPS = tuple(12.0 * 2.0**k for k in range(9))
 
 
 def _sweep(budget=math.inf):
-    return Sweep([Point(0, "alpha", method=METHOD, steps_per_turn=n) for n in STEPS], budget)
+    return PointSweep([Point(0, "alpha", method=METHOD, steps_per_turn=n) for n in STEPS], budget)
 
 
 def _made(error, seconds=1e-3, also=None, setup=0.0):
