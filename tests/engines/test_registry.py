@@ -125,7 +125,7 @@ def test_a_plugin_that_cannot_be_imported_costs_its_own_rows_in_every_study(plug
     rows = [
         *((record.engine, record.outcome, record.detail) for record in (*compared, *benched)),
         *((record.engine, record.outcome, record.reason) for record in errata),
-        *((cell.cell.engine, cell.outcome, cell.judgement.reason) for cell in cells),
+        *((cell.engine, cell.verdict.value, cell.reason) for cell in cells),
     ]
     assert {engine for engine, _, _ in rows} == set(names)
     assert {outcome for _, outcome, _ in rows} == {"adapter-error"}

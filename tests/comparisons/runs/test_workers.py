@@ -176,9 +176,10 @@ def test_a_function_is_sent_once_and_the_callers_stays_as_it_was():
 
 def test_a_worker_that_has_ended_between_two_jobs_costs_none():
     with closing(WorkerPool(os.getpid, (), BOUNDS, 1)) as workers:
-        first = workers.do((), 600.0)
+        ((_, first),) = workers.take_up([()], 600.0)
         os.kill(first, signal.SIGTERM)
-        assert isinstance(workers.do((), 600.0), int)
+        ((_, second),) = workers.take_up([()], 600.0)
+        assert isinstance(second, int)
 
 
 def test_a_worker_does_not_hear_ctrl_c():
