@@ -51,8 +51,8 @@ def test_a_state_near_the_joints_becomes_the_closed_forms(name):
     for segment, time in zip(motion.segments, (0.11, motion.segments[1].start), strict=True):
         model, units = _model(name, motion)
         # A body without inertia has no angle of its own.
-        turns = np.array([(True, True, link.inertia is not None) for link in mechanism(name).linkage.links.values()])
-        turns = turns[model.free]
+        bodies = scene(mechanism(name), Prescribed(motion), set(Channel)).bodies
+        turns = np.array([(True, True, body.inertia is not None) for body in bodies])[model.free]
         truth = [np.where(turns, part, 0.0) for part in _truth(name, motion, model, units, time)]
         moved = truth[0] + OFF * np.random.default_rng(1).uniform(-1.0, 1.0, len(truth[0]))
         found = loop.closed_state(model, _part(time, segment), (moved, truth[1], truth[2]))
