@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from comparisons.runs.timing import Noise, calibrate, no_collection, smallest_and_median, timed
+from comparisons.runs.timing import Noise, calibrate, no_collection, timed
 
 
 def test_noise_is_relative_to_the_shortest():
@@ -32,8 +32,3 @@ def test_work_is_timed_with_the_collector_off_and_the_collector_comes_back():
         assert not gc.isenabled()
     finally:
         gc.enable()
-
-
-def test_smallest_and_median_of_what_was_measured():
-    assert smallest_and_median([3.0, 1.0, 2.0]) == (1.0, 2.0)
-    assert smallest_and_median([]) == (None, None)
