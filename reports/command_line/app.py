@@ -321,6 +321,20 @@ def check_engine(
     return engines.check(engine, destination(OutputOptions(json=json, quiet=quiet)), jobs)
 
 
+@command(app, summary="Show what is installed, and try every engine.")
+def doctor(json: Json = None) -> int:
+    """Show versions, packages and folders, try every engine and the compiler, and say what a bug report needs.
+
+    Exit codes: 0 everything that is installed works, 1 something that is installed does not.
+    """
+    from comparisons.runs.worker_process import start_server
+
+    start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
+    from reports.command_line.commands import doctor
+
+    return doctor.doctor(destination(OutputOptions(json=json)))
+
+
 @command(app, summary="Write an engine's run as a standalone script.")
 def export(
     options: ExportOptions,
