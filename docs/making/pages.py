@@ -72,7 +72,7 @@ def keys() -> str:
     tables = {"TheWholeFile": schema} | {
         name: part for name, part in schema["definitions"].items() if not name.startswith(("Variant", "Repeated"))
     }
-    return "\n\n".join(f"## {_title(name)}\n\n{_keys(part)}" for name, part in tables.items())
+    return "\n\n".join(f"### {_title(name)}\n\n{_keys(part)}" for name, part in tables.items())
 
 
 def _title(name: str) -> str:
@@ -128,4 +128,4 @@ def _signature(name: str, function: Any) -> str:  # noqa: ANN401 - any function,
     return f"{name}(\n{''.join(lines)})" if lines else f"{name}()"
 
 
-MADE = {"limits.md": limits, "keys.md": keys, "python.md": reference}
+MADE = {"accuracy.md": limits, "linkage-files.md": keys, "python.md": reference}
