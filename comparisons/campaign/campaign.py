@@ -136,17 +136,19 @@ def compare(
     bounds: Bounds = DEFAULT_BOUNDS,
     pool: Pool | None = None,
     journal: Journal | None = None,
+    todo: Sequence[Task] = (),
 ) -> CampaignRuns:
     """The runs of a request, made in parallel as they are gone through.
 
     ``announce`` hears the label of the run begun last, how many are finished and how many there are. Runs are made in
     the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is made
     here, unbounded. A ``journal`` is given every finished run to keep, and spares those that it has kept already.
+    ``todo`` are its ``tasks`` where they are known.
 
     What ``tasks`` raises is raised at once, before the first run; LinkproofError too, if the journal is
     another request's.
     """
-    todo = tasks(request)
+    todo = todo or tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
     return CampaignRuns(Study(judged, lost, written, from_row, journal, announce, where), todo, bounds)
 

@@ -133,14 +133,14 @@ def with_runs(told: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, A
         **told,
         "records": [asdict(record) for run in found for record in run.records],
         "invariants": [asdict(record) for run in found for record in run.checks],
-        "details": {"/".join(run.run): dict(run.details) for run in found},
+        "details": {run.key: dict(run.details) for run in found},
     }
 
 
 def save(folder: Path, told: Mapping[str, Any], runs: Iterable[RunRecord], sheets: Sequence[Sheet] = ()) -> None:
     """Write a campaign, or a judgement, and its data sheets into a folder, in the place of another there."""
     kind = kind_of(told)
-    save_study(folder, kind, told, (("/".join(run.run), run.data, run.curves) for run in runs))
+    save_study(folder, kind, told, ((run.key, run.data, run.curves) for run in runs))
     save_sheets(folder, sheets)
     (other,) = {*KINDS} - {kind}
     shutil.rmtree(folder / other, ignore_errors=True)

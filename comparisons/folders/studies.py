@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+from comparisons.folders.difference import ROUNDING, is_other
+from comparisons.judging.baseline import GROWTH
 from comparisons.judging.records import RunRecord
 from comparisons.runs.study_folder import has_study
 from comparisons.stress import saved as stress_test
@@ -18,9 +20,7 @@ from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.records import Bench, PointRecord
 from engines.contract import Outcome
 
-SHARE: Final = 0.01  # relative change of an error that is reported
-GROWN: Final = 3.0  # times its value before: an error that is worse
-ROUNDING: Final = 1e-12
+SAME_ORDER: Final = 0.01  # what rounding may change in an observed order
 
 
 @dataclass(frozen=True)
@@ -73,9 +73,9 @@ def _difference(
         if outcomes[0] != outcomes[1]:
             moves.append(StudyMove(key, "", outcomes, (None, None), is_worse(old, new)))
         moves += [
-            StudyMove(key, name, outcomes, errors, is_worse=errors[1] > max(GROWN * errors[0], ROUNDING))
+            StudyMove(key, name, outcomes, errors, is_worse=errors[1] > max(GROWTH * errors[0], ROUNDING))
             for name, errors in _errors(old, new)
-            if abs(errors[1] - errors[0]) > max(SHARE * max(errors), ROUNDING)
+            if is_other(*errors)
         ]
     only = (tuple(key for key in one if key not in other) for one, other in ((before, after), (after, before)))
     return StudyDifference(kind, len(both), tuple(moves), *only)
@@ -127,7 +127,7 @@ def _bench_faults(bench: Bench) -> Iterator[tuple[str, str]]:
         if {*saved.fronts} != {*now.fronts}:
             yield place, f"it is on the fronts of {_words(saved.fronts)}, its errors and times say {_words(now.fronts)}"
         for name, order in saved.orders.items():
-            if name not in now.orders or abs(order - now.orders[name]) > SHARE:
+            if name not in now.orders or abs(order - now.orders[name]) > SAME_ORDER:
                 yield place, f"its order in {name} is {order:.3g}, that of its sweep is {now.orders.get(name)}"
 
 

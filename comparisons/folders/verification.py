@@ -108,7 +108,7 @@ def _verified(results: Results, folder: Path, limits: Path | None) -> Verificati
 
 
 def _name(record: Record) -> str:
-    return f"{'/'.join(record.run)}: {record.quantity}"
+    return f"{record.key}: {record.quantity}"
 
 
 def _limits(results: Results, file: Path | None) -> tuple[LimitTable, str]:

@@ -54,11 +54,12 @@ class Stressed:
 
     def document(self, command: str, *, quick: bool) -> dict[str, Any]:
         """All but the cells, as JSON-ready data."""
+        counts = summary(self.cells)
         return {
             "command": command,
-            "environment": environment(list(summary(self.cells))),
+            "environment": environment(list(counts)),
             "quick": quick,
-            "summary": summary(self.cells),
+            "summary": counts,
             "borders": [part.document for part in self.borders],
         }
 
