@@ -75,12 +75,10 @@ class MergedFolder:
     def runs(self) -> frozenset[str]:
         """What was run, in words that tell one run from every other on the same machine."""
         campaign, bench, stress = self.campaign, self.bench, self.stress
-        records = campaign.runs if campaign else ()
-        points = bench.points if bench else ()
         return frozenset((
-            *(f"compare {record.key}, {record.conditions}" for record in records),
-            *(f"bench {point.key}" for point in points),
-            *(f"stress {result.cell.key}" for result in (stress.results if stress else ())),
+            *(f"compare {run.key}, {run.conditions}" for run in (campaign.runs if campaign else ())),
+            *(f"bench {point.key}" for point in (bench.points if bench else ())),
+            *(f"stress {cell.key}" for cell in (stress.cells if stress else ())),
         ))  # fmt: skip
 
 

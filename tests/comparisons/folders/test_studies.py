@@ -1,39 +1,36 @@
 """Benchmarks and stability maps are held against themselves and against those of another folder."""
 
-import copy
+import json
 
 import pytest
 
 from comparisons.folders.studies import checked_studies, study_differences
 from comparisons.folders.verification import verify
+from comparisons.runs.study_folder import save_study
 from comparisons.stress import saved as stress_test
 from comparisons.stress.border import borders
-from comparisons.work_precision import records as work_precision
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.records import point_of
 from reports.records.differences import study_printout
 from reports.records.findings import closing_line
 from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_stress import made_up_cell, made_up_stress
 
-BENCH = made_up_bench(mechanisms=("juki-mf7923d",)).document
+BENCH = made_up_bench(mechanisms=("juki-mf7923d",))
 LINE = [("within limit", 1.0), ("within limit", 2.0), ("caught", 4.0)]
 
 
-def stress_document():
+def stress_test_of_a_line():
     place = {"axis": "mass", "row": "four-bar, crank", "engine": "alpha", "usage": "tuned"}
     cells = [made_up_cell(stress_test.StressVerdict(verdict), value=value, **place) for verdict, value in LINE]
-    document = made_up_stress(("mass",), quick=True).document
-    return {**document, "cells": [one.document for one in cells], "borders": [one.document for one in borders(cells)]}
+    return made_up_stress(("mass",), quick=True, cells=cells, borders=[one.document for one in borders(cells)])
 
 
 def saved(folder, edit=lambda bench, stress: None):
     """A folder with both, as ``edit`` has changed them."""
-    folder.mkdir()
-    bench, stress = copy.deepcopy(dict(BENCH)), copy.deepcopy(stress_document())
+    bench, stress = (json.loads(json.dumps(one.told)) for one in (BENCH, stress_test_of_a_line()))
     edit(bench, stress)
-    work_precision.save(folder, bench)
-    stress_test.save(folder, stress_test.Stress(stress))
+    for kind, told, rows in (("bench", bench, bench.pop("records")), ("stress", stress, stress.pop("cells"))):
+        save_study(folder, kind, told, ((f"{number}", row, {}) for number, row in enumerate(rows)))
     return folder
 
 
@@ -93,5 +90,4 @@ def test_a_run_of_one_folder_alone_is_told(tmp_path):
 
 
 def test_made_up_points_are_as_judged():
-    points = [point_of(row) for row in BENCH["records"]]
-    assert [one.fronts for one in judged(points)] == [one.fronts for one in points]
+    assert judged(BENCH.points) == tuple(BENCH.points)
