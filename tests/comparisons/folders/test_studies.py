@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from comparisons.folders.studies import checked_studies, study_differences
+from comparisons.folders.studies import StudyFolder, checked_studies, study_differences
 from comparisons.folders.verification import verify
 from comparisons.runs.study_folder import save_study
 from comparisons.stress import saved as stress_test
@@ -36,13 +36,17 @@ def saved(folder, edit=lambda bench, stress: None):
 
 def test_nothing_differs_in_folders_as_they_were_written(tmp_path):
     folder = saved(tmp_path / "a")
-    assert [one.faults for one in checked_studies(folder)] == [(), ()]
+    assert [faults for _, faults in checked_studies(StudyFolder(folder))] == [[], []]
     words = closing_line(verify(folder))
     assert words.endswith("; stress: 3 cells, 1 borders; nothing differs")
     assert words.startswith("bench: ")
-    for found in study_differences(folder, saved(tmp_path / "b")):
+    for found in _differences(folder, saved(tmp_path / "b")):
         assert (found.moves, found.only_before, found.only_after) == ((), (), ())
         assert found.compared > 2
+
+
+def _differences(before, after):
+    return study_differences(StudyFolder(before), StudyFolder(after))
 
 
 def finished(bench):
@@ -74,7 +78,7 @@ def test_what_has_moved_is_told_and_what_is_worse_decides(tmp_path):
         row["errors"][0]["error_max"] *= 5.0
         stress["cells"][1]["verdict"] = "missed"
 
-    found = {one.kind: one for one in study_differences(saved(tmp_path / "a"), saved(tmp_path / "b", worse))}
+    found = {one.kind: one for one in _differences(saved(tmp_path / "a"), saved(tmp_path / "b", worse))}
     (point,), (cell,) = found["bench"].moves, found["stress"].moves
     assert (point.quantity, point.is_worse, point.errors[1] / point.errors[0]) == ("Mkr", True, pytest.approx(5.0))
     assert (cell.outcomes, cell.is_worse) == (("within limit", "missed"), True)
@@ -85,7 +89,7 @@ def test_a_run_of_one_folder_alone_is_told(tmp_path):
     def fewer(bench, _):
         bench["records"].pop()
 
-    first, _ = study_differences(saved(tmp_path / "a"), saved(tmp_path / "b", fewer))
+    first, _ = _differences(saved(tmp_path / "a"), saved(tmp_path / "b", fewer))
     assert (len(first.only_before), first.only_after) == (1, ())
 
 
