@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from analytic.description.format.json_schema import json_schema
-from comparisons.judging.limits import LimitRow, shipped_limits
+from comparisons.judging.limits import Limit, shipped_limits
 from reports.document.markdown import table
 from reports.document.numbers import bound
 from reports.document.parts import Mono, Table, Words
@@ -61,9 +61,9 @@ def limits() -> str:
     return table(Table("", head, tuple(map(_limit, shipped_limits().rows)), align="lllrl"))
 
 
-def _limit(row: LimitRow) -> tuple[str, ...]:
+def _limit(row: Limit) -> tuple[str, ...]:
     names = (row.quantities, row.settings, row.regimes)
-    return (*(", ".join(sorted(one)) or "all" for one in names), bound(row.limit.value), row.limit.reason)
+    return (*(", ".join(sorted(one)) or "all" for one in names), bound(row.value), row.reason)
 
 
 def keys() -> str:
