@@ -104,7 +104,7 @@ linkproof.widget("live", (element, data) => {
         tools = make("div", "", { className: "controls live-tools" });
       controls.append(
         playButton,
-        labelled(`${motion.linear ? "travel" : motion.turns ? "φ" : "t"} `, place),
+        labelled(`${motion.linear ? "travel" : motion.steady ? "φ" : "t"} `, place),
         at,
         stepLabel,
       );

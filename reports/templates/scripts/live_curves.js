@@ -2,8 +2,7 @@
 // Curves over the motion on canvases: those of the design, and thin behind them those of the file.
 linkproof.liveCurves = (data, model, scrubbed) => {
   const TALL = 170,
-    EDGE = { left: 62, right: 10, top: 22, bottom: 22 },
-    MOST = 6;
+    EDGE = { left: 62, right: 10, top: 22, bottom: 22 };
   const names = data.results.map((one) => one.name),
     loads = names.filter((name) => name.startsWith("joint_force:") && name.endsWith(":magnitude"));
   const unit = (name) => data.results[model.places.get(name)];
@@ -25,7 +24,7 @@ linkproof.liveCurves = (data, model, scrubbed) => {
     canvas.setAttribute("aria-label", `${title}, over the motion`);
     if (rows === loads)
       caption.append(
-        ...rows.slice(0, MOST).map((name, n) => {
+        ...rows.map((name, n) => {
           const key = linkproof.controls.make("span", ` ${name.slice(12, -10)}`, { className: "live-key" });
           key.prepend(linkproof.controls.swatch(`c${n % 6}`));
           return key;
@@ -42,7 +41,7 @@ linkproof.liveCurves = (data, model, scrubbed) => {
     };
     canvas.addEventListener("pointerdown", move);
     canvas.addEventListener("pointermove", move);
-    return { rows: rows.slice(0, MOST), canvas, cursor, width: 0 };
+    return { rows: rows, canvas, cursor, width: 0 };
   });
   let colours = linkproof.colours(),
     font = "";
