@@ -34,6 +34,7 @@ Array = NDArray[np.float64]
 T = TypeVar("T")
 
 STEADY: Final = "constant-speed"
+OVER_RANGE: Final = f"{STEADY} over its range"
 USUAL_SPEED: Final = 1000.0 * RPM
 MARGIN: Final = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
 FEW, MOST = 361, 721  # instants of a page
@@ -59,7 +60,7 @@ def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bo
     """A swing over a range, short of its limits, at ``speed``, rad/s; of a drive along a line, in a second."""
     first, last = within(reach, backwards=backwards)
     fastest = abs(last - first) if reach.is_linear else speed
-    return replace(swing(STEADY, first, last, speed=fastest), regime=f"{STEADY} over its range")
+    return replace(swing(STEADY, first, last, speed=fastest), regime=OVER_RANGE)
 
 
 def within(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
@@ -114,6 +115,7 @@ def _sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) ->
         remarks=tuple(_remarks(curves, any(one.value is None for one in figures["forces"]))),
         chosen=None if chosen is None else curves.table(curves.at(chosen)),
         positions=over_motion(curves),
+        motion=curves.case.motion if isinstance(curves.case.motion, CrankMotion) else None,
     )
 
 
