@@ -23,12 +23,12 @@ from comparisons.datasheet.figures import tables
 from comparisons.datasheet.instants import Instants
 from comparisons.datasheet.mechanism_summary import described, portrait
 from comparisons.datasheet.positions import over_motion
+from comparisons.datasheet.published import compare_published
 from comparisons.datasheet.released import printed, released
 from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.thinning import needed
 from comparisons.datasheet.units import FileUnit, file_unit
 from comparisons.reference.case import Case, own_motion
-from comparisons.reference.published import compare_published
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

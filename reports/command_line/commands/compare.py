@@ -15,7 +15,7 @@ from comparisons.campaign.printed_answers import engine_answers
 from comparisons.campaign.results import save, with_runs
 from comparisons.campaign.sheets import sheets
 from comparisons.campaign.standards import JudgedCampaign
-from comparisons.reference.published import PublishedRecord, all_variants, compare_published
+from comparisons.datasheet.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
 from engines.registry import engine_names
 from reports.campaign.terminal import printout
