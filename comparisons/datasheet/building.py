@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
+from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.linkage import Linkage, PrescribedRegime
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError
@@ -27,7 +28,6 @@ from comparisons.datasheet.published import compare_published
 from comparisons.datasheet.released import printed, released
 from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.thinning import needed
-from comparisons.datasheet.units import FileUnit, file_unit
 from comparisons.reference.case import Case, own_motion
 
 Array = NDArray[np.float64]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
 
 from analytic.description.crank_motion import RPM, CrankMotion
+from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
@@ -24,7 +25,6 @@ from analytic.numerics.extremes import in_turn
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import NEGLIGIBLE, TABLES
-from comparisons.datasheet.units import FileUnit, file_unit
 
 DIGITS: Final = 9  # of a number in an array
 ROUNDING: Final = 1e-6  # of a turn: what the digits of a saved sheet leave of it

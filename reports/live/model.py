@@ -9,6 +9,7 @@ from typing import Any, Final
 from analytic import signals
 from analytic.description.changes import SPEED, Number, named_numbers
 from analytic.description.crank_motion import RPM, CrankMotion
+from analytic.description.file_units import file_unit
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import Linkage
 from analytic.kinematics.mechanism import Mechanism
@@ -16,7 +17,6 @@ from analytic.kinematics.structure import Revolute
 from analytic.machine_code.javascript import javascript_source
 from analytic.machine_code.linkage_trace import ACCELERATION, PHI, LinkageTrace, is_traceable, linkage_trace
 from comparisons.datasheet.building import MARGIN, OVER_RANGE
-from comparisons.datasheet.units import file_unit
 
 MOST_OPERATIONS: Final = 12_000
 LEFT_OUT: Final = ("phi", "omega", "epsilon")  # the motion itself

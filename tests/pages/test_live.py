@@ -13,8 +13,8 @@ from urllib.parse import urlencode
 import numpy as np
 import pytest
 
+from analytic.description.file_units import file_unit
 from analytic.description.loading import load
-from comparisons.datasheet.units import file_unit
 from tests.commands import linkproof
 from tests.pages.browser import WIDTHS, executable, opened, started
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from analytic import signals
 from analytic.description.changes import SPEED
+from analytic.description.file_units import file_unit
 from analytic.description.loading import load
 from analytic.signals import MAGNITUDE
-from comparisons.datasheet.units import file_unit
 from comparisons.designs.design_file import design_file
 from comparisons.designs.optimum.optimisation import Optimum
 from comparisons.designs.parameters import speed_unit
