@@ -309,7 +309,7 @@ def check_engine(
 
     ENGINE is the name of an adapter announced under the entry-point group linkproof.engines.
 
-    Exit codes: 0 every check passed, failed as expected or does not apply, 1 a check failed, 2 nothing to check.
+    Exit codes: 0 every check passed, failed as expected or was not tested, 1 a check failed, 2 nothing to check.
     """
     from comparisons.runs.worker_process import start_server
 
