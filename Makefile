@@ -15,7 +15,7 @@ RECORD := --baseline tests/baseline.json --record-baseline
 
 DOCUMENTED := $(VENV)/.documented
 
-.PHONY: report pages docs pins test lint baseline speed targets release-check clean
+.PHONY: report pages docs pins test nightly lint baseline speed targets release-check clean
 
 report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
@@ -31,8 +31,11 @@ docs: $(DOCUMENTED)  ## the documentation, from docs/ to build/docs/index.html; 
 pins: $(READY)  ## every pinned record made anew and held; python tests/pins/pins.py take renews them
 	$(BIN)/python tests/pins/pins.py hold
 
-test: $(READY)  ## the whole test suite, on all cores
+test: $(READY)  ## the tests of every change, on all cores
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
+
+nightly: $(READY)  ## the tests that take minutes: every mutant in every engine, killed campaigns, the wheel, whole literature
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m nightly
 
 lint: $(READY)  ## style, types and the direction of imports
 	$(BIN)/ruff check .

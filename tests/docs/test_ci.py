@@ -97,7 +97,7 @@ def test_the_command_for_anywhere_is_that_of_the_action():
     assert command.replace("$ARGUMENTS ", "") == PAGE["anywhere"].strip()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_repository_is_green_and_red_after_a_mass_has_been_changed_by_a_percent(tmp_path):
     repository = Repository(tmp_path)
     assert {path.stem for path in read_project(repository.folder / "linkproof.toml").linkages} == {"press", "rod"}

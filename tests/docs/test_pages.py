@@ -29,7 +29,6 @@ def site(tmp_path_factory):
     return folder
 
 
-@pytest.mark.slow
 def test_a_page_loads_nothing_from_a_network(site):
     pages = list(site.glob("*.html"))
     loaded = {next(filter(None, found)) for page in pages for found in LOADED.findall(page.read_text(encoding="utf-8"))}
@@ -39,14 +38,12 @@ def test_a_page_loads_nothing_from_a_network(site):
     assert not [sheet for sheet in site.rglob("*.css") if ASKED.search(sheet.read_text(encoding="utf-8"))]
 
 
-@pytest.mark.slow
 def test_every_page_of_the_folder_is_in_the_navigation(site):
     index = (site / "index.html").read_text(encoding="utf-8")
     missing = [page.stem for page in (ROOT / "docs").glob("*.md") if f'href="{page.stem}.html"' not in index]
     assert not missing
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium here")
 def test_the_site_is_searched_from_the_disk(site):
     sync_api = pytest.importorskip("playwright.sync_api")

@@ -83,7 +83,6 @@ def shell(tmp_path_factory):
     return run
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_what_a_page_shows_is_what_happens(page, shell, tmp_path, monkeypatch):
     monkeypatch.setattr("reports.command_line.commands.compare.engine_names", lambda: SHOWN)

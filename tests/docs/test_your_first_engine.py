@@ -40,7 +40,6 @@ def run(tmp_path_factory):
     return call
 
 
-@pytest.mark.slow
 def test_its_adapter_passes_the_conformance_test(run):
     done = run("reports.command_line.main", "check-engine", "barwork")
     assert done.returncode == 0, done.stdout + done.stderr

@@ -82,7 +82,7 @@ def _run(folder, *command):
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, check=False)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_users_script_is_clean_under_strict_types_and_runs(python, tmp_path):
     for name, text in (("script", SCRIPT), ("wrong", WRONG)):
         (tmp_path / f"{name}.py").write_text(text)
@@ -94,7 +94,7 @@ def test_a_users_script_is_clean_under_strict_types_and_runs(python, tmp_path):
     assert is_same(done.stdout, "9.13e-05 N True True I (crank) -> coupler + needle_bar (RRP) []\n"), done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_every_package_of_the_wheel_says_that_it_is_typed(python):
     place = next(python.parents[1].rglob("site-packages"))
     packages = [path.parent for path in place.glob("*/__init__.py")]

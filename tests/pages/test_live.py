@@ -21,7 +21,6 @@ from tests.pages.browser import WIDTHS, executable, opened, started
 pytest.importorskip("playwright", reason="Playwright is not installed")
 pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
 pytestmark = [
-    pytest.mark.slow,
     pytest.mark.skipif(executable() is None, reason="no Chromium on this machine: pages were not looked at"),
 ]
 

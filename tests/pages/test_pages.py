@@ -14,10 +14,7 @@ from tests.pages.browser import THEMES, WIDTHS, executable, opened, pages, start
 
 pytest.importorskip("playwright", reason="Playwright is not installed")
 pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(executable() is None, reason="no Chromium on this machine: pages were not looked at"),
-]
+pytestmark = pytest.mark.skipif(executable() is None, reason="no Chromium on this machine: pages were not looked at")
 
 MECHANISMS = ("slotted-takeup", "fork-takeup")  # a thread and released regimes; a linkage with neither
 TWO = "--engine pymunk --engine direct"

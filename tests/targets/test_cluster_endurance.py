@@ -15,7 +15,7 @@ pytestmark = [
 ]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_killed_workers_and_a_killed_scheduler_cost_and_double_no_record(monkeypatch):
     monkeypatch.setattr(connecting, "PATIENCE", PATIENCE)
     monkeypatch.setattr(cluster_endurance, "catalogue", lambda: ("juki-mf7923d", "rimoldi-164"))

@@ -22,7 +22,7 @@ def changed(results, *runs):
     return Results(results.document, runs)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="forks, and reads /proc")
 def test_kills_at_random_moments_lose_and_double_nothing():
     found = endurance.measure(8, seed=7)

@@ -85,7 +85,7 @@ def test_free_oscillation_of_the_slotted_takeup():
 
 
 @needs_extended_precision
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_driven_slotted_takeup_over_160_turns():
     instants = np.sort(np.random.default_rng(4).uniform(0.0, 10.0, 10))
     start, torque = article_000.Long("269.18") * article_000.DEGREE, article_000.Long("0.025")

@@ -116,7 +116,10 @@ def test_notes_of_the_sources_are_computed(records):
         assert f"{10756 * inertia:.2f}" == {"corrected": "0.63", "W+1": "0.72"}[variant]
 
 
-@pytest.mark.parametrize("name", literature())
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.nightly] * (name == "n-four-bar")) for name in literature()],
+)
 def test_the_printed_figures_of_the_literature_are_reproduced(name):
     records = compare_published(all_variants(name))
     assert records

@@ -50,7 +50,7 @@ def test_a_slender_bar_of_another_length_is_the_one_that_a_file_has(path):
     [
         (mechanism("rimoldi-164", "as-built"), "rod", "B", 1e-11),
         (mechanism("rimoldi-164", "as-built"), "rocker", "C", 1e-11),
-        (driven("ternary-on-rods"), "plate", "D", 1e-6),
+        pytest.param(driven("ternary-on-rods"), "plate", "D", 1e-6, marks=pytest.mark.nightly),
     ],
 )
 def test_derivatives_are_those_of_the_chain_rule_and_a_mass_that_is_named_is_as_given(sample, link, point, tight):

@@ -36,7 +36,7 @@ def misses(linkage, every=1, first=0):
     return missed
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("number", range(len(SAMPLES)), ids=SAMPLES)
 def test_a_fault_is_found_where_it_is_planted(number):
     """Every seventh of one linkage, each linkage beginning with another."""

@@ -303,7 +303,7 @@ def test_a_naive_run_is_as_rough_as_a_newcomers():
     assert run.details["iterations"] == 10
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_last_of_two_hundred_turns_is_as_good_as_the_first():
     closed, motion = mechanism("juki-mf7923d"), _motion("constant-speed", ramp_time=11.9, hold_time=0.1)
     _, run = _run(closed, motion, channels=frozenset({Channel.TORQUE}))

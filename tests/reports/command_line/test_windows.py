@@ -10,7 +10,7 @@ import pytest
 
 from analytic.description.loading import load
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 ROOT = Path(__file__).parents[3]
 START = """
 import sys

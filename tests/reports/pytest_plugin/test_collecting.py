@@ -51,7 +51,6 @@ def test_what_is_not_asked_for_is_not_run(pytester, made):
     assert made[1:] == ["rod/base/run-up/direct/tuned"]
 
 
-@pytest.mark.slow
 def test_an_error_over_its_limit_fails_with_its_reason_and_the_command_that_repeats_it(pytester):
     project(pytester, 'engines = ["direct"]', "[[limit]]", 'quantities = ["Mkr"]', "value = 1e-30")
     done = run(pytester)
@@ -63,7 +62,6 @@ def test_an_error_over_its_limit_fails_with_its_reason_and_the_command_that_repe
     assert "Teq" not in again.stdout
 
 
-@pytest.mark.slow
 def test_a_mass_changed_by_a_percent_fails_by_its_key_figures(pytester):
     project(pytester)
     run(pytester, "-k", "figures").assert_outcomes(skipped=1, deselected=12)
@@ -80,7 +78,6 @@ def test_a_mass_changed_by_a_percent_fails_by_its_key_figures(pytester):
     assert repeated(pytester, done).returncode == 1
 
 
-@pytest.mark.slow
 def test_the_set_of_files_is_one_test_and_motions_are_one_of_every_file(pytester):
     project(pytester, bar=BAR, rod=HEAVIER)
     assert process("compare", "--record-baseline", "--jobs", "0", cwd=pytester.path).returncode == 0
@@ -131,7 +128,7 @@ def test_a_linkage_without_the_regimes_of_its_project_has_no_tests(pytester):
     assert run(pytester).ret == pytest.ExitCode.NO_TESTS_COLLECTED
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("dist", ["load", "loadscope"])
 def test_tests_are_the_same_on_several_workers(pytester, dist, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(ROOT))

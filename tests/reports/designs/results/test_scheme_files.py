@@ -28,7 +28,6 @@ def frames(found):
     return np.array(pictures)
 
 
-@pytest.mark.slow
 def test_a_turn_is_sixty_frames_of_one_size_that_differ_and_run_backwards_where_the_crank_does():
     there, back = frames(piston()), frames(piston(motion=BACK))
     assert there.shape == back.shape
@@ -41,7 +40,6 @@ def test_a_turn_is_sixty_frames_of_one_size_that_differ_and_run_backwards_where_
     assert order == [FRAMES - 1, FRAMES - 2, FRAMES - 3]
 
 
-@pytest.mark.slow
 def test_a_swing_goes_forth_and_back():
     pictures = frames(piston(motion=swing("cycloidal", 0.2, 2.0, speed=1.0)))
     for number in (1, 10, 29):
