@@ -16,7 +16,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.integrate import OdeSolution, solve_ivp
+from scipy.integrate import DOP853, DenseOutput, OdeSolution
 from scipy.interpolate import BSpline, make_interp_spline
 
 from analytic.description.law import FULL_TURN
@@ -30,6 +30,7 @@ from engines.mechanics.states import body_numbers, point_velocity, start_motion
 from engines.scene import Free, Scene
 
 RELATIVE, ABSOLUTE = 2.3e-14, 1e-14  # of φ and φ̇; SciPy takes no smaller one
+STEP = 0.5  # of the longest step within that: between its ends DOP853 is known to its seventh order only
 DEGREE = 7
 COUNTS = (257, 513, 1025, 2049, 4097, 8193)  # places of a table, doubled until it is exact
 EXACT = 1e-13  # of a coefficient's terms
@@ -45,16 +46,25 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
     start = [float(value[0]) / driver.scale for value in driven(scene, *start_motion(scene)[:2])]
     rate = _rate(equations, path, drive)
     kinks = () if drive.over_time is None else [kink for kink in drive.over_time.times if 0.0 < kink < drive.duration]
-    times, pieces = [0.0], []
+    times, pieces, turned = [0.0], [], np.zeros((2, 1))
     for begin, end in pairwise([0.0, *kinks, drive.duration]):
-        run = solve_ivp(rate, (begin, end), start, "DOP853", dense_output=True, rtol=RELATIVE, atol=ABSOLUTE)
-        if not run.success:
-            reason = "the free crank cannot be followed, the linkage locks or all but locks"
-            raise UnsolvableError(f"{reason} at {run.t[-1]:.4g} s")
-        start = run.y[:, -1].tolist()
-        times += run.t[1:].tolist()
-        pieces += run.sol.interpolants
+        run = DOP853(rate, begin, start, end, rtol=RELATIVE, atol=ABSOLUTE)
+        while run.status == "running":
+            if run.step() is not None:
+                reason = "the free crank cannot be followed, the linkage locks or all but locks"
+                raise UnsolvableError(f"{reason} at {run.t:.4g} s")
+            run.max_step = STEP * run.h_abs
+            times.append(run.t)
+            pieces.append(_ahead(run.dense_output(), turned))
+            if path.turns is not None:  # rounded as an angle of many turns is, the state would lose energy
+                whole = FULL_TURN * np.floor((run.y - path.low) / FULL_TURN) * (1.0, 0.0)
+                run.y, turned = run.y - whole, turned + whole[:, None]
+        start = run.y.tolist()
     return OdeSolution(times, pieces)
+
+
+def _ahead(piece: DenseOutput, by: Array) -> Callable[[Array], Array]:
+    return lambda time: np.asarray(piece(time) + by)
 
 
 def _rate(equations: Equations, path: Path, drive: Free) -> Callable[[float, Array], tuple[float, float]]:
