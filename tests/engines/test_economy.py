@@ -115,14 +115,12 @@ def test_exudyn_builds_no_spring_damper_or_force_where_the_scene_has_none(build)
 
 
 @pytest.mark.parametrize("name", [SIX_BAR, SLOTTED])
-def test_exudyn_builds_a_body_per_link_and_no_rotation_where_nothing_turns(build, name):
+def test_exudyn_builds_a_body_per_link_and_a_joint_per_joint(build, name):
     model = _scene(name)
     objects = build(name, JEQ).objects
-    straight = [body for body in model.bodies if body.inertia is None]
-    fixed = [joint.body for joint in model.sliders if joint.host == GROUND]
-    assert objects["MassPoint2D"] == sum(body.name in fixed for body in straight)
-    assert objects["RigidBody2D"] + objects["MassPoint2D"] == len(model.bodies)
+    assert objects["RigidBody2D"] == len(model.bodies)
     assert objects["JointRevolute2D"] == len(model.pins)
+    assert objects["JointPrismatic2D"] == len(model.guided)
     assert objects["Ground"] == 1
 
 
@@ -145,7 +143,7 @@ def test_exudyn_builds_no_body_for_a_slot_without_a_slider(build):
 )
 def test_exudyn_has_a_sensor_for_what_is_asked_and_none_else(build, channels, per_body, drive, per_joint):
     model = _scene(SIX_BAR)
-    joints = len(model.pins) + len(model.guided)
+    joints = len(model.pins) + 2 * len(model.guided)  # the force of a guide comes with its body's angle
     assert build(SIX_BAR, channels).sensors == per_body * len(model.bodies) + drive + per_joint * joints
 
 
