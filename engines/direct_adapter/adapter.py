@@ -1,4 +1,4 @@
-"""The suite's own second derivation as an engine: constrained bodies, every instant solved exactly, NumPy alone.
+"""The suite's own second derivation as an engine: constrained bodies, every instant solved exactly, by NumPy and SciPy.
 
 It shares no formula with the closed form: no Assur groups, no angles from triangles, no transfer functions in closed
 form; only joints as equations between bodies (``engines.mechanics.joints``). So where the two agree to
@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.description.linkage import DriverKind
+from analytic.errors import UnknownNameError
 from engines.contract import Abilities, History, Method, ReadOut, Run, Setting
-from engines.direct_adapter.assembly import Equations
+from engines.direct_adapter.equations import Equations
 from engines.direct_adapter.motion import motion
-from engines.direct_adapter.precision import METHODS, SETTINGS, Precision, method_precision
 from engines.installed import installed_version
 from engines.mechanics.start_check import data_obstacle
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
@@ -23,6 +23,7 @@ from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
 
 DISTRIBUTION = "linkproof"
+METHODS = (Method("exact", "every instant by Newton's method and linear systems; a free crank by DOP853"),)
 SINGULAR = 1e-9  # smallest over largest singular value of the constraint equations
 
 
@@ -51,21 +52,23 @@ class DirectEngine:
         return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        return _run(scene, SETTINGS[setting], Cost())
+        return _run(scene, None, Cost())  # a control has no defaults to be naive with, and nothing left to extrapolate
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
         return METHODS
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
         check_step(step)
-        return _run(scene, method_precision(method, step), Cost(details={"method": method.name}))
+        if method.name != METHODS[0].name:
+            raise UnknownNameError("method", method.name, [METHODS[0].name])
+        return _run(scene, step, Cost(details={"method": method.name}))
 
 
-def _run(scene: Scene, precision: Precision, cost: Cost) -> Run:
-    return run_stepping(cost, lambda: _history(scene, precision, cost))
+def _run(scene: Scene, spacing: float | None, cost: Cost) -> Run:
+    return run_stepping(cost, lambda: _history(scene, spacing, cost))
 
 
-def _history(scene: Scene, precision: Precision, cost: Cost) -> History:
+def _history(scene: Scene, spacing: float | None, cost: Cost) -> History:
     turns = scene.driver_kind is DriverKind.CRANK
     if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
         raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
@@ -76,10 +79,9 @@ def _history(scene: Scene, precision: Precision, cost: Cost) -> History:
         equations = _equations(scene)
     try:
         with cost.stepping(), np.errstate(all="ignore"):  # what is not finite is found and named
-            history, cost.steps, details = motion(equations, precision)
+            history, cost.steps = motion(equations, spacing)
     finally:
         cost.solver_work = equations.solves
-    cost.details.update(details)
     return history
 
 

@@ -1,4 +1,4 @@
-"""The free crank: the constrained bodies' equation of motion projected on q', tabulated over φ and integrated.
+"""The free crank: the constrained bodies' equation of motion projected on q', over a table of φ, integrated by SciPy.
 
 With q̇ = q' φ̇ and q̈ = q' φ̈ + q'' φ̇² (coordinate partitioning: R. A. Wehage, E. J. Haug, ASME Journal of Mechanical
 Design 104, 1982), the projection of M q̈ = F + Gᵀ λ on q' has no joint forces in it and reads
@@ -6,157 +6,138 @@ Design 104, 1982), the projection of M q̈ = F + Gᵀ λ on q' has no joint forc
     (q'ᵀ M q') φ̈ = M1 + q'ᵀ F − (q'ᵀ M q'') φ̇²
 
 whose coefficients depend on φ alone. They are solved from the bodies and tabulated. Loads over the crank angle need not
-be smooth: only the levers they act on are tabulated, the loads are evaluated. Table and integrator are those of
-``analytic.numerics``, which know no linkage: numerical methods are shared with the closed form, formulas are not.
+be smooth: only the levers they act on are tabulated, the loads are evaluated.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.integrate import DOP853, DenseOutput, OdeSolution
+from scipy.interpolate import BSpline, make_interp_spline
 
-from analytic.description.law import FULL_TURN, Law, TimeLaw
-from analytic.errors import AssemblyError, LinkproofError
-from analytic.numerics.collocation import Windows, gauss_scheme
-from analytic.numerics.integration import Push, integrate
-from analytic.numerics.periodic_table import PeriodicTable, tabulate
-from engines.direct_adapter.assembly import Equations, UnsolvableError
+from analytic.description.law import FULL_TURN
+from engines.contract import Array
+from engines.direct_adapter.equations import Equations, UnsolvableError
 from engines.direct_adapter.path import Path
 from engines.direct_adapter.solution import bends, transfer
 from engines.mechanics.driver import driven
 from engines.mechanics.loads import applied_loads
-from engines.mechanics.states import start_motion
-from engines.scene import AppliedForce, AppliedTorque, Free, Scene
+from engines.mechanics.states import body_numbers, point_velocity, start_motion
+from engines.scene import Free, Scene
 
-Array = NDArray[np.float64]
-
-NODES = 24  # of a window of the integration
+RELATIVE, ABSOLUTE = 2.3e-14, 1e-14  # of φ and φ̇; SciPy takes no smaller one
+STEP = 0.5  # of the longest step within that: between its ends DOP853 is known to its seventh order only
+DEGREE = 7
+COUNTS = (257, 513, 1025, 2049, 4097, 8193)  # places of a table, doubled until it is exact
+EXACT = 1e-13  # of a coefficient's terms
 BLOCK = 512  # instants solved at once: their matrices stay in a processor's cache
-LOOKS = 97  # angles at which the terms of the coefficients are looked at
-LEAST = 1e-3  # of its terms' peak: a coefficient smaller than this is what is left of terms that cancel
-ROUNDINGS = 64.0  # of the terms of an acceleration, that it may be off by
-EPS = float(np.finfo(float).eps)
 
 
-@dataclass(frozen=True)
-class FreeCrank:
-    """φ̈ of a free crank at angles and speeds (n,), from coefficients over a path.
+def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolution:
+    """φ and φ̇, rad or units, over time, of a crank let go in its start state.
 
-    ``rounding`` is what of φ̈ at rest is noise, rad/s². φ counts in ``scale``: rad, or a unit of length in m, and the
-    coefficients with it.
+    Raises UnsolvableError where it cannot be followed.
     """
-
-    table: PeriodicTable
-    laws: tuple[Law, ...]
-    torque: float
-    rounding: float
-    scale: float = 1.0
-
-    def __call__(self, angle: Array, speed: Array) -> Array:
-        """For an integrator; raises AssemblyError outside the table."""
-        start, end = self.table.edges[[0, -1]]
-        if np.max((angle - start) % self.table.period) > end - start:
-            raise AssemblyError("the free crank runs up against its stop")
-        columns = self.table(angle)
-        loads = [value for law in self.laws for value in law(angle * self.scale)]
-        factors = np.stack([-speed * speed, np.ones_like(speed), -speed, *loads])
-        return np.asarray((self.torque + np.sum(factors * columns[1:], axis=0)) / columns[0])
-
-    def push(self, law: TimeLaw) -> Push:
-        """What a torque over time adds to φ̈."""
-        return lambda time, angle: np.asarray(law(time) * self.scale / self.table(angle)[0])
-
-
-def released_motion(equations: Equations, path: Path, drive: Free, tolerance: float) -> Windows:
-    """The motion of a crank let go in its start state; raises UnsolvableError where it cannot be followed."""
-    scene = equations.scene
-    driver = equations.driver
-    start = tuple(float(value[0]) / driver.scale for value in driven(scene, *start_motion(scene)[:2]))
-    most = 0.0 if drive.over_time is None else max(map(abs, drive.over_time.torque))
-    crank = free_crank(equations, path, drive.torque * driver.scale, most * driver.scale)
-    try:
-        return integrate(
-            crank,
-            (start[0], start[1]),
-            drive.duration,
-            gauss_scheme(NODES),
-            tolerance=tolerance,
-            rounding=crank.rounding,
-            period=crank.table.period,
-            push=None if drive.over_time is None else crank.push(drive.over_time),
-            knots=() if drive.over_time is None else drive.over_time.times,
-        )
-    except LinkproofError as error:
-        raise UnsolvableError(
-            f"the free crank cannot be followed, the linkage locks or all but locks: {error}"
-        ) from None
+    scene, driver = equations.scene, equations.driver
+    start = [float(value[0]) / driver.scale for value in driven(scene, *start_motion(scene)[:2])]
+    rate = _rate(equations, path, drive)
+    kinks = () if drive.over_time is None else [kink for kink in drive.over_time.times if 0.0 < kink < drive.duration]
+    times, pieces, turned = [0.0], [], np.zeros((2, 1))
+    for begin, end in pairwise([0.0, *kinks, drive.duration]):
+        run = DOP853(rate, begin, start, end, rtol=RELATIVE, atol=ABSOLUTE)
+        while run.status == "running":
+            if run.step() is not None:
+                reason = "the free crank cannot be followed, the linkage locks or all but locks"
+                raise UnsolvableError(f"{reason} at {run.t:.4g} s")
+            run.max_step = STEP * run.h_abs
+            times.append(run.t)
+            pieces.append(_ahead(run.dense_output(), turned))
+            if path.turns is not None:  # rounded as an angle of many turns is, the state would lose energy
+                whole = FULL_TURN * np.floor((run.y - path.low) / FULL_TURN) * (1.0, 0.0)
+                run.y, turned = run.y - whole, turned + whole[:, None]
+        start = run.y.tolist()
+    return OdeSolution(times, pieces)
 
 
-def free_crank(equations: Equations, path: Path, torque: float, timed: float = 0.0) -> FreeCrank:
-    """Tabulate the coefficients of the free crank's motion along a path; ``timed`` is what a torque over time adds."""
-    first, last = float(path.angle[0]), float(path.angle[-1])
-    if equations.driver.turns and path.turns is None and last - first > FULL_TURN:
-        raise UnsolvableError("the linkage is in another pose after a turn of its crank")
-    scene = equations.scene
-    forces = [load for load in scene.forces if not load.force.is_constant]
-    torques = [load for load in scene.torques if not load.torque.is_constant]
-    steady = replace(
-        scene,
-        forces=tuple(load for load in scene.forces if load.force.is_constant),
-        torques=tuple(load for load in scene.torques if load.torque.is_constant),
-    )
-    units = _unit_loads(scene, forces, torques)
+def _ahead(piece: DenseOutput, by: Array) -> Callable[[Array], Array]:
+    return lambda time: np.asarray(piece(time) + by)
 
-    def coefficients(angle: Array) -> tuple[Array, Array]:
-        blocks = np.array_split(angle, max(1, len(angle) // BLOCK))
-        parts = [_coefficients(equations, path, steady, units, block) for block in blocks]
-        values, terms = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
+
+def _rate(equations: Equations, path: Path, drive: Free) -> Callable[[float, Array], tuple[float, float]]:
+    """The state's rate for an integrator, not a number outside the path."""
+    scene, scale = equations.scene, equations.driver.scale
+    table = _table(equations, path)
+    laws = [load.force for load in scene.forces if not load.force.is_constant]
+    laws += [load.torque for load in scene.torques if not load.torque.is_constant]
+    over_angle = [law.of_float() for law in laws]
+    low, high, repeats = path.low, path.high, path.turns is not None
+
+    def rate(time: float, state: Array) -> tuple[float, float]:
+        angle, speed = state.tolist()
+        place = low + (angle - low) % FULL_TURN if repeats else angle
+        if not low <= place <= high:
+            return np.nan, np.nan
+        inertia, bend, at_rest, drag, *levers = table(place).tolist()
+        torque = drive.torque + (0.0 if drive.over_time is None else drive.over_time.at(time))
+        loads = [part for law in over_angle for part in law(angle * scale)]
+        moment = torque * scale + at_rest - drag * speed - bend * speed * speed
+        return speed, (moment + sum(map(float.__mul__, loads, levers))) / inertia
+
+    return rate
+
+
+def _table(equations: Equations, path: Path) -> BSpline:
+    """Coefficients over a path, as many places as make it exact; raises UnsolvableError where they are not finite."""
+    for count in COUNTS:
+        places = np.linspace(path.low, path.high, count)
+        halves = 0.5 * (places[1:] + places[:-1])
+        parts = [_coefficients(equations, path, part) for part in np.array_split(places, -(-count // BLOCK))]
+        values, sizes = (np.concatenate(each, axis=1) for each in zip(*parts, strict=True))
         if not np.all(np.isfinite(values)):
             raise UnsolvableError("the equation of motion is not finite everywhere; check masses, inertias and loads")
-        return values, terms
-
-    laws = (*(load.force for load in forces), *(load.torque for load in torques))
-    most = [np.max(np.abs(law.values[..., part])) for law in laws for part in range(law.values.shape[-1])]
-    values, terms = coefficients(np.linspace(first, last, LOOKS))
-    moment = abs(torque) + timed + terms[2] + np.array(most) @ terms[4:]
-    least_peak = LEAST * np.max(terms, axis=1)
-    period = math.inf if not equations.driver.turns else FULL_TURN if path.turns is None else path.period
-    table = tabulate(lambda angle: coefficients(angle)[0], ends=(first, last), least_peak=least_peak, period=period)
-    rounding = float(ROUNDINGS * EPS * np.max(moment / values[0]))
-    return FreeCrank(table, laws, torque, rounding, equations.driver.scale)
+        table = make_interp_spline(places, values.T, DEGREE)
+        looks = halves[:: max(1, count // 256)]
+        errors = np.abs(_coefficients(equations, path, looks)[0] - table(looks).T)
+        if np.all(errors.max(axis=1) <= EXACT * sizes.max(axis=1)):
+            break
+    return table
 
 
-def _unit_loads(scene: Scene, forces: list[AppliedForce], torques: list[AppliedTorque]) -> list[Scene]:
-    """One scene per component of the given loads, with that component at 1 and no other load."""
-    bare = replace(scene, gravity=(0.0, 0.0), forces=(), torques=(), springs=(), dampers=())
-    scenes = [
-        replace(bare, forces=(replace(load, force=Law(np.array(unit))),))
-        for load in forces
-        for unit in ((1.0, 0.0), (0.0, 1.0))
-    ]
-    return scenes + [replace(bare, torques=(replace(load, torque=Law(np.array([1.0]))),)) for load in torques]
-
-
-def _coefficients(
-    equations: Equations, path: Path, steady: Scene, units: list[Scene], angle: Array
-) -> tuple[Array, Array]:
+def _coefficients(equations: Equations, path: Path, angle: Array) -> tuple[Array, Array]:
     """Rows (c, n): q'ᵀMq', q'ᵀMq'', q'ᵀF at rest, drag per φ̇, and the levers of loads over φ; and their terms' sizes.
 
     The sizes take each coordinate's lever for at least one unit of length: what is small beside them is cancellation.
     """
-    closed = path.closed(angle)
-    solver = closed.solver(equations)
-    first = transfer(equations, closed, solver)
-    bend = bends(equations, closed, solver, first, np.ones(len(angle)))
-    lever, second = (equations.spread(part) * equations.metres for part in (first, bend))
-    pose, rest = closed.pose.scaled(equations.unit), np.zeros_like(lever)
-    at_rest, moving = (applied_loads(steady, pose, rate) for rate in (rest, lever))
+    pose = path.closed(angle)
+    arms, metric = equations.arms(pose), pose.scaled(equations.unit)
+    matrix = equations.jacobian(arms)
+    first = transfer(equations, matrix)
+    lever, second = first * equations.metres, bends(equations, arms, matrix, first) * equations.metres
+    steady, varying = _parted(equations.scene)
+    at_rest, moving = (applied_loads(steady, metric, rate) for rate in (np.zeros_like(lever), lever))
     forces = [equations.mass * lever, equations.mass * second, at_rest, at_rest - moving]
-    forces += [applied_loads(unit, pose, rest) for unit in units]
     values = [np.sum(lever * force, axis=(1, 2)) for force in forces]
-    reaches = np.abs(lever) + equations.metres
-    sizes = [np.sum(reaches * np.abs(force), axis=(1, 2)) for force in forces]
-    return np.stack(values).astype(float), np.stack(sizes).astype(float)
+    sizes = [np.sum((np.abs(lever) + equations.metres) * np.abs(force), axis=(1, 2)) for force in forces]
+    numbers, levers = body_numbers(steady), []
+    for load in varying.forces:
+        body = numbers[load.body]
+        levers += list(point_velocity(metric.arm(body, load.anchor), lever[:, body]).T)
+    levers += [lever[:, numbers[load.body], 2] for load in varying.torques]
+    return np.stack([*values, *levers]), np.stack([*sizes, *(np.abs(each) + equations.unit for each in levers)])
+
+
+def _parted(scene: Scene) -> tuple[Scene, Scene]:
+    """The scene without its loads over φ, and with no other."""
+    steady, varying = (
+        replace(
+            scene,
+            forces=tuple(load for load in scene.forces if load.force.is_constant is constant),
+            torques=tuple(load for load in scene.torques if load.torque.is_constant is constant),
+        )
+        for constant in (True, False)
+    )
+    return steady, varying

@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from engines.contract import History, Signal
-from engines.direct_adapter.assembly import Closed, Equations, Solver
+from engines.contract import Array, History, Signal
+from engines.direct_adapter.equations import Equations
+from engines.mechanics.joints import Arms
 from engines.mechanics.loads import applied_loads
-from engines.mechanics.states import Reals
+from engines.mechanics.states import Pose, Reals
 from engines.scene import Channel
-
-Array = NDArray[np.float64]
 
 FORCES = frozenset({Channel.TORQUE, Channel.JOINT_FORCE})
 KINETIC = FORCES | {Channel.ACCELERATION}
 
 
-@dataclass(frozen=True)
-class Crank:
-    """The driver's motion at n instants, rad or units, and s; ``acceleration`` is None where ``torque`` sets it.
+class Crank(NamedTuple):
+    """The driver's motion at n instants, rad or units, and s.
 
-    That is in N m, of a linear driver its force in N times the unit.
+    Its ``acceleration`` is prescribed, or follows from its ``torque``, in N m, or of a linear driver in N times the
+    unit.
     """
 
     angle: Reals
@@ -34,14 +32,11 @@ class Crank:
 
     def part(self, instants: slice) -> Crank:
         """Some of the instants."""
-        second = None if self.acceleration is None else self.acceleration[instants]
-        torque = None if self.torque is None else self.torque[instants]
-        return Crank(self.angle[instants], self.speed[instants], second, torque)
+        return Crank(*(values if values is None else values[instants] for values in self))  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True)
-class Solution:
-    """What is known of n instants, SI, by channel: bodies' coordinates (n, bodies, 3), the drive's torque (n,).
+class Solution(NamedTuple):
+    """The results of n instants, SI, by channel: bodies' coordinates (n, bodies, 3), the drive's torque (n,).
 
     ``joint_force`` is (n, joints, 2).
     """
@@ -53,83 +48,57 @@ class Solution:
     joint_force: Reals | None = None
 
 
-def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozenset[Channel], passes: int) -> Solution:
+def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Channel]) -> Solution:
     """The instants' motion and forces, no further than the channels need."""
-    pose = closed.pose.scaled(equations.unit)
+    arms, metric = equations.arms(pose), pose.scaled(equations.unit)
     if channels <= {Channel.POSITION}:
-        return Solution(pose.coordinates())
-    solver = closed.solver(equations, passes)
-    lever = transfer(equations, closed, solver)
-    rate = equations.spread(lever * crank.speed[:, None])
+        return Solution(metric.coordinates())
+    matrix = equations.jacobian(arms)
+    lever = transfer(equations, matrix)
+    rate = lever * crank.speed[:, None, None]
     velocity = rate * equations.metres
     if not channels & KINETIC:
-        return Solution(pose.coordinates(), velocity)
-    bend = bends(equations, closed, solver, lever, crank.speed)
+        return Solution(metric.coordinates(), velocity)
+    bend = bends(equations, arms, matrix, rate)
     loads: Reals = np.zeros(0)
     second = crank.acceleration
     if second is None or channels & FORCES:  # a prescribed crank moves as it does whatever pulls at the links
-        loads = applied_loads(equations.scene, pose, velocity)
+        loads = applied_loads(equations.scene, metric, velocity)
         if crank.torque is not None:
-            push = equations.driver.gradient(closed.arms.driver, len(loads)) / equations.metres
+            push = equations.driver.gradient(arms.driver, len(loads)) / equations.metres
             loads = loads + crank.torque[:, None, None] * push
-    if second is None:
-        second = _free_acceleration(equations, lever, bend, loads)
-    acceleration = equations.spread(bend + lever * second[:, None]) * equations.metres
+    if second is None:  # d'Alembert's principle along q'
+        along = lever * equations.metres
+        power = np.sum(along * (loads - equations.mass * bend * equations.metres), axis=(1, 2))
+        second = power / np.sum(along * along * equations.mass, axis=(1, 2))
+    acceleration = (bend + lever * second[:, None, None]) * equations.metres
     if not channels & FORCES:
-        return Solution(pose.coordinates(), velocity, acceleration)
-    lacking = equations.mass * acceleration - loads
-    multipliers = solver.solve_transposed(equations.generalised(lacking))
+        return Solution(metric.coordinates(), velocity, acceleration)
+    lacking = equations.generalised(equations.mass * acceleration - loads)
+    multipliers = equations.solve(matrix.swapaxes(1, 2), lacking)
     scale = equations.driver.scale
-    torque = multipliers[:, equations.crank_row] * (equations.unit / scale)
-    if closed.smooth is not None:  # by virtual power, which needs no joint forces
-        power = np.sum(equations.spread(lever) * equations.metres * lacking, axis=(1, 2))
-        torque = np.where(closed.smooth[0], power / scale, torque)
-    if crank.acceleration is None:
-        assert crank.torque is not None
-        torque = crank.torque / scale  # the driver's row takes nothing: rounding, no torque
-    forces = equations.joint_forces(closed.arms, multipliers) if Channel.JOINT_FORCE in channels else None
-    return Solution(pose.coordinates(), velocity, acceleration, torque, forces)
+    # The row of a free driver takes nothing: rounding, no torque.
+    torque = multipliers[:, equations.crank_row] * equations.unit if crank.torque is None else crank.torque
+    forces = equations.joint_forces(arms, multipliers) if Channel.JOINT_FORCE in channels else None
+    return Solution(metric.coordinates(), velocity, acceleration, torque / scale, forces)
 
 
-def transfer(equations: Equations, closed: Closed, solver: Solver) -> Reals:
-    """The derivatives q' = dq/dφ, (n, k), in units and rad."""
-    result = solver.solve(equations.crank_unit(len(solver.matrix)))
-    if closed.smooth is not None:
-        within, (first, _) = closed.smooth
-        result[within] = first
-    return result
+def transfer(equations: Equations, matrix: Reals) -> Reals:
+    """The derivatives q' = dq/dφ, (n, bodies, 3), in units and rad."""
+    return equations.spread(equations.solve(matrix, equations.crank_unit(len(matrix))))
 
 
-def bends(equations: Equations, closed: Closed, solver: Solver, lever: Reals, speed: Reals) -> Reals:
-    """What the speeds (n,) alone accelerate the coordinates by, q'' φ̇², (n, k), in units and rad."""
-    result = solver.solve(equations.bend(closed.arms, equations.spread(lever * speed[:, None])))
-    if closed.smooth is not None:
-        within, (_, second) = closed.smooth
-        result[within] = second * speed[within, None] ** 2
-    return result
+def bends(equations: Equations, arms: Arms, matrix: Reals, rate: Reals) -> Reals:
+    """Solve for what the rates alone accelerate the coordinates by, q'' φ̇², (n, bodies, 3), in units and rad."""
+    return equations.spread(equations.solve(matrix, equations.bend(arms, rate)))
 
 
-def _free_acceleration(equations: Equations, lever: Reals, bend: Reals, loads: Reals) -> Reals:
-    """ε of a crank that nothing drives but the loads: d'Alembert's principle along q'."""
-    lever, bend = equations.spread(lever) * equations.metres, equations.spread(bend) * equations.metres
-    power = np.sum(lever * (loads - equations.mass * bend), axis=(1, 2))
-    return np.asarray(power / np.sum(lever * lever * equations.mass, axis=(1, 2)))
-
-
-def history(time: Array, blocks: list[Solution], joints: Iterable[str], channels: frozenset[Channel]) -> History:
+def history(time: Array, blocks: Sequence[Solution], joints: Iterable[str], channels: frozenset[Channel]) -> History:
     """The requested channels, from consecutive blocks of instants."""
-    whole = {
-        channel: np.concatenate([getattr(block, channel.value) for block in blocks]).astype(np.float64)
-        for channel in channels
-    }
+    whole = {channel: np.concatenate([getattr(block, channel.value) for block in blocks]) for channel in channels}
     forces = whole.pop(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
     # The ground, the last body, is left out.
     signals = {c.value: Signal(time, values[:, :-1] if values.ndim == 3 else values) for c, values in whole.items()}
-    joint_force = {name: _bounded(Signal(time, force)) for name, force in zip(joints, forces, strict=False)}
-    return History(**signals, joint_force=joint_force)
-
-
-def _bounded(signal: Signal) -> Signal:
-    """A joint's force without the instants beside change points, where it has no bound."""
-    kept = ~np.isnan(signal.values[:, 0])
-    return Signal(signal.time[kept], signal.values[kept])
+    return History(
+        **signals, joint_force={name: Signal(time, force) for name, force in zip(joints, forces, strict=False)}
+    )

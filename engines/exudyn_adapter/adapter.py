@@ -2,7 +2,7 @@
 
 J. Gerstmayr, "Exudyn - a C++-based Python package for flexible multibody systems", Multibody System Dynamics 60 (2024).
 
-- ``naive``: a rigid body for every link, prismatic joints, a Python function for the drive, exudyn's defaults at 1 ms.
+- ``naive``: a Python function for the drive, exudyn's defaults at 1 ms.
 - ``tuned``: one run of generalised α with its constraints on position level: joints stay closed over any number of
   turns, and a linkage passes its change points.
 - ``best``: the trapezoidal rule with its constraints on velocity level, extrapolated to eighth order: its multipliers
@@ -66,8 +66,8 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
     studied = STUDIED
 
     def model(self, scene: Scene, recipe: ExudynRecipe) -> Mapping[str, Any]:
-        rule = {name: getattr(recipe, name) for name in ("as_shipped", "effort", "adaptive", "damping", "index")}
-        return Model(scene, plain=recipe.as_shipped).described() | rule
+        rule = {name: getattr(recipe, name) for name in ("as_shipped", "effort", "adaptive", "damping")}
+        return Model(scene).described() | rule
 
     def follow(self, world: Any, course: Course[ExudynRecipe]) -> History:  # noqa: ANN401 - the loop's
         course.cost.details.update(course.recipe.details())

@@ -28,7 +28,6 @@ State = tuple[Array, Array, Array]  # coordinates and their first two time deriv
 
 FULL_TURN = 2.0 * math.pi
 ANGLE = 2  # number of the angle among the coordinates of a two-dimensional rigid body
-FROM = "exudyn's static solver at seven crank angles"
 TURNED = 5e-3  # rad between these: rounding of q'' and what the differences leave out are about equal
 # Central differences of sixth order for the first and second derivative, at 1 … 3 times that on either side.
 FIRST = (3 / 4, -3 / 20, 1 / 60)
@@ -79,26 +78,26 @@ class LinearDriver:
 
     def span(self, coordinates: Sequence[float]) -> tuple[float, list[float]]:
         """φ, m, and its gradient over the coordinates of the first body's node and then of the second's."""
-        between, arms, first = 0j, list[complex](), 0
-        for (node, turns, angle, anchor), sign in zip(self.ends, (1.0, -1.0), strict=True):
-            arms.append(anchor * cmath.rect(1.0, coordinates[first + 2] if turns else angle))
-            moves = node is not None
-            between += sign * (arms[-1] + (complex(coordinates[first], coordinates[first + 1]) if moves else 0j))
-            first += 3 if turns else 2 if moves else 0
+        between, arms, rest = 0j, list[complex](), list(coordinates)
+        for (node, anchor), sign in zip(self.ends, (1.0, -1.0), strict=True):
+            x, y, angle = (0.0, 0.0, 0.0) if node is None else rest[:3]
+            rest = rest if node is None else rest[3:]
+            arms.append(anchor * cmath.rect(1.0, angle))
+            between += sign * (complex(x, y) + arms[-1])
         length = abs(between) if self.along is None else (self.along.conjugate() * between).real
         along = between / length if self.along is None else self.along
         gradient = list[float]()
-        for (node, turns, *_), arm, sign in zip(self.ends, arms, (1.0, -1.0), strict=True):
-            whole = [sign * along.real, sign * along.imag, sign * (along.conjugate() * 1j * arm).real]
-            gradient += whole[: 0 if node is None else 3 if turns else 2]
+        for (node, _), arm, sign in zip(self.ends, arms, (1.0, -1.0), strict=True):
+            if node is not None:
+                gradient += [sign * along.real, sign * along.imag, sign * (along.conjugate() * 1j * arm).real]
         return length, gradient
 
     def reached(self, mbs: Any) -> float:  # noqa: ANN401
         """φ at the present instant, m."""
         coordinates = list[float]()
-        for node, *_ in self.ends:
+        for node, _ in self.ends:
             if node is not None:
-                place = np.atleast_1d(mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates))
+                place = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates)
                 coordinates += (place + mbs.GetNode(node)["referenceCoordinates"]).tolist()
         return self.span(coordinates)[0]
 
@@ -128,18 +127,15 @@ class World:
         self.container = exudyn.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.begin = 0.0  # the time at which exudyn's is 0, s
-        self.free = np.array(given["free"])  # which of x, y and angle of every body are coordinates, in their order
-        self.unwound = np.zeros(self.free.shape)  # whole turns, rad, that have been taken off the angles
+        self.unwound = np.zeros((len(given["poses"]), 3))  # whole turns, rad, that have been taken off the angles
         self.linear = given["linear"] and LinearDriver(given["linear"], self.phi)
         self.functions = list[Any]()  # exudyn does not keep them alive itself
-        self.driver = None
-        for number, (category, kind, data, law) in enumerate(given["items"]):
+        self.driver = None if given["driver"] is None else exudyn.ObjectIndex(given["driver"])
+        for category, kind, data, law in given["items"]:
             values = {**data, **self.function(kind, law)} if law else dict(data)
             if category == "Sensor":
                 values["outputVariableType"] = getattr(exudyn.OutputVariableType, data["outputVariableType"])
-            added = getattr(self.mbs, f"Add{category}")(getattr(itemInterface, category + kind)(**values))
-            if number == given["driver"]:
-                self.driver = added
+            getattr(self.mbs, f"Add{category}")(getattr(itemInterface, category + kind)(**values))
         if given["as_shipped"] and self.driver is not None and self.linear is None:
             self.mbs.SetObjectParameter(
                 self.driver, "offsetUserFunction", lambda _mbs, t, _item, _offset: self.phi(t) - given["start"]
@@ -189,11 +185,9 @@ class World:
         On position level accelerations and forces carry the rounding of angles and times over the square of the step,
         which would grow with them: 2e-5 of the torque's peak after 300 turns.
         """
-        whole = np.zeros_like(self.unwound)
-        whole[self.free] = position
-        whole = np.round(whole / FULL_TURN) * FULL_TURN * (0.0, 0.0, 1.0)
+        whole = np.round(position.reshape(-1, 3) / FULL_TURN) * FULL_TURN * (0.0, 0.0, 1.0)
         self.unwound += whole
-        return np.asarray(position - whole[self.free])
+        return np.asarray(position - whole.ravel())
 
     @property
     def origin(self) -> float:
@@ -238,13 +232,11 @@ def build(given: Data) -> World:
     except exudyn.ExudynError as error:
         raise ArithmeticError("exudyn refuses the scene: " + str(error).partition("\n")[0]) from error
     freedom = exudyn.ComputeSystemDegreeOfFreedom(world.mbs)
-    redundant = freedom["redundantConstraints"]
-    if redundant:
-        raise ArithmeticError(f"the joints repeat {redundant} of their conditions, which makes exudyn singular")
+    redundant, left = freedom["redundantConstraints"], int(freedom["degreeOfFreedom"])
     expected = 1 if world.driver is None else 0
-    left = int(freedom["degreeOfFreedom"])
-    if left != expected:
-        raise ArithmeticError(f"the joints leave {left} degrees of freedom where the drive needs {expected}")
+    if redundant or left != expected:
+        reason = f"leave {left} degrees of freedom where the drive needs {expected}, and repeat {redundant}"
+        raise ArithmeticError(f"the joints {reason} of their conditions")
     return world
 
 
@@ -309,8 +301,6 @@ def start(world: World, part: Data, details: Data, *, first: bool) -> None:
         closed = closed_state(world, part, reached)
         key = "fresh_starts_left_out" if closed is None else "fresh_starts"
         details[key] = details.get(key, 0) + 1
-        if closed is not None:
-            details["fresh_starts_from"] = FROM
         state = closed or reached
     if part["segment"] is not None:
         world.set_drive(part)
@@ -333,7 +323,7 @@ def solver_settings(given: Data, part: Data, ratio: int) -> Any:  # noqa: ANN401
     settings.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
     integration.adaptiveStep = given["adaptive"]
     integration.generalizedAlpha.useNewmark = given["damping"] is None
-    integration.generalizedAlpha.useIndex2Constraints = given["index"] == 2
+    integration.generalizedAlpha.useIndex2Constraints = given["damping"] is None
     integration.generalizedAlpha.computeInitialAccelerations = False  # exudyn leaves out the drive's own
     if given["damping"] is not None:
         integration.generalizedAlpha.spectralRadius = given["damping"]
@@ -372,9 +362,7 @@ def read(world: World, *, first: bool, before_jump: bool) -> Iterator[tuple[str,
     time = world.begin + data[0][:, 0] if data else np.zeros(0)
     for channel, sensors in given["motion_sensors"].items():
         changes = channel == "acceleration"
-        values = np.zeros((len(time), len(sensors), 3))
-        for number, sensor in enumerate(sensors):
-            values[:, number, : data[sensor].shape[1] - 1] = data[sensor][:, 1:]
+        values = np.stack([data[sensor][:, 1:] for sensor in sensors], axis=1)
         if channel == "position":
             values += np.array(given["poses"]) + world.unwound
         is_own = first and not (changes and not given["as_shipped"])
@@ -383,8 +371,8 @@ def read(world: World, *, first: bool, before_jump: bool) -> Iterator[tuple[str,
     loaded = slice(1, end)
     if given["torque_sensor"] is not None:  # exudyn reports what the crank does to the drive
         yield "torque", None, time[loaded], -data[given["torque_sensor"]][loaded, 1]
-    for name, (sensor, matrix, turned) in given["force_sensors"].items():
-        values = data[sensor][:, 1:] @ np.array(matrix).T
+    for name, (sensor, turned) in given["force_sensors"].items():
+        values = data[sensor][:, 1:3]
         if turned is not None:  # by the angle of a body
             zero, of_body = turned
             c, s = (each(zero + data[of_body][:, 1 + ANGLE]) for each in (np.cos, np.sin))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -16,14 +15,14 @@ ODD = (1, 3, 5, 7)  # steps to a sample that keep the sign of what alternates fr
 
 @dataclass(frozen=True, kw_only=True)
 class ExudynRecipe(stepped_engine.Recipe):
-    """One of exudyn's rules for a time step, constraints on position (``index`` 3) or velocity level (2).
+    """One of exudyn's rules for a time step.
 
-    ``damping`` is the spectral radius at infinite frequency of the generalised α rule, None for the trapezoidal rule;
+    ``damping`` is the spectral radius at infinite frequency of the generalised α rule, whose constraints are on
+    position level. None is the trapezoidal rule on velocity level: on position level nothing damps its multipliers;
     a rule ``as_shipped`` leaves every setting of exudyn's alone. ``effort`` is the tolerance of Newton's corrections,
     absolute and relative. ``adaptive`` lets exudyn halve a step in which they do not die out.
     """
 
-    index: int = 2
     damping: float | None = None
     as_shipped: bool = False
     adaptive: bool = False
@@ -33,7 +32,7 @@ class ExudynRecipe(stepped_engine.Recipe):
         rule = f"generalised α, spectral radius {self.damping:g}" if self.damping else "implicit trapezoidal rule"
         told: dict[str, str | int | float] = {
             "integrator": rule,
-            "constraints": f"on {'velocity' if self.index == 2 else 'position'} level",
+            "constraints": f"on {'position' if self.damping else 'velocity'} level",
             "newton": "as shipped" if self.as_shipped else "modified, Jacobian updated every step",
         }
         if self.effort is not None:
@@ -42,16 +41,16 @@ class ExudynRecipe(stepped_engine.Recipe):
 
 
 # Generalised α (J. Chung, G. M. Hulbert, ASME Journal of Applied Mechanics 60, 1993); exudyn has it on position level
-# only. Its auxiliary accelerations start as the true ones, which leaves the multipliers first order for some steps
-# behind every start.
-ALPHA = ExudynRecipe(index=3, damping=0.9, effort=1e-10, orders=(2, 3, 4, 5))
+# only. Its auxiliary accelerations start as the true ones, which leaves the multipliers first order behind every start;
+# a spectral radius of 0.6, not exudyn's 0.9, forgets it within 20 steps.
+ALPHA = ExudynRecipe(damping=0.6, effort=1e-10)
 # Second order in the multipliers too. But these and the accelerations carry an undamped part that changes sign from
 # step to step, as large as whatever does not fit at the start: 9.5 % of the peak torque for ever after a linear ramp's
 # kink if nothing is done. What fresh starts leave of it goes in the extrapolation, all steps being odd fractions of the
 # longest. Positions drift off the joints, by a hundred-thousandth of a link in every turn of 500 steps: 1.7 turns keep
 # that below the rule's own error, and being no whole or half number bring the starts upon ever other positions.
 TRAPEZOIDAL = ExudynRecipe(effort=1e-10, turns=1.7)
-NAIVE = replace(ALPHA, effort=None, as_shipped=True, step=1e-3, restarted=False, in_own_units=False)
+NAIVE = replace(ALPHA, damping=0.9, effort=None, as_shipped=True, step=1e-3, restarted=False, in_own_units=False)
 
 # Largest errors of one run over the quintic run-up of the catalogue's five mechanisms, by steps a turn:
 #     steps    Mkr     Jeq     v       a       joint force   s a run
@@ -59,10 +58,9 @@ NAIVE = replace(ALPHA, effort=None, as_shipped=True, step=1e-3, restarted=False,
 #     2000     3.0e-5  8.6e-6  4.8e-6  2.2e-5  2.7e-5        0.2-0.4
 #     4000     7.4e-6  2.1e-6  1.2e-6  5.5e-6  6.8e-6        0.3-0.7
 #     8000     4.4e-6  5.4e-7  3.0e-7  1.4e-6  1.7e-6        0.5-1.3
-# Made-up linkages are up to seven times sharper. A spectral radius of 0.6 forgets a start within 20 steps.
+# Made-up linkages are up to seven times sharper.
 TUNED = replace(
     ALPHA,
-    damping=0.6,
     effort=1e-8,
     adaptive=True,
     steps_per_turn=100,
@@ -91,18 +89,10 @@ def _extrapolated(count: int) -> tuple[str, ExudynRecipe]:
 
 
 STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
-    "defaults": ("a rigid body for every link, the drive a Python function, exudyn's settings as shipped", NAIVE),
+    "defaults": ("the drive a Python function, exudyn's settings as shipped", NAIVE),
     "generalised alpha": (
-        "generalised α as shipped (index 3, spectral radius 0.9) from consistent accelerations, restarted at jumps",
+        "generalised α (index 3) with a spectral radius of 0.6, from consistent accelerations, restarted at jumps",
         ALPHA,
-    ),
-    "generalised alpha 0.6": (
-        "the same with a spectral radius of 0.6, which forgets a start sooner",
-        replace(ALPHA, damping=0.6),
-    ),
-    "trapezoidal, index 3": (
-        "the implicit trapezoidal rule, constraints on position level: nothing damps the multipliers",
-        replace(TRAPEZOIDAL, index=3, turns=math.inf),
     ),
     "trapezoidal": (
         "the implicit trapezoidal rule, constraints on velocity level, started anew at jumps and every 1.7 turns",

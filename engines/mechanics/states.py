@@ -42,17 +42,6 @@ class Pose:
             self.sine * c + self.cosine * s,
         )
 
-    def part(self, instants: NDArray[np.bool_]) -> Pose:
-        """Some of the instants."""
-        return Pose(self.place[instants], self.angle[instants], self.cosine[instants], self.sine[instants])
-
-    def joined(self, instants: NDArray[np.bool_], other: Pose) -> Pose:
-        """The pose with that of some instants replaced."""
-        parts = [np.array(part) for part in (self.place, self.angle, self.cosine, self.sine)]
-        for part, values in zip(parts, (other.place, other.angle, other.cosine, other.sine), strict=True):
-            part[instants] = values
-        return Pose(*parts)
-
     def scaled(self, factor: float) -> Pose:
         """The pose in another unit of length."""
         return Pose(self.place * factor, self.angle, self.cosine, self.sine)

@@ -14,7 +14,7 @@ from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.direct_adapter import solution
 from engines.direct_adapter.adapter import DirectEngine
-from engines.direct_adapter.assembly import Equations, Solver
+from engines.direct_adapter.equations import Equations
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.scene import Channel, Prescribed
@@ -115,14 +115,12 @@ def test_exudyn_builds_no_spring_damper_or_force_where_the_scene_has_none(build)
 
 
 @pytest.mark.parametrize("name", [SIX_BAR, SLOTTED])
-def test_exudyn_builds_a_body_per_link_and_no_rotation_where_nothing_turns(build, name):
+def test_exudyn_builds_a_body_per_link_and_a_joint_per_joint(build, name):
     model = _scene(name)
     objects = build(name, JEQ).objects
-    straight = [body for body in model.bodies if body.inertia is None]
-    fixed = [joint.body for joint in model.sliders if joint.host == GROUND]
-    assert objects["MassPoint2D"] == sum(body.name in fixed for body in straight)
-    assert objects["RigidBody2D"] + objects["MassPoint2D"] == len(model.bodies)
+    assert objects["RigidBody2D"] == len(model.bodies)
     assert objects["JointRevolute2D"] == len(model.pins)
+    assert objects["JointPrismatic2D"] == len(model.guided)
     assert objects["Ground"] == 1
 
 
@@ -145,7 +143,7 @@ def test_exudyn_builds_no_body_for_a_slot_without_a_slider(build):
 )
 def test_exudyn_has_a_sensor_for_what_is_asked_and_none_else(build, channels, per_body, drive, per_joint):
     model = _scene(SIX_BAR)
-    joints = len(model.pins) + len(model.guided)
+    joints = len(model.pins) + 2 * len(model.guided)  # the force of a guide comes with its body's angle
     assert build(SIX_BAR, channels).sensors == per_body * len(model.bodies) + drive + per_joint * joints
 
 
@@ -275,59 +273,24 @@ def test_pymunk_reads_no_more_than_the_channels_need(monkeypatch):
 # -- direct ------------------------------------------------------------------------------------------------------------
 
 
-@dataclasses.dataclass
-class Solved:
-    """What the direct engine did at the instants of a run; each a list of calls."""
-
-    systems: list
-    transposed: list
-    loads: list
-
-    @property
-    def counts(self) -> tuple[bool, bool, bool]:
-        return bool(self.systems), bool(self.transposed), bool(self.loads)
-
-
-@pytest.fixture
-def solved(monkeypatch):
-    return Solved(
-        calls(monkeypatch, Solver, "solve"),
-        calls(monkeypatch, Solver, "solve_transposed"),
-        calls(monkeypatch, solution, "applied_loads"),
-    )
-
-
 @pytest.mark.parametrize(
-    ("channels", "systems", "transposed", "loads"),
+    ("channels", "taken"),
     [
-        (frozenset(), False, False, False),
-        (frozenset({Channel.POSITION}), False, False, False),
-        (JEQ, True, False, False),
-        (KINEMATICS, True, False, False),
-        (NO_FORCES, True, True, True),
-        (EVERYTHING, True, True, True),
+        (frozenset(), (False, False, False, False)),
+        (frozenset({Channel.POSITION}), (False, False, False, False)),
+        (JEQ, (True, False, False, False)),
+        (KINEMATICS, (True, True, False, False)),
+        (NO_FORCES, (True, True, True, False)),
+        (EVERYTHING, (True, True, True, True)),
     ],
 )
-def test_direct_solves_no_further_than_the_channels_need(solved, channels, systems, transposed, loads):
+def test_direct_solves_no_further_than_the_channels_need(monkeypatch, channels, taken):
+    """Velocities, accelerations, loads, joint forces."""
+    steps = calls(monkeypatch, solution, "transfer"), calls(monkeypatch, solution, "bends")
+    steps += calls(monkeypatch, solution, "applied_loads"), calls(monkeypatch, Equations, "joint_forces")
     history = _finished(DirectEngine(), _scene(LOADED, channels))
-    assert solved.counts == (systems, transposed, loads)
+    assert tuple(map(bool, steps)) == taken
     assert (history.position is not None) is (Channel.POSITION in channels)
-
-
-def test_direct_solves_for_velocities_once_and_for_accelerations_once_more(solved):
-    _finished(DirectEngine(), _scene(SIX_BAR, JEQ))
-    velocities = len(solved.systems)
-    solved.systems.clear()
-    _finished(DirectEngine(), _scene(SIX_BAR, KINEMATICS))
-    assert len(solved.systems) == 2 * velocities
-    assert solved.transposed == []
-
-
-@pytest.mark.parametrize(("channels", "are_found"), [(NO_FORCES, False), (EVERYTHING, True)])
-def test_direct_works_out_joint_forces_only_where_they_are_asked_for(monkeypatch, channels, are_found):
-    forces = calls(monkeypatch, Equations, "joint_forces")
-    _finished(DirectEngine(), _scene(SIX_BAR, channels))
-    assert bool(forces) is are_found
 
 
 def test_direct_has_equations_for_what_moves_alone():

@@ -13,7 +13,7 @@ from tests.analytic.linkages import FOLDER
 
 # Of peak; the energy balance is left out, an integral over samples.
 SECOND_DERIVATION = 1e-12
-# At change points joint forces have no bound, and forty windows take `direct` half a minute: ten between two of them.
+# `direct` ends at change points, and forty windows take it half a minute: ten between two of them.
 THROUGH_CHANGE_POINTS = {"n-four-bar": str(FOLDER / "change-points" / "ten-four-bars.toml")}
 VARIANTS = [(name, variant) for name in literature() for variant in load(name).variants]
 

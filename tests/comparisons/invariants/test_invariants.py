@@ -26,8 +26,7 @@ from comparisons.reference.case import Case, own_case
 from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.scenes import LINKAGES, Conditions, case, reversal
 from comparisons.stress.verdict import ALARMS
-from engines.contract import Setting, Signal
-from engines.direct_adapter.adapter import DirectEngine
+from engines.contract import Signal
 from engines.scene import Channel
 from tests.analytic.linkages import mechanism as sample
 from tests.comparisons.perfect_engine import perfect_motion
@@ -287,9 +286,9 @@ def _unequal(excess, **changes):
     )  # fmt: skip
 
 
-def _parallel(one):
+def _parallel(one, count=1201):
     """The smooth way through both change points: rocker parallel to the crank, coupler to the frame."""
-    history = true_history(one, 1201)
+    history = true_history(one, count)
     time = history.position.time
     angle, speed, arm = one.motion.angle(time), one.motion.speed(time), 0.025
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -489,17 +488,17 @@ def test_where_a_change_point_is_passed_no_joint_force_is_held_against_a_balance
 def test_the_smooth_way_through_change_points_raises_no_alarm(beside):
     motion = CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0 + beside, 60.0)),))
     one = Case(sample("parallelogram"), motion)
-    run = DirectEngine().run(one.scene(EVERYTHING), Setting.TUNED)
-    records = checks(one, ObservedMotion(one.scene(EVERYTHING), run.history), blank_record(one, "tuned"))
+    motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one, 1401))
+    records = checks(one, motion, blank_record(one, "tuned"))
     assert {record.quantity for record in records if record.outcome != Verdict.PASSED} == {"force_balance"}
 
 
 def test_a_wrong_torque_at_a_change_point_is_caught_by_the_smooth_curve_over_it():
     one = Case(sample("parallelogram"), CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0, 60.0)),)))
-    run = DirectEngine().run(one.scene(EVERYTHING), Setting.TUNED)
-    beside = np.abs(one.motion.angle(run.history.torque.time) - math.pi) < 0.02
-    peak = np.max(np.abs(run.history.torque.values))
-    wrong = with_signal(run.history, "torque", lambda values, _: values + np.where(beside, 0.01 * peak, 0.0))
+    history = _parallel(one, 1401)
+    beside = np.abs(one.motion.angle(history.torque.time) - math.pi) < 0.02
+    peak = np.max(np.abs(history.torque.values))
+    wrong = with_signal(history, "torque", lambda values, _: values + np.where(beside, 0.01 * peak, 0.0))
     records = {
         r.quantity: r for r in checks(one, ObservedMotion(one.scene(EVERYTHING), wrong), blank_record(one, "tuned"))
     }

@@ -245,12 +245,11 @@ def test_no_sensor_for_a_channel_nobody_reads():
     assert ENGINE.run(bare, Setting.TUNED).outcome is Outcome.FINISHED
 
 
-def test_a_body_that_cannot_turn_has_no_angle_and_no_weight_without_gravity():
+def test_a_body_has_three_coordinates_and_no_weight_without_gravity():
     given = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), ())
-    assert Model(given).turning == {"crank", "coupler"}
     for changed, loads in ((given, 3), (dataclasses.replace(given, gravity=(0.0, 0.0)), 0)):
         world = ENGINE.build(changed, TUNED)
-        assert (world.mbs.systemData.ODE2Size(), world.mbs.systemData.NumberOfLoads()) == (8, loads)
+        assert (world.mbs.systemData.ODE2Size(), world.mbs.systemData.NumberOfLoads()) == (9, loads)
 
 
 def test_nothing_is_printed_and_no_file_is_left(capfd, tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""The ways of the direct engine that can be studied: exact instants in two floating types."""
+"""The one way of the direct engine, at samples of the caller's."""
 
 import math
 
@@ -10,22 +10,17 @@ from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.start_state import scene
 from engines.contract import Method, Outcome, Setting
-from engines.direct_adapter.adapter import DirectEngine
-from engines.direct_adapter.assembly import Equations
-from engines.direct_adapter.precision import METHODS
+from engines.direct_adapter.adapter import METHODS, DirectEngine
+from engines.direct_adapter.equations import Equations
 from engines.scene import Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
 
 ENGINE = DirectEngine()
 EVERYTHING = frozenset(Channel)
-NAMES = [method.name for method in METHODS]
+(EXACTLY,) = METHODS
 STEP = 2e-3
 SAME = 1e-12
 EXACT = 1e-13  # of the torque's peak
-
-
-def _method(name):
-    return next(method for method in METHODS if method.name == name)
 
 
 def _driven(name="juki-mf7923d", regime="run-up-quintic", **changes):
@@ -44,24 +39,18 @@ def _torque_error(name, driven, run):
     return np.abs(torque.values - truth).max() / np.abs(truth).max()
 
 
-def test_methods_have_names_of_their_own_and_are_what_the_settings_use():
-    assert len(set(NAMES)) == len(NAMES)
+def test_every_setting_is_the_method_as_an_exact_solution_has_no_defaults_and_no_floor_below():
     assert ENGINE.methods(_free()) == METHODS
-    for setting, method in ((Setting.TUNED, METHODS[0]), (Setting.BEST, METHODS[1])):
-        run = ENGINE.run(_driven()[1], setting)
-        studied = ENGINE.run_method(_driven()[1], method, run.details["spacing_s"])
-        assert np.array_equal(run.history.torque.values, studied.history.torque.values)
+    model = _driven()[1]
+    torques = [ENGINE.run(model, setting).history.torque for setting in Setting]
+    spacing = torques[0].time[1]
+    torques.append(ENGINE.run_method(model, EXACTLY, spacing).history.torque)
+    assert all(np.array_equal(torque.values, torques[0].values) for torque in torques)
 
 
-def test_naive_is_tuned_as_an_exact_solution_has_no_defaults():
-    naive, tuned = (ENGINE.run(_driven()[1], setting) for setting in (Setting.NAIVE, Setting.TUNED))
-    assert np.array_equal(naive.history.torque.values, tuned.history.torque.values)
-
-
-@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("model", [_driven(regime="run-up")[1], _free()], ids=["prescribed", "free"])
-def test_every_method_gives_a_finite_history_on_its_clock(name, model):
-    run = ENGINE.run_method(model, _method(name), STEP)
+def test_the_method_gives_a_finite_history_on_its_clock(model):
+    run = ENGINE.run_method(model, EXACTLY, STEP)
     assert run.outcome is Outcome.FINISHED, run.reason
     duration = model.drive.motion.duration if isinstance(model.drive, Prescribed) else model.drive.duration
     history = run.history
@@ -69,22 +58,20 @@ def test_every_method_gives_a_finite_history_on_its_clock(name, model):
     for signal in (*signals, *history.joint_force.values()):
         assert signal.time == pytest.approx(np.linspace(0.0, duration, round(duration / STEP) + 1))
         assert np.all(np.isfinite(signal.values))
-    assert run.details["method"] == name
+    assert run.details["method"] == EXACTLY.name
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_steps_and_solves_are_counted(name):
-    coarse, fine = (ENGINE.run_method(_driven()[1], _method(name), step) for step in (STEP, STEP / 2.0))
+def test_steps_and_solves_are_counted():
+    coarse, fine = (ENGINE.run_method(_driven()[1], EXACTLY, step) for step in (STEP, STEP / 2.0))
     assert 0 < coarse.steps < fine.steps
     assert coarse.steps <= coarse.solver_work < fine.solver_work
 
 
-@pytest.mark.parametrize("name", ["exact", "exact, extended"])
-def test_exact_instants_do_not_depend_on_their_spacing(name):
+def test_exact_instants_do_not_depend_on_their_spacing():
     driven, model = _driven("rimoldi-164")
-    coarse, fine = (ENGINE.run_method(model, _method(name), step) for step in (4e-3, 1e-3))
+    coarse, fine = (ENGINE.run_method(model, EXACTLY, step) for step in (4e-3, 1e-3))
     assert max(_torque_error("rimoldi-164", driven, run) for run in (coarse, fine)) <= EXACT
-    free = [ENGINE.run_method(_free(), _method(name), step).history.position.values[-1] for step in (4e-3, 1e-3)]
+    free = [ENGINE.run_method(_free(), EXACTLY, step).history.position.values[-1] for step in (4e-3, 1e-3)]
     assert np.abs(free[0] - free[1]).max() <= SAME
 
 
@@ -92,7 +79,7 @@ def test_the_linear_systems_of_an_instant_are_counted_one_by_one():
     model = _driven()[1]
     only_positions = scene(mechanism("juki-mf7923d"), model.drive, {Channel.POSITION})
     assert Equations(model).solves == 0
-    all_of_it, positions = (ENGINE.run_method(m, _method("exact"), STEP) for m in (model, only_positions))
+    all_of_it, positions = (ENGINE.run_method(m, EXACTLY, STEP) for m in (model, only_positions))
     # Levers, bends and reactions of every instant come on top.
     assert all_of_it.solver_work - positions.solver_work == 3 * positions.steps
 
@@ -102,4 +89,4 @@ def test_unknown_methods_and_steps_that_are_none_are_misuse():
         ENGINE.run_method(_driven()[1], Method("leapfrog", "not ours"), STEP)
     for step in (0.0, -1e-3, math.inf, math.nan):
         with pytest.raises(LinkproofError, match="step"):
-            ENGINE.run_method(_driven()[1], METHODS[0], step)
+            ENGINE.run_method(_driven()[1], EXACTLY, step)
