@@ -15,8 +15,8 @@ import pytest
 
 from analytic.description.file_units import file_unit
 from analytic.description.loading import load
-from tests.commands import linkproof
-from tests.pages.browser import WIDTHS, executable, opened, started
+from tests.commands import linkproof, watching
+from tests.pages.browser import PATIENCE, WIDTHS, executable, opened, started
 
 pytest.importorskip("playwright", reason="Playwright is not installed")
 pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
@@ -40,6 +40,9 @@ forces = [{ point = "P", link = "coupler", angle = [0, 90, 180, 270], force = [[
 SAME = 1e-13  # of the peak
 CHANGES = 20
 MOST_BYTES = 900_000
+ROCKER = '[aria-label="rocker mass, kg, exactly"]'
+SAVED = """() => [...document.querySelectorAll('.live-number.changed input[type=number]')]
+  .map(one => one.ariaLabel).join() === 'motion and loads speed, rpm, exactly'"""
 NO_CLIPBOARD = "Object.defineProperty(navigator, 'clipboard', { value: undefined });"  # the text goes to a box
 
 
@@ -301,3 +304,37 @@ def test_one_file_to_mail_computes_as_well(chromium, page_of, tmp_path):
         assert figure(seen.page, "force in O1")[2].endswith("%")
         assert set(seen.loaded) == {str(mailed)}
         assert seen.faults == []
+
+
+def test_a_watched_page_follows_its_file_and_saves_to_it(chromium, tmp_path):
+    file, faults = tmp_path / "mine.toml", []
+    file.write_text(FOUR_BAR, encoding="utf-8")
+    with watching(file) as address:
+        page = chromium.new_context(reduced_motion="reduce", permissions=[]).new_page()
+        page.set_default_timeout(PATIENCE)
+        page.add_init_script(NO_CLIPBOARD)
+        page.on("console", lambda one: faults.append(one.text))
+        page.on("pageerror", lambda one: faults.append(str(one)))
+        page.goto(f"{address}#crank.mass=0.3&speed=500")
+        page.locator(ROCKER).wait_for(state="attached")
+        file.write_text(FOUR_BAR.replace("mass = 0.12", "mass = 0.14"), encoding="utf-8")
+        page.wait_for_function("one => document.querySelector(one)?.value === '0.14'", arg=ROCKER)
+        text = copied(page)
+        assert "mass = 0.14" in text
+        assert "mass = 0.3" in text
+        assert "# bolted to the frame" in text
+        click(page, "Save to mine.toml")
+        page.wait_for_url(f"{address}#speed=500")
+        page.wait_for_function(SAVED)
+        assert (file.read_text(encoding="utf-8"), faults) == (text, [])
+
+        file.write_text("crank = 3\n", encoding="utf-8")
+        page.get_by_text("mine.toml:1:").wait_for()
+        file.write_text(FOUR_BAR, encoding="utf-8")
+        page.locator(".live-scheme").wait_for()
+        state = page.locator("meta[name=linkproof-state]").get_attribute("content")
+        page.route("**/state", lambda route: route.fulfill(body=state))  # the page has not noticed yet
+        file.write_text(text, encoding="utf-8")
+        click(page, "Save to mine.toml")
+        page.get_by_text("has changed since this page was built: nothing was written").wait_for()
+        assert file.read_text(encoding="utf-8") == text

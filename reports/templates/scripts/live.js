@@ -119,6 +119,7 @@ linkproof.widget("live", (element, data) => {
         button("Copy as TOML", copy),
         button("Save curves", save),
         button("Link", link),
+        ...(linkproof.watched ? [button(`Save to ${data.name}.toml`, saveFile)] : []),
       );
       const left = make("div", "", { className: "live-stage" }),
         top = make("div", "", { className: "live-top" }),
@@ -471,6 +472,7 @@ linkproof.widget("live", (element, data) => {
       const written = (name) => (values.has(name) ? String(values.get(name)) : found.literals[name]);
       return found ? found.parts.map((part, k) => (k % 2 ? written(part) : part)).join("") : "";
     }
+    const NO_PLACE = "The file has no place for these numbers: write them into it once, and open the page again.";
     function copy() {
       const text = file(),
         speed = "speed" in design ? ` --speed ${design.speed}` : "";
@@ -478,7 +480,7 @@ linkproof.widget("live", (element, data) => {
         ? ` --from=${(over.phiAt(0) * 180) / Math.PI} --to=${(over.phiAt(1) * 180) / Math.PI}`
         : "";
       if (!text) {
-        tell("The file has no place for these numbers: write them into it once, and open the page again.");
+        tell(NO_PLACE);
         return;
       }
       hand(
@@ -486,8 +488,26 @@ linkproof.widget("live", (element, data) => {
         `Copied. Save it as ${data.name}.toml; linkproof results ${data.name}.toml${speed}${reach} prints these numbers.`,
       );
     }
+    /** Over the file that is watched; what is no number of a file, the speed, stays in the address. */
+    function saveFile() {
+      const text = file();
+      if (!text) {
+        tell(NO_PLACE);
+        return;
+      }
+      const address = location.href;
+      toAddress("speed" in design ? { speed: design.speed } : {});
+      linkproof.watched.save(text).then((reason) => {
+        if (!reason) return;
+        history.replaceState(null, "", address);
+        tell(reason);
+      });
+    }
+    function toAddress(values) {
+      history.replaceState(null, "", `#${new URLSearchParams(Object.entries(values))}`);
+    }
     function link() {
-      history.replaceState(null, "", `#${new URLSearchParams(Object.entries(design))}`);
+      toAddress(design);
       hand(location.href, "The address of these numbers is copied.");
     }
     /** To the clipboard; where there is none, into a box to copy from. */
