@@ -173,23 +173,15 @@ linkproof.widget("live", (element, data) => {
 
     /** A slider and a box for one number, in the file's unit. */
     function numberRow(one) {
-      const reach = one.value
-        ? Math.abs(one.value) / (one.role === "scale" ? 1 : 2)
-        : one.unit === length.unit
-          ? extent / 4
-          : 10;
+      const far = one.value ? Math.abs(one.value) / (one.role === "scale" ? 1 : 2) : one.unit === length.unit ? extent / 4 : 10;
+      const by = nice(far / 50),
+        reach = by * Math.round(far / by);
       const words = `${one.group} ${one.label}, ${one.unit}`.replaceAll("_", " "),
-        by = nice(reach / 50),
         line = make("div", "", { className: "live-number" });
-      const slider = make("input", "", {
-        type: "range",
-        min: one.value - reach,
-        max: one.value + reach,
-        step: "any",
-        ariaLabel: words,
-      });
+      const [min, max] = [one.value - reach, one.value + reach];
+      const slider = make("input", "", { type: "range", min, max, step: by, ariaLabel: words });
       const box = make("input", "", { type: "number", step: "any", ariaLabel: `${words}, exactly` });
-      slider.addEventListener("input", () => preview({ [one.name]: tidy(Math.round(slider.value / by) * by) }));
+      slider.addEventListener("input", () => preview({ [one.name]: tidy(Number(slider.value)) }));
       slider.addEventListener("change", () => commit());
       box.addEventListener("change", () => {
         if (box.value !== "" && Number.isFinite(box.valueAsNumber)) {
