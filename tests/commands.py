@@ -5,9 +5,10 @@ from __future__ import annotations
 import gc
 import io
 import os
+import signal
 import subprocess
 import sys
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest.mock import patch
 
@@ -50,3 +51,19 @@ def refused(*words, cwd=None):
     assert done.stderr.startswith("linkproof: ")
     assert done.stderr.count("\n") == 1
     return done.stderr
+
+
+@contextmanager
+def watching(file, *words):
+    """The address that ``linkproof watch`` serves a file at; it ends by Ctrl-C, with nothing more to say."""
+    command = [*COMMAND, "watch", str(file), "--no-open", *words]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as server:
+        try:
+            line = server.stderr.readline()
+            assert line.startswith("page: http://127.0.0.1:"), line
+            yield line.split()[1].removesuffix(";")
+        finally:
+            server.send_signal(signal.SIGINT)
+            rest = server.stderr.read()
+    assert (server.returncode, rest) == (0, "")

@@ -23,7 +23,7 @@ from reports.requests.options.campaign import (
     StressOptions,
 )
 from reports.requests.options.declaring import Argument, Option
-from reports.requests.options.linkage import JudgeFiles, JudgeOptions, ResultsFiles, ResultsOptions
+from reports.requests.options.linkage import JudgeFiles, JudgeOptions, ResultsFiles, ResultsOptions, WatchOptions
 from reports.requests.options.motion import Variant
 from reports.requests.options.output import OutputOptions
 
@@ -208,6 +208,19 @@ def results(
     from reports.command_line.commands import results
 
     results.results(options, files, opens=opens, strict=strict, quiet=quiet)
+
+
+@command(app, summary="Work on a linkage file: its page follows the file, and saves to it.", without=("at", "time"))
+def watch(options: WatchOptions) -> None:
+    """Serve the page of a linkage file on this machine: pull at its points and numbers, and save them to the file.
+
+    MECHANISM is the path of a .toml file.
+
+    The page is built anew when the file changes in an editor. The file is written only by a click on the page.
+    """
+    from reports.command_line.commands import watch
+
+    watch.watch(options)
 
 
 @command(app, summary="List the engines, their abilities and the origin of their figures.")

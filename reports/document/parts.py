@@ -208,7 +208,8 @@ Part = (
 class Page:
     """A page: ``file`` is its path within the report's folder, ``parts`` what stands before the first section.
 
-    ``title`` names it in the browser and in the links of the other pages; ``charts`` says whether it needs Plotly.
+    ``title`` names it in the browser and in the links of the other pages; ``charts`` says whether it needs Plotly. A
+    page that follows a file has the file's ``state``.
     """
 
     file: str
@@ -218,3 +219,4 @@ class Page:
     parts: tuple[Part, ...]
     sections: tuple[Section, ...]
     charts: bool = False
+    state: str = ""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Final
 
-from markupsafe import Markup
-
 from analytic.description.changes import Number, named_numbers
 from analytic.description.linkage import GROUND, Linkage
 from analytic.description.rewriting import WrittenNumbers, written_numbers
@@ -30,11 +28,11 @@ def model_of(sheet: Sheet) -> Model | str:
         return str(error)
 
 
-def live(sheet: Sheet, model: Model, drawing: Markup, instead: tuple[Part, ...]) -> Widget:
-    """The widget of a model; ``drawing`` stands until its script runs, ``instead`` where none does."""
+def live(sheet: Sheet, model: Model, instead: tuple[Part, ...]) -> Widget:
+    """The widget of a model; ``instead`` stands where no script runs."""
     label = f"{sheet.linkage.title or sheet.name}: pull at points and numbers"
     data = {**model.data, **_numbers(model), **_drawn(model.mechanism)}
-    return Widget("live", "live", label, data, {"model": JavaScript(model.source)}, drawing, instead)
+    return Widget("live", "live", label, data, {"model": JavaScript(model.source)}, instead=instead)
 
 
 def _numbers(model: Model) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from reports.charts.moving import moving_scheme
-from reports.document.parts import Bullets, Card, Cards, Page, Paragraph, Part, Section
+from reports.document.parts import Bullets, Card, Cards, Drawn, Page, Paragraph, Part, Section
 from reports.document.templates import sentence
 from reports.live.widget import live, model_of
 from reports.mechanism import designer
@@ -57,7 +57,7 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
         return
     drawing, model = moving_scheme(sheet.linkage, sheet.positions, "moving"), model_of(sheet)
     if not isinstance(model, str):
-        yield live(sheet, model, drawing, (key_table(sheet),))
+        yield live(sheet, model, (key_table(sheet), Drawn(drawing, "")))
         yield Cards((Card("The mechanism as in its file", (designer.facts(sheet),)),), wide=True)
         return
     fixed = Paragraph(sentence("not_live", reason=model), "small")

@@ -1,4 +1,4 @@
-"""A report's pages in headless Chromium: what a page loads, how large it is, and what axe-core says of it."""
+"""A report's pages in a headless browser: what a page loads, how large it is, and what axe-core says of it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ WIDTHS = (1400, 390)
 HEIGHT = 1000
 PATIENCE = 600_000  # ms that anything may take on a busy machine
 THEMES = ("light", "dark")
-NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
+NAMES = {
+    "chromium": ("chromium", "chromium-browser", "google-chrome", "chrome"),
+    "firefox": ("firefox", "firefox-esr"),
+}
 SHARED = "plotly-basic.min.js"  # loaded once for all pages, and not counted
 
 # Everything on a page that a reader may meet, without what stands in closed folds.
@@ -95,18 +98,19 @@ class Look:
         return len(re.findall(rb"/Type\s*/Page\b", self.page.pdf(format="A4", prefer_css_page_size=True)))
 
 
-def executable() -> str | None:
+def executable(name: str = "chromium") -> str | None:
     """The browser's program; None where there is none."""
-    return next((found for name in NAMES if (found := shutil.which(name))), None)
+    return next((found for one in NAMES[name] if (found := shutil.which(one))), None)
 
 
 @contextmanager
-def started() -> Iterator[Any]:
-    """Headless Chromium."""
+def started(name: str = "chromium") -> Iterator[Any]:
+    """The browser without a window; a Firefox as its makers ship it speaks WebDriver BiDi."""
     from playwright.sync_api import sync_playwright
 
+    options = {"chromium": {"args": ["--no-sandbox", "--disable-gpu"]}, "firefox": {"channel": "moz-firefox"}}
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=executable(), args=["--no-sandbox", "--disable-gpu"])
+        browser = getattr(driver, name).launch(executable_path=executable(name), **options[name])
         try:
             yield browser
         finally:
@@ -115,11 +119,16 @@ def started() -> Iterator[Any]:
 
 @contextmanager
 def opened(
-    browser: Any, path: Path, width: int = 1400, theme: str = "light", *, scripts: bool = True
+    browser: Any, path: Path, width: int = 1400, theme: str = "light", *, scripts: bool = True, is_phone: bool = False
 ) -> Iterator[Look]:
-    """A page of a report's folder, open and idle."""
+    """A page of a report's folder, open and idle; on a phone it is touched."""
+    own = {"is_mobile": True, "has_touch": True, "device_scale_factor": 2} if is_phone else {}
     context = browser.new_context(
-        viewport={"width": width, "height": HEIGHT}, color_scheme=theme, java_script_enabled=scripts, offline=True
+        viewport={"width": width, "height": HEIGHT},
+        color_scheme=theme,
+        java_script_enabled=scripts,
+        offline=True,
+        **own,
     )
     context.set_default_timeout(PATIENCE)
     try:

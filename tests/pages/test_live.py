@@ -15,10 +15,10 @@ import pytest
 
 from analytic.description.file_units import file_unit
 from analytic.description.loading import load
-from tests.commands import linkproof
-from tests.pages.browser import WIDTHS, executable, opened, started
+from tests.commands import linkproof, watching
+from tests.pages.browser import NAMES, PATIENCE, WIDTHS, executable, opened, started
 
-pytest.importorskip("playwright", reason="Playwright is not installed")
+Error = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed").Error
 pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
 pytestmark = [
     pytest.mark.skipif(executable() is None, reason="no Chromium on this machine: pages were not looked at"),
@@ -39,13 +39,36 @@ forces = [{ point = "P", link = "coupler", angle = [0, 90, 180, 270], force = [[
 SAME = 1e-13  # of the peak
 CHANGES = 20
 MOST_BYTES = 900_000
-NO_CLIPBOARD = "Object.defineProperty(navigator, 'clipboard', { value: undefined });"  # the text goes to a box
+ROCKER = '[aria-label="rocker mass, kg, exactly"]'
+SAVED = """() => [...document.querySelectorAll('.live-number.changed input[type=number]')]
+  .map(one => one.ariaLabel).join() === 'motion and loads speed, rpm, exactly'"""
+AT_HAND = """
+  Object.defineProperty(navigator, 'clipboard', { value: undefined }); // the text goes to a box
+  URL.createObjectURL = (blob) => { window.saved = blob; return '#'; }; // not every driver gets downloads
+  HTMLAnchorElement.prototype.click = () => {};
+"""
 
 
 @pytest.fixture(scope="module")
-def chromium():
-    with started() as found:
+def browser(request):
+    """Chromium, or another one by its name."""
+    name = getattr(request, "param", "chromium")
+    with started(name) as found:
+        try:
+            found.new_context(offline=True).close()
+        except Error as error:
+            pytest.skip(f"this Playwright cannot drive this {name}: {error}")
         yield found
+
+
+in_every_browser = pytest.mark.parametrize(
+    "browser",
+    [
+        pytest.param(name, marks=pytest.mark.skipif(executable(name) is None, reason=f"no {name} on this machine"))
+        for name in NAMES
+    ],
+    indirect=True,
+)
 
 
 @pytest.fixture(scope="module")
@@ -67,11 +90,11 @@ def page_of(tmp_path_factory):
 
 
 @contextmanager
-def at_work(chromium, page, design=None, **look):
+def at_work(browser, page, design=None, **look):
     """A page with its script at work, its curves still; a design is given by the address."""
-    with opened(chromium, page, **look) as seen:
-        seen.page.add_init_script(NO_CLIPBOARD)
-        seen.page.goto(f"{page.resolve().as_uri()}#{urlencode(design or {})}")
+    with opened(browser, page, **look) as seen:
+        seen.page.add_init_script(AT_HAND)
+        seen.page.evaluate("hash => { location.hash = hash; }", urlencode(design or {}))
         seen.page.reload()
         seen.page.locator(".live-scheme").wait_for()
         pause = seen.page.get_by_role("button", name="Pause")
@@ -92,9 +115,8 @@ def copied(page):
 
 def curves(page):
     """The saved curves by name, in the units of the file."""
-    with page.expect_download() as download:
-        click(page, "Save curves")
-    head, *rows = csv.reader(io.StringIO(Path(download.value.path()).read_text(encoding="utf-8")))
+    click(page, "Save curves")
+    head, *rows = csv.reader(io.StringIO(page.evaluate("() => saved.text()")))
     values = np.array(rows, dtype=float).T
     return {name.partition(" [")[0]: row for name, row in zip(head, values, strict=True)}
 
@@ -134,11 +156,12 @@ def number(text, name):
     return float(re.search(name + r"\s*=?\s*\[?(-?[\d.e+-]+)", text)[1])
 
 
+@in_every_browser
 @pytest.mark.parametrize("name", ["four-bar", "rimoldi-164", "slotted-lever"])
-def test_what_the_page_computes_is_what_results_says_of_the_copied_file(chromium, page_of, tmp_path, name):
+def test_what_the_page_computes_is_what_results_says_of_the_copied_file(browser, page_of, tmp_path, name):
     page = page_of(name, FOUR_BAR if name == "four-bar" else "")
     chance = np.random.default_rng(5)
-    with at_work(chromium, page) as seen:
+    with at_work(browser, page) as seen:
         data = json.loads(re.search(r'data-kind="live".*?json">(.*?)</script>', page.read_text("utf-8"), re.DOTALL)[1])
         offered = [one for one in data["numbers"] if one["offered"]]
         for _ in range(CHANGES):
@@ -172,6 +195,7 @@ def test_what_the_page_computes_is_what_results_says_of_the_copied_file(chromium
         assert seen.faults == []
 
 
+@in_every_browser
 @pytest.mark.parametrize(
     ("point", "numbers"),
     [  # what a pull at the point changes, and what it leaves as it is
@@ -182,9 +206,9 @@ def test_what_the_page_computes_is_what_results_says_of_the_copied_file(chromium
     ],
 )
 def test_a_point_that_is_pulled_changes_its_lengths_in_steps_and_goes_where_it_is_pulled(
-    chromium, page_of, point, numbers
+    browser, page_of, point, numbers
 ):
-    with at_work(chromium, page_of("four-bar", FOUR_BAR)) as seen:
+    with at_work(browser, page_of("four-bar", FOUR_BAR)) as seen:
         x, y = grab(seen.page, point)
         drag(seen.page, point, (25.0, -15.0))
         now, text = grab(seen.page, point), copied(seen.page)
@@ -199,8 +223,9 @@ def test_a_point_that_is_pulled_changes_its_lengths_in_steps_and_goes_where_it_i
         assert seen.faults == []
 
 
-def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(chromium, page_of):
-    with at_work(chromium, page_of("four-bar", FOUR_BAR)) as seen:
+@in_every_browser
+def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(browser, page_of):
+    with at_work(browser, page_of("four-bar", FOUR_BAR)) as seen:
         page, name = seen.page, "crank mass, kg"
         own, speaks = figure(page, "peak torque"), page.locator("[aria-live]")
         assert own == [own[0], own[0], ""]
@@ -222,8 +247,8 @@ def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(chromium, 
         assert f"mass = {heavy}," in copied(page)
         click(page, "Link")
         address = page.locator(".widget textarea").input_value()
+        page.goto("about:blank")
         page.goto(address)
-        page.reload()
         page.locator(".live-scheme").wait_for()
         assert figure(page, "force in O1") == changed
         click(page, "Reset")
@@ -231,8 +256,8 @@ def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(chromium, 
         assert seen.faults == []
 
 
-def test_what_cannot_be_assembled_is_drawn_where_it_stops(chromium, page_of):
-    with at_work(chromium, page_of("four-bar", FOUR_BAR), {"ground.O2.x": 88.0}) as seen:
+def test_what_cannot_be_assembled_is_drawn_where_it_stops(browser, page_of):
+    with at_work(browser, page_of("four-bar", FOUR_BAR), {"ground.O2.x": 88.0}) as seen:
         page = seen.page
         place = page.get_by_role("slider", name="φ")
         assert figure(page, "peak torque")[0] == "–"
@@ -244,9 +269,9 @@ def test_what_cannot_be_assembled_is_drawn_where_it_stops(chromium, page_of):
         assert seen.faults == []
 
 
-def test_a_linkage_over_its_range_moves_over_the_range_that_it_has(chromium, page_of, tmp_path):
+def test_a_linkage_over_its_range_moves_over_the_range_that_it_has(browser, page_of, tmp_path):
     with at_work(
-        chromium, page_of("teaching-four-bar", FOUR_BAR.replace("A = [20", "A = [48")), {"crank.mass": 0.3}
+        browser, page_of("teaching-four-bar", FOUR_BAR.replace("A = [20", "A = [48")), {"crank.mass": 0.3}
     ) as seen:
         words = (copied(seen.page), seen.page.locator("[aria-live]").inner_text())
         found = curves(seen.page)
@@ -259,8 +284,8 @@ def test_a_linkage_over_its_range_moves_over_the_range_that_it_has(chromium, pag
 
 @pytest.mark.parametrize(("width", "theme"), [*zip(WIDTHS, ("dark", "light"), strict=True)])
 @pytest.mark.parametrize("name", ["stephenson-six-bar", "four-bar"])
-def test_it_is_legible_and_can_be_worked_by_keys_on_a_screen_and_on_a_phone(chromium, page_of, name, width, theme):
-    with at_work(chromium, page_of(name, FOUR_BAR if name == "four-bar" else ""), width=width, theme=theme) as seen:
+def test_it_is_legible_and_can_be_worked_by_keys_on_a_screen_and_on_a_phone(browser, page_of, name, width, theme):
+    with at_work(browser, page_of(name, FOUR_BAR if name == "four-bar" else ""), width=width, theme=theme) as seen:
         page = seen.page
         before = copied(page)
         page.locator('.grip[aria-label^="Point P:"]').focus()
@@ -274,29 +299,90 @@ def test_it_is_legible_and_can_be_worked_by_keys_on_a_screen_and_on_a_phone(chro
         assert seen.bytes_loaded <= MOST_BYTES
 
 
-def test_names_from_a_file_and_addresses_are_data(chromium, page_of):
+def touch(page, *places):
+    """A finger that goes from place to place."""
+    finger = page.context.new_cdp_session(page)
+    for kind, (x, y) in zip(["touchStart", *["touchMove"] * (len(places) - 1)], places, strict=True):
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+
+def test_a_finger_pulls_and_slides_without_scrolling_the_page(browser, page_of):
+    with at_work(browser, page_of("four-bar", FOUR_BAR), width=WIDTHS[1], is_phone=True) as seen:
+        page = seen.page
+        page.locator(".live-scheme").scroll_into_view_if_needed()
+        top, (x, y) = page.evaluate("scrollY"), grab(page, "P")
+        touch(page, (x, y), (x + 10.0, y + 15.0), (x + 20.0, y + 30.0))
+        assert page.evaluate("scrollY") == top
+        assert np.hypot(*np.subtract(grab(page, "P"), (x + 20.0, y + 30.0))) < 8.0
+        slider = page.get_by_role("slider", name="crank mass, kg")
+        slider.scroll_into_view_if_needed()
+        box, before = slider.bounding_box(), figure(page, "force in O1")[0]
+        touch(page, *((box["x"] + share * box["width"], box["y"] + box["height"] / 2) for share in (0.5, 0.6, 0.8)))
+        assert figure(page, "force in O1")[0] != before
+        assert number(copied(page), r"P =") != 28.0
+        assert seen.facts()["overflow"] <= 0
+        assert seen.faults == []
+
+
+def test_names_from_a_file_and_addresses_are_data(browser, page_of):
     hostile = "</script><img src=x onerror=alert(1)>"
     text = FOUR_BAR.replace("Crank-rocker", hostile).replace("P =", f"'{hostile}' =").replace('"P"', f"'{hostile}'")
     design = {"__proto__": 1, "crank.mass": "1e999", "sketch.B.x": 3, hostile: 2, "rocker.mass": "0.5"}
-    with at_work(chromium, page_of("hostile", text), design) as seen:
+    with at_work(browser, page_of("hostile", text), design) as seen:
         assert seen.page.locator("img[src=x]").count() == 0
         assert copied(seen.page) == text.replace("mass = 0.12", "mass = 0.5")
         assert seen.faults == []
 
 
-def test_a_number_that_the_file_leaves_out_is_written_into_it_and_a_variant_as_a_file_of_its_own(chromium, page_of):
-    with at_work(chromium, page_of("four-bar", FOUR_BAR), {"rocker.centre.x": 12.5, "gravity.y": -9.81}) as seen:
+def test_a_number_that_the_file_leaves_out_is_written_into_it_and_a_variant_as_a_file_of_its_own(browser, page_of):
+    with at_work(browser, page_of("four-bar", FOUR_BAR), {"rocker.centre.x": 12.5, "gravity.y": -9.81}) as seen:
         text = copied(seen.page)
         assert number(text, r"centre = \[5, 0\].*?centre = \[30, 5\].*?centre".replace(".*?", r"[\s\S]*?")) == 12.5
         assert "gravity = [0.0, -9.81]" in text
         assert "# bolted to the frame" in text
 
 
-def test_one_file_to_mail_computes_as_well(chromium, page_of, tmp_path):
+def test_one_file_to_mail_computes_as_well(browser, page_of, tmp_path):
     page = page_of("four-bar", FOUR_BAR)
     mailed = tmp_path / "mine.html"
     assert linkproof("report", page.parent, "--single-file", mailed).returncode == 0
-    with at_work(chromium, mailed, {"crank.mass": 0.4}) as seen:
+    with at_work(browser, mailed, {"crank.mass": 0.4}) as seen:
         assert figure(seen.page, "force in O1")[2].endswith("%")
         assert set(seen.loaded) == {str(mailed)}
         assert seen.faults == []
+
+
+@in_every_browser
+def test_a_watched_page_follows_its_file_and_saves_to_it(browser, tmp_path):
+    file, faults = tmp_path / "mine.toml", []
+    file.write_text(FOUR_BAR, encoding="utf-8")
+    with watching(file) as address:
+        page = browser.new_context(reduced_motion="reduce", permissions=[]).new_page()
+        page.set_default_timeout(PATIENCE)
+        page.add_init_script(AT_HAND)
+        page.on("console", lambda one: faults.append(one.text))
+        page.on("pageerror", lambda one: faults.append(str(one)))
+        page.goto(f"{address}#crank.mass=0.3&speed=500")
+        page.locator(ROCKER).wait_for(state="attached")
+        file.write_text(FOUR_BAR.replace("mass = 0.12", "mass = 0.14"), encoding="utf-8")
+        page.wait_for_function("one => document.querySelector(one)?.value === '0.14'", arg=ROCKER)
+        text = copied(page)
+        assert "mass = 0.14" in text
+        assert "mass = 0.3" in text
+        assert "# bolted to the frame" in text
+        click(page, "Save to mine.toml")
+        page.wait_for_url(f"{address}#speed=500")
+        page.wait_for_function(SAVED)
+        assert (file.read_text(encoding="utf-8"), faults) == (text, [])
+
+        file.write_text("crank = 3\n", encoding="utf-8")
+        page.get_by_text("mine.toml:1:").wait_for()
+        file.write_text(FOUR_BAR, encoding="utf-8")
+        page.locator(".live-scheme").wait_for()
+        state = page.locator("meta[name=linkproof-state]").get_attribute("content")
+        page.route("**/state", lambda route: route.fulfill(body=state))  # the page has not noticed yet
+        file.write_text(text, encoding="utf-8")
+        click(page, "Save to mine.toml")
+        page.get_by_text("has changed since this page was built: nothing was written").wait_for()
+        assert file.read_text(encoding="utf-8") == text

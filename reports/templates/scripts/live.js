@@ -119,6 +119,7 @@ linkproof.widget("live", (element, data) => {
         button("Copy as TOML", copy),
         button("Save curves", save),
         button("Link", link),
+        ...(linkproof.watched ? [button(`Save to ${data.name}.toml`, saveFile)] : []),
       );
       const left = make("div", "", { className: "live-stage" }),
         top = make("div", "", { className: "live-top" }),
@@ -172,23 +173,15 @@ linkproof.widget("live", (element, data) => {
 
     /** A slider and a box for one number, in the file's unit. */
     function numberRow(one) {
-      const reach = one.value
-        ? Math.abs(one.value) / (one.role === "scale" ? 1 : 2)
-        : one.unit === length.unit
-          ? extent / 4
-          : 10;
+      const far = one.value ? Math.abs(one.value) / (one.role === "scale" ? 1 : 2) : one.unit === length.unit ? extent / 4 : 10;
+      const by = nice(far / 50),
+        reach = by * Math.round(far / by);
       const words = `${one.group} ${one.label}, ${one.unit}`.replaceAll("_", " "),
-        by = nice(reach / 50),
         line = make("div", "", { className: "live-number" });
-      const slider = make("input", "", {
-        type: "range",
-        min: one.value - reach,
-        max: one.value + reach,
-        step: "any",
-        ariaLabel: words,
-      });
+      const [min, max] = [one.value - reach, one.value + reach];
+      const slider = make("input", "", { type: "range", min, max, step: by, ariaLabel: words });
       const box = make("input", "", { type: "number", step: "any", ariaLabel: `${words}, exactly` });
-      slider.addEventListener("input", () => preview({ [one.name]: tidy(Math.round(slider.value / by) * by) }));
+      slider.addEventListener("input", () => preview({ [one.name]: tidy(Number(slider.value)) }));
       slider.addEventListener("change", () => commit());
       box.addEventListener("change", () => {
         if (box.value !== "" && Number.isFinite(box.valueAsNumber)) {
@@ -471,6 +464,7 @@ linkproof.widget("live", (element, data) => {
       const written = (name) => (values.has(name) ? String(values.get(name)) : found.literals[name]);
       return found ? found.parts.map((part, k) => (k % 2 ? written(part) : part)).join("") : "";
     }
+    const NO_PLACE = "The file has no place for these numbers: write them into it once, and open the page again.";
     function copy() {
       const text = file(),
         speed = "speed" in design ? ` --speed ${design.speed}` : "";
@@ -478,7 +472,7 @@ linkproof.widget("live", (element, data) => {
         ? ` --from=${(over.phiAt(0) * 180) / Math.PI} --to=${(over.phiAt(1) * 180) / Math.PI}`
         : "";
       if (!text) {
-        tell("The file has no place for these numbers: write them into it once, and open the page again.");
+        tell(NO_PLACE);
         return;
       }
       hand(
@@ -486,8 +480,26 @@ linkproof.widget("live", (element, data) => {
         `Copied. Save it as ${data.name}.toml; linkproof results ${data.name}.toml${speed}${reach} prints these numbers.`,
       );
     }
+    /** Over the file that is watched; what is no number of a file, the speed, stays in the address. */
+    function saveFile() {
+      const text = file();
+      if (!text) {
+        tell(NO_PLACE);
+        return;
+      }
+      const address = location.href;
+      toAddress("speed" in design ? { speed: design.speed } : {});
+      linkproof.watched.save(text).then((reason) => {
+        if (!reason) return;
+        history.replaceState(null, "", address);
+        tell(reason);
+      });
+    }
+    function toAddress(values) {
+      history.replaceState(null, "", `#${new URLSearchParams(Object.entries(values))}`);
+    }
     function link() {
-      history.replaceState(null, "", `#${new URLSearchParams(Object.entries(design))}`);
+      toAddress(design);
       hand(location.href, "The address of these numbers is copied.");
     }
     /** To the clipboard; where there is none, into a box to copy from. */

@@ -94,7 +94,8 @@ linkproof.liveDrawing = (data, model, pulled) => {
     grip.addEventListener("pointermove", (event) => {
       if (grip.hasPointerCapture(event.pointerId)) pulled.move(name, inWorld(event));
     });
-    grip.addEventListener("pointerup", () => pulled.end());
+    grip.addEventListener("lostpointercapture", () => pulled.end());
+    grip.addEventListener("touchstart", (event) => event.preventDefault()); // else the page scrolls
     grip.addEventListener("keydown", (event) => {
       const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
       if (!way) return;

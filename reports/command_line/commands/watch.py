@@ -1,0 +1,101 @@
+"""What ``linkproof watch`` does: the page of a linkage file, built anew when the file changes, and saved back to it."""
+
+from __future__ import annotations
+
+import hashlib
+import webbrowser
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Lock, Thread
+
+from analytic.description import loading
+from analytic.errors import LinkproofError
+from comparisons.datasheet.building import page_sheet
+from comparisons.runs.files import write_bytes
+from reports.document import html
+from reports.document.parts import Page, Paragraph, Widget
+from reports.document.terminal import show
+from reports.live.server import PageServer, ServedPage
+from reports.mechanism.page import page
+from reports.requests.options.linkage import WatchOptions
+from reports.requests.results import requested_results
+
+PAGE = "index.html"
+
+
+def watch(options: WatchOptions) -> None:
+    """Serve the page of a file until Ctrl-C."""
+    browser = _browser() if options.opens else None
+    file = _WatchedFile(options)
+    with PageServer(file.page, file.save, options.port) as server:
+        show(f"page: {server.address}; Ctrl-C ends it", stderr=True)
+        if browser:
+            Thread(target=browser.open, args=(server.address,), daemon=True).start()
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()
+
+
+def _browser() -> webbrowser.BaseBrowser:
+    try:
+        return webbrowser.get()
+    except webbrowser.Error as error:
+        raise LinkproofError("no browser on this machine: add --no-open, and open the printed address") from error
+
+
+class _WatchedFile:
+    """A linkage file; the state of a page is a digest of the file that it shows."""
+
+    def __init__(self, options: WatchOptions) -> None:
+        file = loading.read(options.mechanism)
+        if file.is_known:
+            raise LinkproofError(
+                f"expected a file of your own, got '{options.mechanism}', which is installed; copy it and name the copy"
+            )
+        self.options, self.path = options, Path(options.mechanism)
+        self._lock, self._served = Lock(), ServedPage("", {})
+
+    def page(self) -> ServedPage:
+        """The page of the file as it is now."""
+        with self._lock:
+            if self._state() != self._served.state:
+                self._served = self._built(self._state())
+            return self._served
+
+    def save(self, text: str, state: str) -> None:
+        """Replace the file that a page of ``state`` shows; its line ends stay. Raises LinkproofError."""
+        with self._lock:
+            if self._state() != state:
+                raise LinkproofError(
+                    f"{self.path.name} has changed since this page was built: nothing was written; copy what you "
+                    "need, then reload the page"
+                )
+            loading.tables(text, self.path.name)
+            ends = "\r\n" if b"\r\n" in self.path.read_bytes() else "\n"
+            write_bytes(self.path, text.replace("\n", ends).encode())
+
+    def _state(self) -> str:
+        with suppress(OSError):
+            return hashlib.sha256(self.path.read_bytes()).hexdigest()
+        return "no file"
+
+    def _built(self, state: str) -> ServedPage:
+        try:
+            shown = self._page()
+        except LinkproofError as error:
+            name, reason = self.path.name, Paragraph(str(error), "verdict")
+            shown = Page(PAGE, name, name, "The page follows the file.", (reason,), ())
+        with TemporaryDirectory() as name:
+            folder = Path(name)
+            html.write_assets(folder)
+            html.write(replace(shown, file=PAGE, state=state), folder, ())
+            files = [one for one in folder.rglob("*") if one.is_file()]
+            return ServedPage(state, {one.relative_to(folder).as_posix(): one.read_bytes() for one in files})
+
+    def _page(self) -> Page:
+        """The page of the linkage; where it can be pulled at, without figures that do not follow."""
+        case, _ = requested_results(loading.load(self.options.mechanism, self.options.variant), self.options)
+        found = page(page_sheet(case))
+        is_live = any(isinstance(part, Widget) for part in found.parts)
+        return replace(found, sections=()) if is_live else found

@@ -1,0 +1,110 @@
+"""A page served to the browsers of this machine alone: its address has a token, and only a click on it writes.
+
+Pages of other sites can send requests to any port of this machine. They do not know the token; a name that leads here
+(DNS rebinding) is refused by the host of the request, a form or a script of another site by its origin.
+"""
+
+from __future__ import annotations
+
+import secrets
+import sys
+from collections.abc import Callable, Mapping
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from mimetypes import guess_type
+from typing import Final, NamedTuple
+
+from analytic.errors import LinkproofError
+
+HOST: Final = "127.0.0.1"
+MOST: Final = 4_000_000  # bytes of a text that is saved
+HEADERS: Final = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "frame-ancestors 'none'",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
+class ServedPage(NamedTuple):
+    """The ``files`` of a page by name, index.html among them, and the ``state`` of what it shows."""
+
+    state: str
+    files: Mapping[str, bytes]
+
+
+class PageServer(ThreadingHTTPServer):
+    """Serves what ``page`` gives at ``address``, on a port of this machine, 0 for any free one; raises LinkproofError.
+
+    ``save`` gets a text and the state of the page that it comes from; what it raises is shown on that page.
+    """
+
+    def __init__(self, page: Callable[[], ServedPage], save: Callable[[str, str], None], port: int) -> None:
+        self.page, self.save = page, save
+        try:
+            super().__init__((HOST, port), _Request)
+        except (OSError, OverflowError) as error:
+            raise LinkproofError(
+                f"cannot serve at --port {port} ({error}): name another, or leave it out for a free one"
+            ) from error
+        self.site = f"http://{HOST}:{self.server_port}"
+        self.folder = f"/{secrets.token_urlsafe(24)}/"
+        self.address = self.site + self.folder
+
+    def handle_error(self, request: object, client_address: object) -> None:
+        """Print a fault of ours; a browser that left is none."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)  # type: ignore[arg-type]
+
+
+class _Request(BaseHTTPRequestHandler):
+    server: PageServer
+    timeout = 60
+
+    def do_GET(self) -> None:
+        """A file of the page, or the state by which it notices a change."""
+        name = self._name()
+        if name is not None:
+            page = self.server.page()
+            files = {"": page.files["index.html"], "state": page.state.encode(), **page.files}
+            kind = guess_type(name or "index.html")[0] or "text/plain"
+            self._send(HTTPStatus.OK if name in files else HTTPStatus.NOT_FOUND, files.get(name, b""), kind)
+
+    def do_POST(self) -> None:
+        """The text that a click on the page saves."""
+        name, length = self._name(), self.headers.get("Content-Length", "")
+        if name is None:
+            return
+        if name != "save" or "Origin" not in self.headers or not length.isdecimal() or int(length) > MOST:
+            self._send(HTTPStatus.BAD_REQUEST)
+            return
+        try:
+            self.server.save(self.rfile.read(int(length)).decode(), self.headers.get("If-Match", ""))
+        except (LinkproofError, UnicodeDecodeError) as error:
+            self._send(HTTPStatus.CONFLICT, str(error).encode())
+        else:
+            self._send(HTTPStatus.OK)
+
+    def _name(self) -> str | None:
+        """The file that is requested; None where the request is refused: it is not this page's, nor a reader's own."""
+        given, folder, site = self.path[: len(self.server.folder)], self.server.folder, self.server.site
+        is_own = [f"http://{host}" for host in self.headers.get_all("Host", ())] == [site]
+        if (
+            is_own
+            and self.headers.get("Origin", site) == site
+            and secrets.compare_digest(given.encode(), folder.encode())
+        ):
+            return self.path.partition("?")[0].removeprefix(folder)
+        self._send(HTTPStatus.FORBIDDEN)
+        return None
+
+    def _send(self, status: HTTPStatus, content: bytes = b"", kind: str = "text/plain") -> None:
+        self.send_response(status)
+        headers = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content))}
+        for name, value in {**HEADERS, **headers}.items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, *_: object) -> None:
+        """Nothing: requests are not news."""
