@@ -254,3 +254,14 @@ def test_a_cause_is_found_whichever_turn_and_zero_the_angles_have(is_stated, cha
     judgement = judge(JUKI, results, steady if is_stated else None)
     assert [f.likeliest.fault.name for f in judgement.explanation.findings] == [named]
     assert not judgement.explanation.unexplained
+
+
+@pytest.mark.parametrize(("regime", "late"), [("constant-speed", 0.002), ("run-up-quintic", 0.01), ("run-up", -0.002)])
+def test_a_late_column_may_have_anything_where_the_run_has_no_instants(regime, late):
+    motion = crank_motion(regime)
+    within = np.clip(TIME - late, 0.0, TIME[-1])  # a tool that repeats the first or the last value there
+    (torque,) = Simulation(JUKI, motion).predicted([samples("Mkr", within)])
+    results = exported(JUKI, motion, ("phi", "Mkr", "S"), TIME, change=lambda v, _: {**v, "Mkr": torque})
+    (finding,) = judge(JUKI, results).explanation.findings
+    assert (finding.likeliest.fault.name, finding.fully) == ("delay:Mkr", True)
+    assert finding.likeliest.numbers == pytest.approx([-late], abs=1e-6)
