@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 from analytic.written import signed
 from comparisons.faults import filters
 from comparisons.faults.fault import Correction, Fault, Kind
-from comparisons.faults.simulation import Predict, Simulation, is_angle, is_place, is_rotary
+from comparisons.faults.simulation import (
+    Predict,
+    Simulation,
+    at_jumps,
+    holds_acceleration,
+    is_angle,
+    is_place,
+    is_rotary,
+)
 from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
@@ -46,6 +54,7 @@ FEW: Final = 0.03  # of the samples: single ones
 LIMITED: Final = 4  # samples at one value: a limit
 NEAR: Final = 0.05  # of the peak, within which a column is another quantity
 NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
+SAME: Final = 1e-6  # of a step: the same instant
 MOST_TIMES: Final = 4  # of single samples that are named
 
 
@@ -186,7 +195,13 @@ def _delayed(evidence: Evidence) -> Fault:
 
     def apply(simulation: Simulation, shift: Array) -> Simulation:
         def change(predict: Predict, of: str, time: Array) -> Array:
-            return predict(of, time + float(shift[0]) if of == name else time)
+            if of != name:
+                return predict(of, time)
+            at = time + float(shift[0])
+            within = (at >= evidence.time[0] - SAME * step) & (at <= evidence.time[-1] + SAME * step)
+            if holds_acceleration(name):
+                within &= ~at_jumps(at, simulation.motion)
+            return np.where(within, predict(of, at), np.nan)  # outside the run a tool may write anything
 
         return simulation.then(change)
 

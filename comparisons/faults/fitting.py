@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from analytic.errors import LinkproofError
 from comparisons.faults.columns import Evidence
 from comparisons.faults.fault import Fault, Kind, Numbers, both
-from comparisons.faults.simulation import Simulation, at_jumps, holds_acceleration
+from comparisons.faults.simulation import Simulation, at_jumps, holds_acceleration, is_angle
 
 Array = NDArray[np.float64]
 
+TURN: Final = 2.0 * math.pi
 ROUNDS: Final = 8  # of Gauss-Newton
 MOST_GUESSES: Final = 3  # from which fits are made
 HALVINGS: Final = 6
@@ -82,7 +83,10 @@ class Fitting:
         moved = other.motion.jumps != self.simulation.motion.jumps
         remains = []
         for one, values in zip(self.evidence, curves, strict=True):
-            rest = np.where(one.counted, (one.values - values) / one.tolerance, np.nan)
+            apart = one.values - values
+            if is_angle(one.name):  # of which whole turns say nothing
+                apart = apart - TURN * np.round(np.nanmedian(apart) / TURN)
+            rest = np.where(one.counted, apart / one.tolerance, np.nan)
             if moved and holds_acceleration(one.name):
                 rest = np.where(at_jumps(one.time, other.motion) & ~one.over, np.nan, rest)
             rest = np.where(one.over & np.isnan(rest), one.residual, rest)  # left open, it is not explained

@@ -166,6 +166,7 @@ class _Search:
         self.whole = Fitting(simulation, evidence)
         few = max(FEWEST, min(SAMPLES, SAMPLES * MANY // len(evidence)))
         self.thin = Fitting(simulation, [one.thinned(few) for one in evidence])
+        self.differ = np.array([differs(one) for one in evidence])
         rest = [one.residual[one.counted] for one in evidence]
         self.rms = np.array([float(np.sqrt(np.mean(r**2))) if len(r) else 0.0 for r in rest])
         shares = [(one.rounding / one.tolerance)[one.counted] for one in evidence]
@@ -206,9 +207,9 @@ class _Search:
         return self.finding(fits, tuple(names)) if fits else None
 
     def _of_model(self, fault: Fault) -> Fit | None:
-        """A fault fitted to some samples, and if it explains anything there measured on all."""
+        """A fault fitted to some samples, and if it explains a difference there measured on all."""
         fit = self.thin.best(fault)
-        if fit is None or not np.any(fit.rms <= np.maximum(1.0, WORTH * self.rms)):
+        if fit is None or not np.any(self.differ & (fit.rms <= np.maximum(1.0, WORTH * self.rms))):
             return None
         return self.whole.at(fault, fit.numbers, fit.digits)
 

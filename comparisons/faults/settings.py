@@ -136,14 +136,11 @@ def motion_settings(motion: Motion, column: CrankColumn | None = None) -> Iterat
     yield _of("direction", lambda m, _: ChangedMotion(m, -1.0, 2.0 * start), lambda _: direction,
               cure=_mirrored(2.0 * start) if from_column else _none)  # fmt: skip
     yield Fault(
-        "view from behind", Kind.SETTING,
-        lambda simulation, _: _seen_from_behind(simulation, start),
+        "view from behind", Kind.SETTING, _seen_from_behind,
         lambda _: "the motor's axis points the other way: angles, turns and torques count clockwise",
-        cure=_mirrored(2.0 * start, "rotary") if from_column else _none,
+        usual=tuple((about,) for about in dict.fromkeys((2.0 * start, 0.0))),
+        cure=lambda p: _mirrored(float(p[0]), "rotary")(p) if from_column else {},
     )  # fmt: skip
-    if abs(start) > 1e-9:
-        yield _of("mirrored angle", lambda m, _: ChangedMotion(m, -1.0), lambda _: "the crank angle is mirrored",
-                  cure=_mirrored(0.0))  # fmt: skip
     yield from _offsets(start, from_column=from_column)
     yield _shifted(motion, from_column=from_column)
     yield _of(
@@ -199,8 +196,8 @@ def _of(
     return Fault(name, Kind.SETTING, apply, words, *numbers, **rest)
 
 
-def _seen_from_behind(simulation: Simulation, start: float) -> Simulation:
-    moved = simulation.moving(ChangedMotion(simulation.motion, -1.0, 2.0 * start))
+def _seen_from_behind(simulation: Simulation, p: Array) -> Simulation:
+    moved = simulation.moving(ChangedMotion(simulation.motion, -1.0, float(p[0])))
     return moved.then(lambda predict, name, time: (-1.0 if is_rotary(name) else 1.0) * predict(name, time))
 
 
@@ -213,6 +210,11 @@ def _offsets(start: float, *, from_column: bool) -> Iterator[Fault]:
             return f"the crank angle counts from another zero: {signed(degrees, '.4g')}° are to be added to the file's"
         return f"the crank starts at {math.degrees(turned(start + p[0])):.4g}° in place of {math.degrees(start):.4g}°"
 
+    def mirrored(p: Array) -> str:
+        if abs(turned(p[0])) < NOTHING:
+            return "the crank angle is mirrored"
+        return f"the crank angle counts the other way, from {math.degrees(turned(p[0])):.4g}°"
+
     of_one: dict[str, Any] = {
         "guesses": tuple((2.0 * math.pi * n / TURNS,) for n in range(TURNS)),
         "usual": tuple((math.radians(a),) for a in QUARTERS),
@@ -220,9 +222,8 @@ def _offsets(start: float, *, from_column: bool) -> Iterator[Fault]:
     }
     yield _of("start angle", lambda m, p: ChangedMotion(m, offset=float(p[0])), words, (0.0,), (1.0,),
               cure=lambda p: {"phi": Correction(offset=turned(p[0]))}, **of_one)  # fmt: skip
-    yield _of("mirrored start", lambda m, p: ChangedMotion(m, -1.0, float(p[0])),
-              lambda p: f"the crank angle counts the other way, from {math.degrees(turned(p[0])):.4g}°", (0.0,), (1.0,),
-              cure=lambda p: _mirrored(float(p[0]))(p), **of_one)  # fmt: skip
+    yield _of("mirrored angle", lambda m, p: ChangedMotion(m, -1.0, float(p[0])), mirrored, (0.0,), (1.0,),
+              cure=lambda p: _mirrored(float(p[0]))(p), **{**of_one, "usual": ((0.0,), *of_one["usual"])})  # fmt: skip
 
 
 def _shifted(motion: Motion, *, from_column: bool) -> Fault:

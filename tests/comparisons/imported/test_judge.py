@@ -231,3 +231,37 @@ def test_a_thousandth_is_taken_for_no_unit_of_another_ratio():
     faults = column_faults(small.evidence, Simulation(JUKI, steady), ())
     words = [fault.words(np.ones(0)) for fault in faults if fault.name.startswith("unit")]
     assert words == ["S is 0.001 times the closed form's: a unit taken for another (1000)"]
+
+
+TURNING = ("phi", "Mkr", "S", "link:crank:angle")
+FROM_BEHIND = {name: lambda y: -y for name in ("phi", "Mkr", "link:crank:angle")}
+
+
+@pytest.mark.parametrize(
+    ("is_stated", "changes", "named"),
+    [
+        (False, {"phi": lambda y: 180.0 / np.pi * y}, "unit:phi"),
+        (False, FROM_BEHIND, "view from behind"),
+        (True, FROM_BEHIND, "sign of rotary"),
+    ],
+)
+def test_a_cause_is_found_whichever_turn_and_zero_the_angles_have(is_stated, changes, named):
+    steady = crank_motion("constant-speed", start_angle=1.3)
+    names = TURNING[is_stated:]
+    results = exported(
+        JUKI, steady, names, TIME, change=lambda v, _: {n: changes.get(n, np.positive)(y) for n, y in v.items()}
+    )
+    judgement = judge(JUKI, results, steady if is_stated else None)
+    assert [f.likeliest.fault.name for f in judgement.explanation.findings] == [named]
+    assert not judgement.explanation.unexplained
+
+
+@pytest.mark.parametrize(("regime", "late"), [("constant-speed", 0.002), ("run-up-quintic", 0.01), ("run-up", -0.002)])
+def test_a_late_column_may_have_anything_where_the_run_has_no_instants(regime, late):
+    motion = crank_motion(regime)
+    within = np.clip(TIME - late, 0.0, TIME[-1])  # a tool that repeats the first or the last value there
+    (torque,) = Simulation(JUKI, motion).predicted([samples("Mkr", within)])
+    results = exported(JUKI, motion, ("phi", "Mkr", "S"), TIME, change=lambda v, _: {**v, "Mkr": torque})
+    (finding,) = judge(JUKI, results).explanation.findings
+    assert (finding.likeliest.fault.name, finding.fully) == ("delay:Mkr", True)
+    assert finding.likeliest.numbers == pytest.approx([-late], abs=1e-6)

@@ -1,0 +1,20 @@
+"""Files of an independent program: what is wrong is named first, whatever links and points are called."""
+
+import pytest
+
+from tests.targets.judging.campaign import RIGHT, judged, outcome, trial
+from tests.targets.judging.exports import case
+
+SEED = 7
+
+
+@pytest.mark.parametrize(("kind", "number"), [(k, n) for k in ("clean", "fault") for n in (6, 17, 44, 50, 81)])
+def test_what_is_wrong_is_named_first_and_nothing_of_a_clean_file(kind, number):
+    export = case(SEED, number, int(kind == "fault"))
+    assert outcome(export, judged(export)) in RIGHT
+
+
+@pytest.mark.parametrize("number", [36, 94])
+def test_an_answer_does_not_hang_on_names_nor_on_the_order_of_the_file(number):
+    came, changes, _, words = trial("fault", number, SEED)
+    assert (came in RIGHT, changes) == (True, False), words
