@@ -27,8 +27,8 @@ PAGE = "index.html"
 
 def watch(options: WatchOptions) -> None:
     """Serve the page of a file until Ctrl-C."""
-    browser = _browser() if options.opens else None
     file = _WatchedFile(options)
+    browser = _browser() if options.opens else None
     with PageServer(file.page, file.save, options.port) as server:
         show(f"page: {server.address}; Ctrl-C ends it", stderr=True)
         if browser:
