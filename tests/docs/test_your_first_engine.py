@@ -1,5 +1,7 @@
 """The adapter that docs/your-first-engine.md builds, installed as its page says, is found and keeps the contract."""
 
+import ast
+import contextlib
 import os
 import re
 import subprocess
@@ -11,6 +13,7 @@ import pytest
 
 from comparisons.conformance.conformance import CHECKS
 from comparisons.conformance.mutants import MUTANT
+from comparisons.conformance.results import NotTestedError
 from comparisons.conformance.trial import Trial
 from tests.comparisons.conformance.wrong_engines import WRONG
 
@@ -62,6 +65,23 @@ def test_its_runs_are_exported_and_the_script_needs_the_simulator_alone(run):
     assert shown.returncode == 0, shown.stderr
     rows = [line.split() for line in shown.stdout.splitlines() if line.startswith("drive torque")]
     assert rows[0][-4] == rows[0][-3]  # the torque now and when it was exported
+
+
+def test_its_thirty_lines_pass_every_check_of_an_engine_that_has_positions_alone():
+    known = {"__name__": "pinwork"}
+    exec(BLOCKS["pinwork.py"], known)
+    tree = ast.parse(BLOCKS["pinwork.py"])
+    strings = [node for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)]
+    lines = [line for line in BLOCKS["pinwork.py"].splitlines() if line.strip()]
+    assert len(lines) - len(strings) <= 33
+    trial, passed = Trial(known["PinworkEngine"]()), set()
+    for check in CHECKS.values():
+        if check.name.startswith(MUTANT):
+            continue
+        with contextlib.suppress(NotTestedError):
+            check.examine(trial)
+            passed.add(check.name)
+    assert passed >= {"positions", "samples", "refusals", "settings", "recording"}
 
 
 def test_its_package_asks_for_nothing_that_is_not_to_be_had():
