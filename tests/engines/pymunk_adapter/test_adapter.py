@@ -304,6 +304,12 @@ def test_the_last_of_two_hundred_turns_is_as_good_as_the_first():
     assert off[-count:].max() < 3.0 * off[:count].max()
 
 
+def test_no_buffer_is_made_for_a_run(monkeypatch):
+    """For pymunk never frees one."""
+    monkeypatch.delattr("pymunk.batch.Buffer")
+    _run("juki-mf7923d", _motion(ramp_time=0.02), Setting.BEST)
+
+
 # -- a free crank ------------------------------------------------------------------------------------------------------
 
 
