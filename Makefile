@@ -15,7 +15,7 @@ RECORD := --baseline tests/baseline.json --record-baseline
 
 DOCUMENTED := $(VENV)/.documented
 
-.PHONY: report pages docs pins test lint baseline speed targets clean
+.PHONY: report pages docs pins test lint baseline speed targets release-check clean
 
 report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
@@ -50,6 +50,9 @@ speed: $(READY)  ## time the hot paths at two commits, turn and turn about; fail
 
 targets: $(READY)  ## measure the accuracy and speed targets of tests/targets/targets.toml; fails where a minimum is missed
 	$(BIN)/python -m tests.targets.targets
+
+release-check: $(READY)  ## sdist and wheel in build/release, each installed anew, with README's commands and the type checker
+	$(BIN)/python -m tests.linkproof.release build/release
 
 clean:
 	rm -rf build $(VENV)

@@ -10,6 +10,7 @@
 ``shaking_moment``              its moment about the crank's pivot; about the origin where no crank turns
 ``transmission_angle:GROUP``    of a group of two links, from 0 to π/2 (``analytic.kinematics.transmission``)
 ``Q half_slope damping``        generalised force of the loads, ½ dJeq/dφ and damping reduced to the crank: on request
+``Jeq:coupler``                 a link's share of the reduced inertia: on request
 
 The first body of a pin is the link that is not the ground, of two moving links the second by name; of a slider it is
 the slider, of a slot the link that has the pin (``analytic.dynamics.joint_forces``). A drive along a line has a travel,
@@ -122,9 +123,10 @@ def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
 
 def unit(name: str, linkage: Linkage) -> str:
     """SI unit of the signal of a linkage, or of the magnitude of a vector."""
-    if name in ONE_OF_ITS_KIND:
-        return unit_of(name, ONE_OF_ITS_KIND[name].unit, is_linear=linkage.is_linear)
     kind, _, part = name.partition(":")
+    whole = name if name in ONE_OF_ITS_KIND else kind
+    if whole in ONE_OF_ITS_KIND:
+        return unit_of(whole, ONE_OF_ITS_KIND[whole].unit, is_linear=linkage.is_linear)
     components, component = COMPONENTS[kind], part.rpartition(":")[2]
     return components.get(component, next(iter(components.values())))  # a magnitude has that of its components
 
@@ -199,6 +201,9 @@ def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
     if loaded:
         found |= _each("joint_force", linkage.joint_names, _joint_force)
         found |= SHAKING
+        for link in linkage.links:
+            formula = partial(_inertia, link=link)
+            found[f"Jeq:{link}"] = NamedSignal("kg m²", formula, is_still=True, is_listed=False)
     for dyad in mechanism.structure.dyads:
         formula = partial(_transmission, group=dyad.name)
         found[f"transmission_angle:{dyad.name}"] = NamedSignal("rad", formula, is_still=True)
@@ -234,6 +239,10 @@ def _link(at: LinkageInMotion, name: str, component: str) -> Scalar:
     if component == "omega":
         return first * at.speed
     return at.sweep.accelerations(name)[2] * at.speed**2 + first * at.acceleration
+
+
+def _inertia(at: LinkageInMotion, link: str) -> Scalar:
+    return reduced.reduced_inertia(at.sweep, [link])
 
 
 def _joint_force(at: LinkageInMotion, name: str, component: str) -> Scalar:

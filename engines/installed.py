@@ -66,14 +66,14 @@ def flush() -> None:
 
 
 @contextmanager
-def silenced() -> Iterator[None]:
-    """Send what the process writes to its standard output and error nowhere, C code's included."""
+def silenced(into: str = os.devnull) -> Iterator[None]:
+    """Send what the process writes to its standard output and error nowhere, or to a file, C code's included."""
     flush()  # what was written before is not lost
     kept = [(stream, os.dup(stream)) for stream in (1, 2)]
     try:
-        with open(os.devnull, "w") as nowhere:
+        with open(into, "a") as file:
             for stream, _ in kept:
-                os.dup2(nowhere.fileno(), stream)
+                os.dup2(file.fileno(), stream)
         yield
     finally:
         flush()  # what is still held back is not written later

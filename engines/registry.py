@@ -154,14 +154,21 @@ def _loaded(entry: EntryPoint) -> Engine:
         lacking = [part for part in CONTRACT if not hasattr(adapter, part)]
         if lacking:
             raise PluginError(f"expected an adapter with {', '.join(CONTRACT)}, got one without {', '.join(lacking)}")
-        version = adapter.version()
+        check_adapter(adapter)
     if adapter.name != entry.name:
         raise PluginError(f"expected an adapter with the name it is announced by, got {adapter.name!r}")
+    return adapter
+
+
+def check_adapter(adapter: Engine) -> None:
+    """Raise PluginError for an adapter whose facts are not as the contract has them."""
+    version = adapter.version()
+    if not isinstance(adapter.name, str) or not adapter.name.strip():
+        raise PluginError(f"expected a name as text, got {adapter.name!r}")
     if not isinstance(version, str | None):
         raise PluginError(f"expected a version as text or None, got a {type(version).__name__}")
     if not isinstance(adapter.is_control, bool) or not _are_plain(adapter.abilities):
         raise PluginError("expected is_control as True or False and abilities of the contract's own types, got others")
-    return adapter
 
 
 def _package(entry: EntryPoint) -> str:

@@ -34,6 +34,32 @@ LOST: Final = 4 * 2.0**-52  # relative; what a number may lose on its way throug
 MOST_TOLD: Final = 12  # changed numbers in the first line
 
 
+def spelt_out(text: str, name: str, variant: str | None) -> str:
+    """The text of a linkage file whose own values are those of a variant, every number of a design written in it.
+
+    Raises as ``rewritten`` does.
+    """
+    own = loading.parse(text, name, name, variant)
+    raw, _, source = loading.document(text, name, name, variant)
+    raw = {key: part for key, part in raw.items() if key not in OF_THE_ORIGINAL}
+    file = WrittenNumbers(raw, reader_of(loading.validated(raw, source), source), own)
+    for number, value in numbers_of(own).items():
+        if not math.isfinite(value) or ".along." in number:
+            continue
+        file.set(number, value)
+    result = _text(text, raw)
+    _check(result, name, own)
+    return result
+
+
+def written_numbers(text: str, name: str, variant: str | None) -> WrittenNumbers:
+    """Where a file in a variant has its numbers, and in which units."""
+    raw, _, source = loading.document(text, name, name, variant)
+    return WrittenNumbers(
+        raw, reader_of(loading.validated(raw, source), source), loading.parse(text, name, name, variant)
+    )
+
+
 def rewritten(
     text: str, name: str, variant: str | None, numbers: Mapping[str, float], *, new_variant: str = DESIGN
 ) -> str:
@@ -69,7 +95,7 @@ def rewritten(
     raw, _, source = loading.document(text, name, name, variant)
     raw = {"variant": new_variant} | {key: part for key, part in raw.items() if key not in OF_THE_ORIGINAL}
     raw["variant"] = new_variant
-    file = _File(raw, reader_of(loading.validated(raw, source), source), old)
+    file = WrittenNumbers(raw, reader_of(loading.validated(raw, source), source), old)
     told = [file.set(number, value) for number, value in wanted.items()]
     if target.output and any(".along." in number for number in wanted):
         raw["output"]["along"] = list(target.output.along)  # where it followed a guide, S stays what it was
@@ -78,8 +104,8 @@ def rewritten(
     return result
 
 
-class _File:
-    """A linkage file as nested dictionaries, in which numbers are set by name."""
+class WrittenNumbers:
+    """A linkage file as nested dictionaries, in which numbers are set by name: ``places`` has keys and indices."""
 
     def __init__(self, raw: dict[str, Any], reader: Reader, linkage: Linkage) -> None:
         self.raw = raw

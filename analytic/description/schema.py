@@ -209,7 +209,9 @@ class Published(TomlTable):
     """A figure printed in a source, in ``unit``, by default SI or a plain ratio.
 
     ``half_digit`` is half a unit of its last digit, ``accuracy`` what the source's own error is known to be where that
-    is more. A figure at a crank angle is that of a crank that turns with ``speed``, rpm, by default with 1 rad/s.
+    is more. It is a figure of a ``regime``, or of a crank that turns with ``speed``, rpm, by default with 1 rad/s.
+    ``less`` and ``relative_to`` name another signal, or another mechanism, whose same figure is subtracted, or is what
+    it is divided by.
     """
 
     quantity: str
@@ -218,8 +220,10 @@ class Published(TomlTable):
     unit: str | None = None
     half_digit: NotNegative = 0.0
     accuracy: NotNegative = 0.0
+    regime: str | None = None
     speed: Finite | None = None
     variant: str | None = None
+    less: str | None = None
     relative_to: str | None = None
     note: str = ""
 

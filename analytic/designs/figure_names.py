@@ -7,8 +7,8 @@
 ``transmission_angle.peak``  the least, which is the worst
 ``stroke``               the range of S
 
-Along a motion in time there are ``omega.max`` and ``Mkr@0.03s``, a value at a time, besides. Sources print values at a
-time of one of the linkage's own regimes, ``omega@0.03s:squeezing``.
+Along a motion in time there are ``omega.max`` and ``Mkr@0.03s``, a value at a time, besides. Signals computed on
+request, as ``Jeq:coupler``, have figures too.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from analytic.description.units import factor
 from analytic.designs.figures import Figure, Reduction
 from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened
 from analytic.kinematics.mechanism import Mechanism
-from analytic.signals import MAGNITUDE, names_with_magnitudes
+from analytic.signals import MAGNITUDE, names_with_magnitudes, table
 
 STROKE: Final = "stroke"
 ANGLES: Final = "transmission_angle"
@@ -35,9 +35,7 @@ NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signal
     **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
 }
 NEAREST: Final = 3  # names in a message
-PLACE: Final = re.compile(
-    r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:(?P<angle>deg|rad)?|s(?P<regime>:.+|))"
-)
+PLACE: Final = re.compile(r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?P<unit>deg|rad|s|)")
 NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
 
 
@@ -46,7 +44,8 @@ def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> 
 
     Raises LinkproofError for a signal or a reduction that there is not, and for a wrong angle or time.
     """
-    known = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
+    listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
+    known = listed | {one: one for one, on_request in table(mechanism).items() if not on_request.is_listed}
     signal, mark, where = name.rpartition("@")
     if mark:
         members = _members(mechanism, known, signal, name)
@@ -54,7 +53,7 @@ def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> 
         return {f"{one}@{where}": Figure(known[one], Reduction.AT, angle, time) for one in members}
     signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
     if word not in REDUCTIONS:
-        raise _unknown(name, known)
+        raise _unknown(name, listed)
     how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(ANGLES) else Reduction(word)
     members = _members(mechanism, known, signal, name)
     return {STROKE if name == STROKE else f"{one}.{word}": Figure(known[one], how) for one in members}
@@ -108,40 +107,17 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
     )
 
 
-def place(linkage: Linkage, text: str) -> tuple[float, str | None]:
-    """What stands behind the '@': a crank angle, rad, a travel, m, or a time, s, and the regime whose time it is.
-
-    Raises LinkproofError for anything else.
-    """
-    found = _place(linkage, text)
-    if found is None or found[1] == "":
-        where = "a travel of the drive" if linkage.is_linear else "a crank angle"
-        raise LinkproofError(
-            f"expected {where} or a time with its regime after '@', got '{text}'; write 30, "
-            f"{'' if linkage.is_linear else '0.5rad '}or 0.03s:REGIME"
-        )
-    return found
-
-
-def _place(linkage: Linkage, text: str) -> tuple[float, str | None] | None:
-    """The same; of a time without its regime the regime is empty. None for anything else."""
-    read = PLACE.fullmatch(text)
-    if read is None or (linkage.is_linear and read["angle"]):
-        return None
-    number = float(read["number"])
-    if read["regime"] is not None:
-        return number, read["regime"].removeprefix(":")
-    if read["angle"] == "rad":
-        return number, None
-    return number * (factor("length", linkage.units["length"]) if linkage.is_linear else math.radians(1.0)), None
-
-
 def _instant(linkage: Linkage, name: str, text: str, *, in_time: bool) -> tuple[float, float]:
     """The place of the driver behind the @, rad or m, or the time, s; the other is nan."""
-    found = _place(linkage, text)
-    if found is None or found[1] or (found[1] is not None and not in_time):
+    read = PLACE.fullmatch(text)
+    measure = read["unit"] if read else None
+    if read is None or (linkage.is_linear and measure in ("deg", "rad")) or (measure == "s" and not in_time):
         unit = linkage.units["length"] if linkage.is_linear else "degrees"
         time = ", or a time such as 0.03s" if in_time else ""
         raise LinkproofError(f"{name}: expected a crank angle in {unit}{time} after '@', got '{text}'; correct it")
-    number, regime = found
-    return (number, math.nan) if regime is None else (math.nan, number)
+    number = float(read["number"])
+    if measure == "s":
+        return math.nan, number
+    if measure == "rad":
+        return number, math.nan
+    return number * (factor("length", linkage.units["length"]) if linkage.is_linear else math.radians(1.0)), math.nan

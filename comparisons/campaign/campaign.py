@@ -13,7 +13,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.checks import checks
 from comparisons.judging.deviations import Deviation, NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
-from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, from_row, run_record
+from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, run_record
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case, unpickled
@@ -21,7 +21,7 @@ from comparisons.runs.failures import Failure, Lost, blamed_on
 from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import run_engine
-from comparisons.runs.study import Announce, Study, Task, Written
+from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.worker_process import host
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Engine, Outcome, Setting
@@ -136,19 +136,22 @@ def compare(
     bounds: Bounds = DEFAULT_BOUNDS,
     pool: Pool | None = None,
     journal: Journal | None = None,
+    todo: Sequence[Task] = (),
 ) -> CampaignRuns:
     """The runs of a request, made in parallel as they are gone through.
 
     ``announce`` hears the label of the run begun last, how many are finished and how many there are. Runs are made in
     the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is made
     here, unbounded. A ``journal`` is given every finished run to keep, and spares those that it has kept already.
+    ``todo`` are its ``tasks`` where they are known.
 
     What ``tasks`` raises is raised at once, before the first run; LinkproofError too, if the journal is
     another request's.
     """
-    todo = tasks(request)
+    todo = todo or tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
-    return CampaignRuns(Study(judged, lost, written, from_row, journal, announce, where), todo, bounds)
+    study = Study(judged, lost, RunRecord.written, RunRecord.from_row, journal, announce, where)
+    return CampaignRuns(study, todo, bounds)
 
 
 def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunRecord:
@@ -188,11 +191,6 @@ def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], 
         {name: found.curve for name, (_, found) in compared.items() if found is not None},
         run.details,
     )
-
-
-def written(result: RunRecord) -> Written:
-    """A run for its journal."""
-    return result.data, result.curves
 
 
 def _all_alike(quantities: Iterable[Quantity], blank: Record, outcome: Outcome | Failure, reason: str) -> RunRecord:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import judged, lost, run_key, written
-from comparisons.judging.records import RunRecord, from_row
+from comparisons.campaign.campaign import judged, lost, run_key
+from comparisons.judging.records import RunRecord
 from comparisons.reference.case import Case, own_case
 from comparisons.reference.motion import Spin
 from comparisons.reference.printed_models import printed_motion
@@ -94,7 +94,7 @@ def judge_errata(
     trials = list(_trials(linkages))
     tasks = [_task(*trial, name) for trial in trials for name in engines]
     where = pool or LocalPool(usual_processes(len({task.key for task in tasks})))
-    study = Study(judged, lost, written, from_row, journal, pool=where)
+    study = Study(judged, lost, RunRecord.written, RunRecord.from_row, journal, pool=where)
     with closing(study.in_order(tasks, bounds)) as runs:
         for erratum, case in trials:
             printed = None

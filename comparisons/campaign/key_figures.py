@@ -9,22 +9,20 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
-from analytic.designs.figure_names import STROKE, figures_named
-from analytic.designs.figures import Figure, SignalExtreme
+from analytic.designs.figure_names import STROKE
+from analytic.designs.figures import Figure
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.signals import COMPONENTS, ONE_OF_ITS_KIND, moving_points, unit
+from analytic.signals import moving_points
 from analytic.turn.thread_feed import contour_length
 from analytic.written import change
-from comparisons.datasheet.curves import Curves, Measure
+from comparisons.datasheet.case_figures import MechanismFigure, case_figures, figure_unit, named
+from comparisons.datasheet.curves import Curves
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
-
-Array = NDArray[np.float64]
 
 ROUNDINGS: Final = 16  # of the largest figure of a unit: what is less is not told from none
 KEY: Final = (
@@ -76,50 +74,21 @@ class KeyFigure:
 def key_figures(case: Case, names: Iterable[str] = ()) -> dict[str, float]:
     """Key figures of a case over its motion, SI, by name, and those of further ``names`` that it has.
 
-    A name is one of ``analytic.designs.figure_names``; means are over the time. One at a place that the motion does not
-    pass is left out. ``output:point:x@0s``, ``output:direction:x`` and ``thread:length@0s`` are no figures of a signal:
-    which point is the output, its direction, and the length of the thread.
+    A name is one of ``comparisons.datasheet.case_figures``. One at a place that the motion does not pass is left out.
+    ``output:point:x@0s``, ``output:direction:x`` and ``thread:length@0s`` are no figures of a signal: which point is
+    the output, its direction, and the length of the thread.
     """
-    mechanism = case.mechanism
-    points = (f"point:{point}:{axis}@0s" for point in moving_points(mechanism.linkage) for axis in "xy")
-    wanted: dict[str, Figure] = {}
-    for name in (*KEY, *points, *names):
+    mechanism, curves = case.mechanism, Curves(case)
+    points = [f"point:{point}:{axis}@0s" for point in moving_points(mechanism.linkage) for axis in "xy"]
+    usual: dict[str, Figure | MechanismFigure] = {}
+    for name in (*KEY, *points):
         with suppress(LinkproofError):
-            wanted |= figures_named(mechanism, name, in_time=True)
-    found = {**_values(Curves(case), wanted), **dict(_parts_of_the_description(case))}
+            usual |= named(mechanism, name)
+    found = case_figures(curves, usual) | dict(_parts_of_the_description(case))
+    for name in (name for name in names if name not in found):
+        with suppress(LinkproofError):
+            found |= case_figures(curves, named(mechanism, name))
     return {name: value for name, value in found.items() if math.isfinite(value)}
-
-
-def _values(curves: Curves, wanted: Mapping[str, Figure]) -> dict[str, float]:
-    """Figures over the motion: of extremes, of means over the time, and at single instants."""
-
-    def height(end: SignalExtreme) -> Measure:
-        return lambda at: end.height(curves.of(at, end.signal))
-
-    places = curves.places({end: height(end) for one in wanted.values() for end in one.extremes})
-    at_places = curves.at(np.array([*places.values()]))
-    ends = {end: curves.of(at_places, end.signal)[row] for row, end in enumerate(places)}
-    means = {
-        one: lambda at, one=one: one.integrand(curves.of(at, one.signal)) for one in wanted.values() if one.is_mean
-    }
-    averages = dict(zip(means, curves.means(*means.values()) if means else (), strict=True))
-    found = {}
-    for name, one in wanted.items():
-        if one.extremes:
-            found[name] = float(one.of([ends[end] for end in one.extremes]))
-        elif one.is_mean:
-            found[name] = float(one.of_mean(np.array(averages[one])))
-        else:
-            with suppress(LinkproofError):
-                found[name] = float(curves.of(curves.at(_instant(curves, one)), one.signal)[0])
-    return found
-
-
-def _instant(curves: Curves, one: Figure) -> Array:
-    """The instant (1,), s, of a figure at a place or a time; raises LinkproofError where the motion has none."""
-    if math.isnan(one.time):
-        return curves.instants.at_angles(np.array([one.angle]), "", 1.0)
-    return curves.instants.at_times(np.array([one.time]))
 
 
 def _parts_of_the_description(case: Case) -> Iterator[tuple[str, float]]:
@@ -134,12 +103,14 @@ def _parts_of_the_description(case: Case) -> Iterator[tuple[str, float]]:
         yield THREAD, float(contour_length(start, linkage.thread)[0])
 
 
-def figure_unit(name: str, linkage: Linkage) -> str:
+def _unit(name: str, linkage: Linkage) -> str:
     """SI unit of a key figure by its name; none of a direction, and of what is no key figure of this version."""
-    stem = name.rpartition("@")[0] or name.rpartition(".")[0]
-    if name in (STROKE, THREAD) or name.startswith(OUTPUT):
+    if name == THREAD or name.startswith(OUTPUT):
         return "m"
-    return unit(stem, linkage) if stem.partition(":")[0] in {*ONE_OF_ITS_KIND, *COMPONENTS} else ""
+    try:
+        return figure_unit(name, linkage)
+    except KeyError:
+        return ""
 
 
 def check_figures(names: Sequence[str], linkages: Iterable[Linkage]) -> None:
@@ -149,7 +120,7 @@ def check_figures(names: Sequence[str], linkages: Iterable[Linkage]) -> None:
         mechanism = Mechanism(linkage)
         for name in [*lacking]:
             try:
-                figures_named(mechanism, name, in_time=True)
+                named(mechanism, name)
             except LinkproofError as error:
                 lacking[name] = lacking[name] or error
             else:
@@ -180,7 +151,7 @@ def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
         blank = blank_record(case, "")
         recorded = baseline.figures(blank)
         now = key_figures(case, (*baseline.coverage.figures, *recorded))
-        units = {name: figure_unit(name, case.mechanism.linkage) for name in (*recorded, *now)}
+        units = {name: _unit(name, case.mechanism.linkage) for name in (*recorded, *now)}
         least = _roundings(recorded, units)
         for name, one in units.items():
             old, new = recorded.get(name), now.get(name)

@@ -25,9 +25,9 @@ from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.limits import LimitTable, shipped_limits, table_of
-from comparisons.judging.records import Record, RunRecord, from_row
+from comparisons.judging.records import Record, RunRecord
 from comparisons.runs.environment import environment
-from comparisons.runs.study_folder import has_study, load_study, save_study, usable
+from comparisons.runs.study_folder import has_study, load_study, save_study
 
 Array = NDArray[np.float64]
 
@@ -133,14 +133,14 @@ def with_runs(told: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, A
         **told,
         "records": [asdict(record) for run in found for record in run.records],
         "invariants": [asdict(record) for run in found for record in run.checks],
-        "details": {"/".join(run.run): dict(run.details) for run in found},
+        "details": {run.key: dict(run.details) for run in found},
     }
 
 
 def save(folder: Path, told: Mapping[str, Any], runs: Iterable[RunRecord], sheets: Sequence[Sheet] = ()) -> None:
     """Write a campaign, or a judgement, and its data sheets into a folder, in the place of another there."""
     kind = kind_of(told)
-    save_study(folder, kind, told, (("/".join(run.run), run.data, run.curves) for run in runs))
+    save_study(folder, kind, told, ((run.key, *run.written()) for run in runs))
     save_sheets(folder, sheets)
     (other,) = {*KINDS} - {kind}
     shutil.rmtree(folder / other, ignore_errors=True)
@@ -162,10 +162,7 @@ def load(folder: Path, *, with_sheets: bool = True) -> Results:
     Raises LinkproofError where there is none, or it is damaged.
     """
     kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
-    saved = load_study(folder, kind, FORM)
-    with usable(folder, kind):
-        runs = tuple(from_row(*saved.records.read(key)) for key in saved.records.keys)
-    found = Results(saved.document, runs, load_sheets(folder) if with_sheets else ())
+    found = Results(*load_study(folder, kind, FORM, RunRecord.from_row), load_sheets(folder) if with_sheets else ())
     if with_sheets:
         _check_sheets(found, folder)
     return found

@@ -4,105 +4,61 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import lru_cache, partial
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import groupby
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from comparisons.conformance import channels, conduct
-from comparisons.conformance.channels import finished, obstacle
-from comparisons.conformance.findings import (
-    Check,
-    Finding,
-    Found,
-    NotApplicableError,
-    NotTestedError,
-    examined,
-    in_workers,
-    with_expected,
-)
-from comparisons.conformance.misreadings import MISREADINGS
-from comparisons.conformance.mutants import (
-    Misread,
-    can_be_altered,
-    failing_rows,
-    mutant,
-    rows_failed_unaltered,
-    tuned_run,
-)
-from comparisons.conformance.mutations import MUTATIONS
-from comparisons.conformance.samples import PLAIN, case
+from comparisons.conformance import channels, conduct, mutants
+from comparisons.conformance.mutants import MUTANT
+from comparisons.conformance.results import Check, CheckResult, Finding
+from comparisons.conformance.trial import Trial
+from comparisons.runs.failures import Failure, Lost
+from comparisons.runs.workers import Bounds, run_jobs
 from engines.contract import Engine
 from engines.registry import Unusable
 
 if TYPE_CHECKING:
     import pytest
 
-MUTANT: Final = "mutant: "
 INSTALLED: Final = "installed"
 FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no other check says anything
-
-
-def _is_seen(engine: Engine, wrong: Engine, sample: str) -> None:
-    """Raise AssertionError unless a wrong engine fails a row, of those that speak of it, that the right one passes."""
-    passed_over = rows_failed_unaltered(engine, sample)
-    seen = failing_rows(case(sample), wrong, tuned_run(wrong, sample))
-    row = next((name for name in seen if name not in passed_over), None)
-    assert row is not None, (
-        f"sample '{sample}': expected a row over its limit, got none{_but(passed_over)}: read more values "
-        "from the engine and compute fewer"
-    )
-
-
-def _but(rows: frozenset[str]) -> str:
-    return f" beside {', '.join(sorted(rows))}, which it fails unaltered too" if rows else ""
-
-
-def sees_altered_world(name: str, engine: Engine) -> None:
-    """A world altered behind the adapter's back fails a row."""
-    mutation = MUTATIONS[name]
-    reason = obstacle(engine, mutation.sample)
-    if reason is not None:
-        raise NotApplicableError(reason)
-    if not can_be_altered(engine):
-        raise NotTestedError(f"{engine.name} builds no world from altered(scene), as a SteppedEngine does")
-    finished(engine, mutation.sample)
-    _is_seen(engine, mutant(engine, mutation), mutation.sample)
-
-
-def sees_misreading(name: str, engine: Engine) -> None:
-    """A channel misread fails a row."""
-    misreading = MISREADINGS[name]
-    if misreading.channel not in engine.abilities.readouts:
-        raise NotApplicableError(f"{engine.name} offers no {misreading.channel.value}")
-    run = finished(engine, PLAIN)
-    assert run.history is not None
-    if misreading.vectors and any(signal.values.ndim == 1 for signal in run.history.joint_force.values()):
-        raise NotApplicableError(f"{engine.name} provides only magnitudes of joint forces")
-    _is_seen(engine, Misread(engine, misreading), PLAIN)
-
-
+DANGEROUS: Final = "bad data"  # may bring a process down
+BOUNDS = Bounds(seconds=120.0)
 CHECKS: Final[Mapping[str, Check]] = {
-    check.name: check
-    for check in (
-        *conduct.CHECKS,
-        *channels.CHECKS,
-        *(Check(f"{MUTANT}{name}", "fails a row", partial(sees_altered_world, name)) for name in MUTATIONS),
-        *(Check(f"{MUTANT}{name}", "fails a row", partial(sees_misreading, name)) for name in MISREADINGS),
-    )
+    check.name: check for check in (*conduct.CHECKS, *channels.CHECKS, *mutants.CHECKS)
 }
 
 
-def examine(pickled: bytes, name: str) -> Found:
+def examine(pickled: bytes, name: str) -> CheckResult:
     """What comes of the check of this name of a pickled engine, in this process."""
-    return examined(unpickled(pickled), CHECKS[name])
+    return CHECKS[name].result(_unpickled(pickled))
 
 
 @lru_cache(maxsize=1)
-def unpickled(engine: bytes) -> Engine:
-    """The engine of a worker's job, the same for all its jobs, so that they share what is kept of its runs."""
-    found: Engine = pickle.loads(engine)
-    return found
+def _unpickled(engine: bytes) -> Trial:
+    """The engine of a worker's jobs, the same for all, so that they share its runs."""
+    return Trial(pickle.loads(engine))
+
+
+def in_workers(engine: Engine, names: list[str], processes: int | None = None) -> list[CheckResult]:
+    """The results of checks by name, in worker processes; a check that brings one down has failed."""
+    try:
+        pickled = pickle.dumps(engine)
+    except Exception:
+        reason = "the engine cannot be sent to another process: let its class stand in a module of its own"
+        return [CheckResult(name, Finding.NOT_TESTED, reason) for name in names]
+    jobs: list[tuple[Any, ...]] = [(pickled, name) for name in names]
+    results = dict(run_jobs(examine, jobs, bounds=BOUNDS, processes=processes))
+    return [_result(name, results[number]) for number, name in enumerate(names)]
+
+
+def _result(name: str, result: CheckResult | Lost) -> CheckResult:
+    if not isinstance(result, Lost):
+        return result
+    what = {Failure.TIMED_OUT: "it ", Failure.CRASHED: "its process "}.get(result.outcome, "")
+    cure = ": end every run with an outcome and a reason" if what else ""
+    return CheckResult(name, Finding.FAILED, f"{what}{result.reason}{cure}")
 
 
 def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) -> dict[str, str]:
@@ -110,52 +66,65 @@ def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) ->
     return {**getattr(engine, "expected_failures", {}), **(named or {})}
 
 
-def check_engine(engine: Engine, processes: int | None = None) -> list[Found]:
-    """The findings of all checks, each made in a worker process; nothing an engine does brings this one down.
+def with_expected(result: CheckResult, expected: Mapping[str, str]) -> CheckResult:
+    """A result where some failures are expected, by check; one that passes all the same fails."""
+    reason = expected.get(result.check)
+    if reason is None:
+        return result
+    if result.finding is Finding.FAILED:
+        return replace(result, finding=Finding.EXPECTED, detail=f"{reason} ({result.detail})")
+    if result.finding is Finding.PASSED:
+        detail = f"it passes, though it is expected to fail ({reason}): take it from the expected failures"
+        return replace(result, finding=Finding.FAILED, detail=detail)
+    return result
+
+
+def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResult]:
+    """The results of all checks, each made in a worker process; nothing an engine does brings this one down.
 
     All others wait for what they rest on, ``FIRST``, and mutants for all others: each is tried once those before it
     pass, or fail as expected, so that one cause is named once.
 
-    Of an engine that cannot be used, or whose adapter cannot be loaded, that is the only finding.
+    Of an engine that cannot be used, or whose adapter cannot be loaded, that is the only result.
     """
     if isinstance(engine, Unusable):
-        return [examined(engine, CHECKS[INSTALLED])]
+        return [CHECKS[INSTALLED].result(Trial(engine))]
     expected = expected_failures(engine)
-    known = [name for name in expected if name in CHECKS]
-    found: list[Found] = []
-    for _, stage in groupby(CHECKS, lambda name: (name in FIRST, name.startswith(MUTANT))):
-        wrong = [each.check for each in found if with_expected(each, expected).finding is Finding.FAILED]
-        if wrong:
-            reason = f"'{wrong[0]}' fails: correct the engine first"
-            found += [Found(name, Finding.NOT_TESTED, reason) for name in stage]
-        else:
-            found += in_workers(examine, engine, [*stage], processes)
-    stale = [
-        Found(name, Finding.FAILED, f"expected a check, got '{name}' among the expected failures: correct the name")
+    results = [
+        CheckResult(name, Finding.FAILED, f"expected a check, got '{name}' among the expected failures: correct it")
         for name in expected
-        if name not in known
+        if name not in CHECKS
     ]
-    return [*stale, *(with_expected(each, expected) for each in found)]
+    wrong = ""
+    for _, stage in groupby(CHECKS, lambda name: (name in FIRST, name.startswith(MUTANT))):
+        if wrong:
+            reason = f"'{wrong}' fails: correct the engine first"
+            results += [CheckResult(name, Finding.NOT_TESTED, reason) for name in stage]
+            continue
+        done = [with_expected(result, expected) for result in in_workers(engine, [*stage], processes)]
+        wrong = next((result.check for result in done if result.finding is Finding.FAILED), "")
+        results += done
+    return results
 
 
 @dataclass(frozen=True)
 class EngineCheck:
     """One check of one engine, to be called by a test."""
 
-    engine: Engine
+    trial: Trial
     check: Check
 
     def __call__(self) -> None:
-        """Make the check; raises AssertionError with a sentence, or has pytest skip what says nothing."""
+        """Make the check; raises AssertionError with a sentence, or has pytest skip what is not tested."""
         import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 
-        if self.check.alone:
-            (found,) = in_workers(examine, self.engine, [self.check.name], 1)
+        if self.check.name == DANGEROUS:
+            (result,) = in_workers(self.trial.engine, [self.check.name], 1)
         else:
-            found = examined(self.engine, self.check)
-        if found.finding in (Finding.NOT_APPLICABLE, Finding.NOT_TESTED):
-            pytest.skip(f"{found.finding}: {found.detail}")
-        assert found.finding is not Finding.FAILED, found.detail
+            result = self.check.result(self.trial)
+        if result.finding is Finding.NOT_TESTED:
+            pytest.skip(result.detail)
+        assert result.finding is not Finding.FAILED, result.detail
 
 
 def parametrize_engine_checks(
@@ -168,13 +137,13 @@ def parametrize_engine_checks(
     """
     import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 
-    expected = globals()["expected_failures"](engine, expected_failures)
+    expected, trial = globals()["expected_failures"](engine, expected_failures), Trial(engine)
     for name in expected:
         if name not in CHECKS:
             raise KeyError(f"expected a check, got '{name}' among the expected failures; one of {', '.join(CHECKS)}")
 
     def case_of(check: Check) -> pytest.ParameterSet:
         marks = [pytest.mark.xfail(reason=expected[check.name], strict=True)] if check.name in expected else []
-        return pytest.param(EngineCheck(engine, check), id=check.name.replace(" ", "-"), marks=marks)
+        return pytest.param(EngineCheck(trial, check), id=check.name.replace(" ", "-"), marks=marks)
 
     return pytest.mark.parametrize("check", [case_of(check) for check in CHECKS.values()])

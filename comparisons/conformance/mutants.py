@@ -1,128 +1,185 @@
-"""Mutants of an engine, and the first row of the suite by which each is seen."""
+"""Mutants of an engine, each with one fault: of its world, of its read-out, or of how its runs are extrapolated.
+
+What is altered is small, of the size of a slip in an adapter. Faults of the world are those that ``judge`` fits, each
+planted in the sample on which it matters; misreadings are those by which a wrong channel is explained.
+"""
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from typing import Any, Final, TypeVar
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
+from typing import Any, Final
 
-from comparisons.conformance.misreadings import Misreading
-from comparisons.conformance.mutations import Mutation
-from comparisons.conformance.samples import SAMPLES, case
-from comparisons.invariants.checks import checks
-from comparisons.judging.deviations import NoSampleError, deviation
-from comparisons.judging.quantities import chosen_quantities
-from comparisons.judging.records import Verdict, blank_record
-from comparisons.judging.verdicts import judge
-from comparisons.observation.observed_motion import ObservedMotion
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.conformance.results import Check, NotTestedError
+from comparisons.conformance.samples import PLAIN, case
+from comparisons.conformance.trial import Trial, judged_rows, scene_of
+from comparisons.faults.misreadings import MISREADINGS, Misreading, planted
+from comparisons.faults.ranking import model_faults
+from comparisons.faults.settings import motion_settings
+from comparisons.faults.simulation import ChangedMotion, Simulation
 from comparisons.reference.case import Case
-from comparisons.runs.failures import blamed_on
-from comparisons.runs.run_engine import readable, started
-from engines.contract import Engine, Outcome, Run, Setting
-from engines.scene import Channel, Scene
+from comparisons.runs.run_engine import run_engine
+from engines.contract import Origin, Setting
+from engines.scene import Channel, Free
+from engines.stepping.richardson import Weigh, weights
 
-T = TypeVar("T")
-MOST_KEPT: Final = 2 * len(SAMPLES)
-_KEPT: dict[tuple[int, str], tuple[Engine, Any]] = {}
+Array = NDArray[np.float64]
+Rows = Mapping[str, bool]
 
-
-class Misread:
-    """An engine whose history is misread."""
-
-    def __init__(self, engine: Engine, misreading: Misreading) -> None:
-        self.engine, self.misreading = engine, misreading
-        self.name, self.abilities, self.is_control = engine.name, engine.abilities, engine.is_control
-
-    def version(self) -> str | None:
-        """That of the engine."""
-        return self.engine.version()
-
-    def run(self, scene: Scene, setting: Setting) -> Run:
-        """The engine's run, misread."""
-        run = self.engine.run(scene, setting)
-        channel = self.misreading.channel
-        if run.history is None or channel not in scene.channels or getattr(run.history, channel.value) in (None, {}):
-            return run
-        return replace(run, history=self.misreading.change(run.history, scene))
-
-
-def can_be_altered(engine: Engine) -> bool:
-    """Whether a world of the engine can be built from another scene than the requested one."""
-    return hasattr(engine, "altered")
-
-
-def mutant(engine: Engine, mutation: Mutation) -> Engine:
-    """The engine whose worlds are built as the mutation alters the case of its sample."""
-    wrong = mutation.alter(case(mutation.sample))
-
-    def altered(scene: Scene) -> Scene:
-        return wrong.scene(scene.channels)
-
-    changed: Any = copy.copy(engine)
-    changed.altered = altered
-    return changed  # type: ignore[no-any-return]
+MUTANT: Final = "mutant: "
+RELEASED: Final = "torque of the drive"
+# By sample the faults of the world, by their names in the list: of their number a multiple, or a part more (SI).
+WORLD: Final[Mapping[str, tuple[str, ...]]] = {
+    PLAIN: (
+        *(f"{link}.{number} × 1.01" for number in ("mass", "inertia") for link in ("crank", "coupler", "rocker")),
+        *("coupler.centre.x + 1e-3", "coupler.centre.y × -1"),
+        *("gravity × 0", "gravity × -1", "gravity × 1.01", "gravity.x + 0.17"),
+        *("coupler.B.y + 1e-4", "ground.O2.x + 1e-4", "crank.A.x + 1e-4"),
+        *("speed × 1.001", "direction", "time shift + -6e-4"),
+    ),
+    "slider-crank": (
+        *("slider.mass × 1.01", "slider.mass × 2", "slider.centre.y + 1e-3"),
+        *("slider.along + 1.75e-3", "slider.through.y + 1e-4"),
+    ),
+    "quick return": ("A in rocker.along + 1.75e-3", "A in rocker.through.y + 1e-4", "crank.A.x + 1e-4"),
+    "force": ("no forces", "forces.P × -1", "forces.P.x × 1.01", "forces.P at B"),
+    "force over the angle": ("forces.P late + 0.035", "forces.P by its mean"),
+    "torque": ("no torques", "torques.rocker × -1", "torques.rocker on coupler"),
+    "spring": (
+        *("no springs", "springs.P.F.stiffness × 1.01", "springs.P.F.length + 1e-3", "springs.P.F.damping × 0"),
+    ),
+    "damper": ("no dampers", "dampers.coupler.rocker against the ground"),
+    "driven slider": ("piston.along + 1.75e-3", "start angle + 1e-4"),
+    "cylinder": ("start angle + 1e-4", "ground.Q.x + 1e-3"),
+    "released": (f"{RELEASED} × 1.01",),
+}  # fmt: skip
 
 
-def own_run(engine: Engine, scene: Scene, setting: Setting) -> Run:
-    """The engine's run of a scene; whether its samples cover the motion is a check of its own."""
-    with blamed_on(engine):
-        return readable(started(engine, scene, setting, None), scene, engine.name)
+@dataclass(frozen=True)
+class Mutant:
+    """One fault: ``rows(trial)`` are the rows of an engine that has it, in a sample and a setting.
+
+    It raises NotTestedError where the fault cannot be planted.
+    """
+
+    name: str
+    rows: Callable[[Trial], Rows]
+    sample: str = PLAIN
+    setting: Setting = Setting.TUNED
+
+    def check(self, trial: Trial) -> None:
+        """Raise AssertionError unless the fault fails a row that the engine itself passes."""
+        wrong, right = self.rows(trial), trial.rows(self.sample, self.setting)
+        if any(is_over and not right.get(name) for name, is_over in wrong.items()):
+            return
+        over = ", ".join(name for name, is_over in right.items() if is_over)
+        beside = f" beside {over}, which it fails without the fault too" if over else ""
+        signals = vars(trial.finished(self.sample, self.setting)).items()
+        computed = ", ".join(name for name, signal in signals if getattr(signal, "origin", None) is Origin.COMPUTED)
+        cure = f"read its {computed} from the engine" if computed else "return what the engine's own model does"
+        raise AssertionError(f"sample '{self.sample}': expected a row over its limit, got none{beside}; {cure}")
 
 
-def tuned_run(engine: Engine, sample: str) -> Run:
-    """The engine's tuned run of a sample, all channels recorded."""
-    return own_run(engine, case(sample).scene(frozenset(Channel)), Setting.TUNED)
+def planted_case(sample: str, key: str) -> Case:
+    """The case of a sample with a fault of ``WORLD``."""
+    of = case(sample)
+    name, _, times = key.partition(" × ")
+    name, _, plus = name.partition(" + ")
+    if name == RELEASED:
+        assert isinstance(of.drive, Free)
+        return replace(of, drive=replace(of.drive, torque=float(times) * of.drive.torque), _seen={})
+    right = Simulation(of.mechanism.linkage, of.motion)
+    faults = chain(model_faults(right), motion_settings(of.motion))
+    fault = next(fault for fault in faults if fault.name == name)
+    wrong = fault.plant(right, *(float(times or 1) * number + float(plus or 0) for number in fault.start))
+    motion = _polynomials(wrong.motion) if isinstance(wrong.motion, ChangedMotion) else of.motion
+    return replace(of, mechanism=Mechanism(wrong.linkage), motion=motion, _seen={})
 
 
-def kept_run(engine: Engine, sample: str) -> Run:
-    """The engine's tuned run of a sample, made once."""
-    return _kept(engine, f"run of {sample}", lambda: tuned_run(engine, sample))
+def _polynomials(changed: ChangedMotion) -> CrankMotion:
+    """A changed motion as engines take it, in polynomials of time; one that is late rests before it begins."""
+    right, late = changed.motion, -changed.shift
+    assert isinstance(right, CrankMotion)
+    moved = []
+    for s in right.segments:
+        first, *rest = (changed.pace * c for c in s.coefficients)
+        moved.append(Segment(s.start + late, min(s.end + late, right.duration), (first + changed.offset, *rest)))
+    before = [Segment(0.0, late, moved[0].coefficients[:1])] if late else []
+    return replace(right, segments=(*before, *moved))
 
 
-def rows_failed_unaltered(engine: Engine, sample: str) -> frozenset[str]:
-    """The rows that the engine's tuned run of a sample fails, found once."""
-    return _kept(
-        engine,
-        f"rows of {sample}",
-        lambda: frozenset(failing_rows(case(sample), engine, kept_run(engine, sample))),
-    )
+def _rows_in_world(sample: str, key: str, trial: Trial) -> Rows:
+    """Of an engine whose worlds are built with a fault."""
+    trial.finished(sample)
+    wrong = planted_case(sample, key)
+    return _rows_with(trial, sample, Setting.TUNED, "altered", lambda scene: wrong.scene(scene.channels))
 
 
-def _kept(engine: Engine, key: str, make: Callable[[], T]) -> T:
-    """What was made for an engine before; of the engine itself, as another may be equal to it."""
-    name = (id(engine), key)
-    if name not in _KEPT:
-        while len(_KEPT) >= MOST_KEPT:
-            del _KEPT[next(iter(_KEPT))]
-        _KEPT[name] = (engine, make())  # an engine that is kept shares its identity with no other
-    result: T = _KEPT[name][1]
-    return result
+def _rows_with(trial: Trial, sample: str, setting: Setting, method: str, other: Callable[..., Any]) -> Rows:
+    """Of an engine with another method; raises NotTestedError where it has no such method."""
+    name = trial.engine.name
+    if not hasattr(trial.engine, method):
+        raise NotTestedError(f"{name} has no '{method}' to replace, as a SteppedEngine has")
+    changed: Any = copy.copy(trial.engine)
+    setattr(changed, method, other)
+    run = run_engine(changed, scene_of(sample), setting)
+    return {run.outcome.value: True} if run.history is None else judged_rows(sample, setting, name, run.history)
 
 
-def failing_rows(of: Case, engine: Engine, run: Run) -> Iterator[str]:
-    """Names of the quantities, then of the invariants, that a tuned run fails, of those that speak of the engine."""
-    if run.outcome is not Outcome.FINISHED or run.history is None:
-        yield run.outcome.value
-        return
-    motion = ObservedMotion(of.scene(frozenset(Channel)), run.history)
-    blank = blank_record(of, Setting.TUNED, engine.name, "")
-    for quantity in chosen_quantities(of, ()):
-        if quantity.lacking(motion) or quantity.shared(of, motion):
-            continue
-        try:
-            found = deviation(of, quantity, motion)
-        except NoSampleError:
-            continue
-        row = replace(
-            blank,
-            quantity=quantity.name,
-            origin=quantity.origin(motion).value,
-            error_max=found.error_max,
-            error_at_jumps=found.error_at_jumps,
-        )
-        if judge(row).outcome == Verdict.OVER_LIMIT:
-            yield quantity.name
-    for row in checks(of, motion, blank):
-        if Verdict(row.outcome).failed:
-            yield row.quantity
+def _rows_misread(channel: Channel, misreading: Misreading, number: float | None, trial: Trial) -> Rows:
+    """Of what the engine did, with a channel misread."""
+    if channel not in trial.engine.abilities.readouts:
+        raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
+    right = trial.finished(PLAIN)
+    wrong = planted(right, scene_of(PLAIN), channel, misreading, number)
+    if wrong is right:
+        raise NotTestedError(f"{trial.engine.name} provides only magnitudes of joint forces")
+    return judged_rows(PLAIN, Setting.TUNED, trial.engine.name, wrong)
+
+
+def _rows_extrapolated(weigh: Weigh, trial: Trial) -> Rows:
+    """Of the engine's runs at several steps, combined by other weights."""
+    trial.finished(PLAIN, Setting.BEST)
+    if len(trial.run(PLAIN, Setting.BEST).passes) < 2:
+        raise NotTestedError(f"'{Setting.BEST}' of {trial.engine.name} is one run")
+    return _rows_with(trial, PLAIN, Setting.BEST, "weights", weigh)
+
+
+def _off(steps: Sequence[float], orders: Sequence[int]) -> Array:
+    right = weights(steps, orders)
+    right[0] += 1e-6
+    return right
+
+
+# Wrong weights of an extrapolation's runs by their steps and orders.
+WEIGHTS: Final[Mapping[str, Weigh]] = {
+    "the mean of its runs": lambda steps, _: np.full(len(steps), 1.0 / len(steps)),
+    "its coarsest run alone": lambda steps, _: np.eye(len(steps))[int(np.argmax(steps))],
+    "a weight of its runs off by 1e-6": _off,
+}
+
+
+def _mutants() -> Iterator[Mutant]:
+    for sample, keys in WORLD.items():
+        for key in keys:
+            yield Mutant(f"{sample}: {key}", partial(_rows_in_world, sample, key), sample)
+    for channel in Channel:
+        for misreading in (each for each in MISREADINGS if channel in each.channels):
+            for number in misreading.numbers or (None,):
+                words = misreading.words("…" if number is None else number)
+                rows = partial(_rows_misread, channel, misreading, number)
+                yield Mutant(f"{channel.value.replace('_', ' ')}: {words}", rows)
+    for words, weigh in WEIGHTS.items():
+        yield Mutant(f"best: {words}", partial(_rows_extrapolated, weigh), setting=Setting.BEST)
+
+
+MUTANTS: Final = tuple(_mutants())
+CHECKS: Final = tuple(Check(f"{MUTANT}{mutant.name}", "fails a row", mutant.check) for mutant in MUTANTS)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
+from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.linkage import Linkage, PrescribedRegime
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError
@@ -23,17 +24,17 @@ from comparisons.datasheet.figures import tables
 from comparisons.datasheet.instants import Instants
 from comparisons.datasheet.mechanism_summary import described, portrait
 from comparisons.datasheet.positions import over_motion
+from comparisons.datasheet.published import compare_published
 from comparisons.datasheet.released import printed, released
 from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.thinning import needed
-from comparisons.datasheet.units import FileUnit, file_unit
 from comparisons.reference.case import Case, own_motion
-from comparisons.reference.published import compare_published
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
 STEADY: Final = "constant-speed"
+OVER_RANGE: Final = f"{STEADY} over its range"
 USUAL_SPEED: Final = 1000.0 * RPM
 MARGIN: Final = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
 FEW, MOST = 361, 721  # instants of a page
@@ -59,7 +60,7 @@ def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bo
     """A swing over a range, short of its limits, at ``speed``, rad/s; of a drive along a line, in a second."""
     first, last = within(reach, backwards=backwards)
     fastest = abs(last - first) if reach.is_linear else speed
-    return replace(swing(STEADY, first, last, speed=fastest), regime=f"{STEADY} over its range")
+    return replace(swing(STEADY, first, last, speed=fastest), regime=OVER_RANGE)
 
 
 def within(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
@@ -114,6 +115,7 @@ def _sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) ->
         remarks=tuple(_remarks(curves, any(one.value is None for one in figures["forces"]))),
         chosen=None if chosen is None else curves.table(curves.at(chosen)),
         positions=over_motion(curves),
+        motion=curves.case.motion if isinstance(curves.case.motion, CrankMotion) else None,
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from analytic.description.changes import without
 from analytic.description.crank_motion import RPM
+from analytic.description.file_units import file_unit
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
 from analytic.dynamics.reduced import drive_torque, load_forces
@@ -19,7 +20,6 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import grid
 from analytic.numerics.where_assembled import where_assembled
-from comparisons.datasheet.units import file_unit
 
 Load = PointForce | LinkTorque | Spring
 LOADS: Final = ("forces", "torques", "springs")

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
 
-from analytic.description.crank_motion import RPM
+from analytic.description.crank_motion import RPM, CrankMotion
+from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
@@ -24,7 +25,6 @@ from analytic.numerics.extremes import in_turn
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import NEGLIGIBLE, TABLES
-from comparisons.datasheet.units import FileUnit, file_unit
 
 DIGITS: Final = 9  # of a number in an array
 ROUNDING: Final = 1e-6  # of a turn: what the digits of a saved sheet leave of it
@@ -137,6 +137,7 @@ class Sheet:
     instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime what
     there is to say of a released crank, ``printed`` by erratum the crank's speed, rad/s, over the "time", s, by the
     model as "printed" and as "corrected". ``missing`` says of a part why it cannot be derived.
+    ``motion`` is the crank's where it is prescribed.
     """
 
     linkage: Annotated[Linkage, PlainValidator(_read), PlainSerializer(_described)]
@@ -150,6 +151,7 @@ class Sheet:
     remarks: tuple[str, ...] = ()
     chosen: ByName | None = None
     positions: Positions | None = None
+    motion: CrankMotion | None = None
     shares: Mapping[str, ByName] = field(default_factory=dict)
     normalised: Normalised | None = None
     thread: ThreadSheet | None = None

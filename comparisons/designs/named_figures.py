@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from analytic.description.file_units import FileUnit, file_unit
 from analytic.designs.figure_names import figures_named
 from analytic.designs.figures import Figure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import unit
-from comparisons.datasheet.units import FileUnit, file_unit
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ from typing import Final, Literal
 
 from analytic.description.changes import SPEED, Kind, design_numbers, named_numbers
 from analytic.description.crank_motion import RPM
+from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.datasheet.units import FileUnit, file_unit
 
 # The units of kinds that a file does not state.
 FIXED: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}

@@ -178,11 +178,16 @@ def _moves(pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Con
     return found
 
 
+def is_other(old: float, new: float) -> bool:
+    """Whether one error differs from another by more than is worth a row."""
+    return abs(new - old) > max(SHARE * max(old, new), ROUNDING)
+
+
 def _has_moved(move: MovedRecord) -> bool:
     old, new = move.before.error_max, move.after.error_max
     if move.beyond or move.before.outcome != move.after.outcome or (old is None) != (new is None):
         return True
-    moved = old is not None and new is not None and abs(new - old) > max(SHARE * max(old, new), ROUNDING)
+    moved = old is not None and new is not None and is_other(old, new)
     return moved or abs(move.peak_share or 0.0) > PEAK_SHARE
 
 

@@ -13,41 +13,23 @@ from pathlib import Path
 from typing import Final
 
 from analytic.errors import LinkproofError
-from comparisons.campaign import results as campaign
-from comparisons.campaign.results import Results
+from comparisons.campaign.results import KINDS
 from comparisons.datasheet.saved import FILE as SHEETS
+from comparisons.folders.studies import StudyFolder
 from comparisons.runs.files import claim, write_file, write_text, writing
 from comparisons.runs.study_folder import has_study
-from comparisons.stress import saved as stress_test
-from comparisons.stress.saved import Stress
-from comparisons.work_precision import records as work_precision
-from comparisons.work_precision.records import Bench
+from comparisons.stress.saved import KIND as STRESS
+from comparisons.work_precision.records import KIND as BENCH
 
 LIST: Final = "merged.json"
-STUDIES: Final = (*campaign.KINDS, work_precision.KIND, stress_test.KIND)
+STUDIES: Final = (*KINDS, BENCH, STRESS)
 
 
 @dataclass(frozen=True)
-class MergedFolder:
+class MergedFolder(StudyFolder):
     """One folder of those that are joined: where it is, and the name it has among them."""
 
-    path: Path
     name: str
-
-    @cached_property
-    def campaign(self) -> Results | None:
-        """The campaign in it, if there is one."""
-        return campaign.load(self.path) if campaign.is_saved(self.path) else None
-
-    @cached_property
-    def bench(self) -> Bench | None:
-        """The benchmark in it, if there is one."""
-        return work_precision.load(self.path) if has_study(self.path, work_precision.KIND) else None
-
-    @cached_property
-    def stress(self) -> Stress | None:
-        """The stability maps in it, if there are any."""
-        return stress_test.load(self.path) if has_study(self.path, stress_test.KIND) else None
 
     @cached_property
     def environment(self) -> Mapping[str, str]:
@@ -75,12 +57,10 @@ class MergedFolder:
     def runs(self) -> frozenset[str]:
         """What was run, in words that tell one run from every other on the same machine."""
         campaign, bench, stress = self.campaign, self.bench, self.stress
-        records = campaign.runs if campaign else ()
-        points = bench.points if bench else ()
         return frozenset((
-            *(f"compare {record.key}, {record.conditions}" for record in records),
-            *(f"bench {point.key}" for point in points),
-            *(f"stress {result.cell.key}" for result in (stress.results if stress else ())),
+            *(f"compare {run.key}, {run.conditions}" for run in (campaign.runs if campaign else ())),
+            *(f"bench {point.key}" for point in (bench.points if bench else ())),
+            *(f"stress {cell.key}" for cell in (stress.cells if stress else ())),
         ))  # fmt: skip
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
+from comparisons.campaign import results as campaign
+from comparisons.campaign.results import Results
+from comparisons.folders.difference import ROUNDING, is_other
+from comparisons.judging.baseline import GROWTH
 from comparisons.judging.records import RunRecord
 from comparisons.runs.study_folder import has_study
 from comparisons.stress import saved as stress_test
@@ -18,9 +23,31 @@ from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.records import Bench, PointRecord
 from engines.contract import Outcome
 
-SHARE: Final = 0.01  # relative change of an error that is reported
-GROWN: Final = 3.0  # times its value before: an error that is worse
-ROUNDING: Final = 1e-12
+Measured = PointRecord | CellResult
+RIGHT: Final = (Outcome.FINISHED, StressVerdict.WITHIN)
+SAME_ORDER: Final = 0.01  # what rounding may change in an observed order
+
+
+@dataclass(frozen=True)
+class StudyFolder:
+    """The studies of a folder, each read when it is needed; None where it has none of a kind."""
+
+    path: Path
+
+    @cached_property
+    def campaign(self) -> Results | None:
+        """The campaign."""
+        return campaign.load(self.path) if campaign.is_saved(self.path) else None
+
+    @cached_property
+    def bench(self) -> Bench | None:
+        """The benchmark."""
+        return work_precision.load(self.path) if has_study(self.path, work_precision.KIND) else None
+
+    @cached_property
+    def stress(self) -> Stress | None:
+        """The stability maps."""
+        return stress_test.load(self.path) if has_study(self.path, stress_test.KIND) else None
 
 
 @dataclass(frozen=True)
@@ -48,37 +75,30 @@ class StudyDifference:
     only_after: tuple[str, ...]
 
 
-def study_differences(before: Path, after: Path) -> Iterator[StudyDifference]:
+def study_differences(before: StudyFolder, after: StudyFolder) -> Iterator[StudyDifference]:
     """The differences of the studies, other than campaigns, that both folders have."""
-    if has_study(before, work_precision.KIND) and has_study(after, work_precision.KIND):
-        old, new = ({one.key: one for one in work_precision.load(folder).points} for folder in (before, after))
-        yield _difference(work_precision.KIND, old, new, lambda one: one.outcome, _is_worse_point)
-    if has_study(before, stress_test.KIND) and has_study(after, stress_test.KIND):
-        first, second = ({one.cell.key: one for one in stress_test.load(folder).results} for folder in (before, after))
-        yield _difference(stress_test.KIND, first, second, lambda one: one.verdict.value, _is_worse_cell)
+    if before.bench and after.bench:
+        yield _difference(work_precision.KIND, before.bench.points, after.bench.points)
+    if before.stress and after.stress:
+        yield _difference(stress_test.KIND, before.stress.results, after.stress.results)
 
 
-def _difference(
-    kind: str,
-    before: Mapping[str, Any],
-    after: Mapping[str, Any],
-    outcome: Callable[[Any], str],
-    is_worse: Callable[[Any, Any], bool],
-) -> StudyDifference:
-    both = [key for key in after if key in before]
+def _difference(kind: str, before: Sequence[Measured], after: Sequence[Measured]) -> StudyDifference:
+    first, second = ({one.key: one for one in part} for part in (before, after))
+    pairs = [(first[key], new) for key, new in second.items() if key in first]
     moves = []
-    for key in both:
-        old, new = before[key], after[key]
-        outcomes = (outcome(old), outcome(new))
-        if outcomes[0] != outcomes[1]:
-            moves.append(StudyMove(key, "", outcomes, (None, None), is_worse(old, new)))
+    for old, new in pairs:
+        outcomes = (old.outcome, new.outcome)
+        if old.outcome != new.outcome:
+            is_worse = old.outcome in RIGHT or new.outcome == StressVerdict.MISSED
+            moves.append(StudyMove(new.key, "", outcomes, (None, None), is_worse))
         moves += [
-            StudyMove(key, name, outcomes, errors, is_worse=errors[1] > max(GROWN * errors[0], ROUNDING))
+            StudyMove(new.key, name, outcomes, errors, is_worse=errors[1] > max(GROWTH * errors[0], ROUNDING))
             for name, errors in _errors(old, new)
-            if abs(errors[1] - errors[0]) > max(SHARE * max(errors), ROUNDING)
+            if is_other(*errors)
         ]
-    only = (tuple(key for key in one if key not in other) for one, other in ((before, after), (after, before)))
-    return StudyDifference(kind, len(both), tuple(moves), *only)
+    only = (tuple(key for key in one if key not in other) for one, other in ((first, second), (second, first)))
+    return StudyDifference(kind, len(pairs), tuple(moves), *only)
 
 
 def _errors(old: RunRecord, new: RunRecord) -> Iterator[tuple[str, tuple[float, float]]]:
@@ -89,32 +109,13 @@ def _errors(old: RunRecord, new: RunRecord) -> Iterator[tuple[str, tuple[float, 
             yield one.quantity, (first[one.quantity], one.error_max)
 
 
-def _is_worse_point(old: PointRecord, new: PointRecord) -> bool:
-    return old.outcome == Outcome.FINISHED and new.outcome != Outcome.FINISHED
-
-
-def _is_worse_cell(old: CellResult, new: CellResult) -> bool:
-    return old.verdict is StressVerdict.WITHIN or new.verdict is StressVerdict.MISSED
-
-
-@dataclass(frozen=True)
-class CheckedStudy:
-    """How much a study of a ``kind`` has, in words, and where it contradicts itself: place and sentence."""
-
-    kind: str
-    extent: str
-    faults: tuple[tuple[str, str], ...]
-
-
-def checked_studies(folder: Path) -> Iterator[CheckedStudy]:
-    """The studies of a folder, other than campaigns, held against themselves."""
-    if has_study(folder, work_precision.KIND):
-        bench = work_precision.load(folder)
-        yield CheckedStudy(work_precision.KIND, f"{len(bench.points)} points", tuple(_bench_faults(bench)))
-    if has_study(folder, stress_test.KIND):
-        stress = stress_test.load(folder)
+def checked_studies(folder: StudyFolder) -> Iterator[tuple[str, list[tuple[str, str]]]]:
+    """How much each study of a folder has, other than a campaign, and where it contradicts itself: place, sentence."""
+    if bench := folder.bench:
+        yield f"{work_precision.KIND}: {len(bench.points)} points", list(_bench_faults(bench))
+    if stress := folder.stress:
         extent = f"{len(stress.results)} cells, {len(stress.borders)} borders"
-        yield CheckedStudy(stress_test.KIND, extent, tuple(_stress_faults(stress)))
+        yield f"{stress_test.KIND}: {extent}", list(_stress_faults(stress))
 
 
 def _bench_faults(bench: Bench) -> Iterator[tuple[str, str]]:
@@ -127,7 +128,7 @@ def _bench_faults(bench: Bench) -> Iterator[tuple[str, str]]:
         if {*saved.fronts} != {*now.fronts}:
             yield place, f"it is on the fronts of {_words(saved.fronts)}, its errors and times say {_words(now.fronts)}"
         for name, order in saved.orders.items():
-            if name not in now.orders or abs(order - now.orders[name]) > SHARE:
+            if name not in now.orders or abs(order - now.orders[name]) > SAME_ORDER:
                 yield place, f"its order in {name} is {order:.3g}, that of its sweep is {now.orders.get(name)}"
 
 
@@ -136,8 +137,8 @@ def _stress_faults(stress: Stress) -> Iterator[tuple[str, str]]:
     for cell in stress.results:
         now = verdict_of(cell)
         if now is not None and now is not cell.verdict:
-            yield f"stress {cell.cell.key}", f"saved as {cell.verdict.value}, its errors say {now.value}"
-    known = {one.cell.key: one.verdict for one in stress.results}
+            yield f"stress {cell.key}", f"saved as {cell.verdict.value}, its errors say {now.value}"
+    known = {one.key: one.verdict for one in stress.results}
     for border in stress.borders:
         inside, outside = (known.get(border.cell(value).key) for value in (border.inside, border.outside))
         if inside is not StressVerdict.WITHIN or outside is not border.verdict:

@@ -16,7 +16,7 @@ from comparisons.campaign.results import Results, is_saved, load
 from comparisons.campaign.standards import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.folders.saved_cases import Place, as_baseline, saved_cases, saved_figures
-from comparisons.folders.studies import checked_studies
+from comparisons.folders.studies import StudyFolder, checked_studies
 from comparisons.judging.baseline import Baseline
 from comparisons.judging.deviations import Deviation, signal_deviation
 from comparisons.judging.limits import LimitTable, read_limits, shipped_limits
@@ -72,12 +72,12 @@ def verify(folder: Path, limits: Path | None = None) -> Verification:
     Every curve of a campaign is held against the closed form of the folder's texts, worked out now, and every record
     against its curve. Raises LinkproofError for a folder that cannot be read, or that judge wrote.
     """
-    studies = tuple(checked_studies(folder))
+    studies = list(checked_studies(StudyFolder(folder)))
     found = Verification()
     if is_saved(folder) or not studies:
         found = _verified(load(folder, with_sheets=False), folder, limits)
-    faults = (VerificationFinding(*fault) for study in studies for fault in study.faults)
-    extents = tuple(f"{study.kind}: {study.extent}" for study in studies)
+    faults = (VerificationFinding(*fault) for _, faults in studies for fault in faults)
+    extents = tuple(extent for extent, _ in studies)
     return replace(found, studies=extents, findings=(*found.findings, *faults))
 
 
@@ -108,7 +108,7 @@ def _verified(results: Results, folder: Path, limits: Path | None) -> Verificati
 
 
 def _name(record: Record) -> str:
-    return f"{'/'.join(record.run)}: {record.quantity}"
+    return f"{record.key}: {record.quantity}"
 
 
 def _limits(results: Results, file: Path | None) -> tuple[LimitTable, str]:

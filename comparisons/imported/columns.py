@@ -43,15 +43,15 @@ class Column:
 
 @dataclass(frozen=True)
 class ResultTable:
-    """One header row and its columns, equally long; ``line`` is that of the header, ``tool`` what wrote it."""
+    """One header row and its columns, equally long; ``line`` is that of the header.
+
+    ``is_si`` is whether the tool that wrote it prints no units since all its numbers are in SI units.
+    """
 
     file: str
     line: int
-    tool: str
+    is_si: bool
     columns: tuple[Column, ...]
-
-
-NO_CORRECTION: Final = Correction()
 
 
 def keys(correction: Correction, unit: float, digits: int = 17) -> list[str]:

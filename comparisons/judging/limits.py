@@ -23,17 +23,10 @@ USERS: Final = "set by the user"
 
 @dataclass(frozen=True)
 class Limit:
-    """The largest error_max allowed, and why."""
+    """The largest error_max allowed, why, and what for; no settings, regimes or mechanisms means all of them."""
 
     value: float
     reason: str
-
-
-@dataclass(frozen=True)
-class LimitRow:
-    """A limit and what it is for; no settings, regimes or mechanisms means all of them."""
-
-    limit: Limit
     quantities: frozenset[str]
     settings: frozenset[str] = frozenset()
     regimes: frozenset[str] = frozenset()
@@ -54,7 +47,7 @@ class LimitRow:
 class LimitTable:
     """Rows of which the first that fits a record holds."""
 
-    rows: tuple[LimitRow, ...]
+    rows: tuple[Limit, ...]
 
     def limit(self, quantity: str, setting: str, regime: str, mechanism: str = "") -> Limit:
         """The limit a record is held against; raises LookupError for a quantity the table does not cover.
@@ -64,18 +57,14 @@ class LimitTable:
         name = quantity.partition(":")[0]
         for row in self.rows:
             if row.fits(name, setting, regime, mechanism):
-                return row.limit
+                return row
         raise LookupError(f"limits.toml has no row for {name}, {setting}, {regime}: add one with its reason")
 
     @property
     def told(self) -> list[dict[str, Any]]:
         """The rows as a file of limits has them, JSON-ready; ``table_of`` reads them back."""
         return [
-            {
-                **{name: sorted(getattr(row, name)) for name in LISTS},
-                "value": row.limit.value,
-                "reason": row.limit.reason,
-            }
+            {**{name: sorted(getattr(row, name)) for name in LISTS}, "value": row.value, "reason": row.reason}
             for row in self.rows
         ]
 
@@ -165,6 +154,5 @@ def _check(row: Any, place: str) -> None:  # noqa: ANN401 - whatever TOML holds
             raise UnknownNameError(f"quantity of {place}", name, shipped_limits().quantities)
 
 
-def _row(row: Mapping[str, Any]) -> LimitRow:
-    found = Limit(float(row["value"]), str(row.get("reason", USERS)))
-    return LimitRow(found, *(frozenset(row.get(name, ())) for name in LISTS))
+def _row(row: Mapping[str, Any]) -> Limit:
+    return Limit(float(row["value"]), str(row.get("reason", USERS)), *(frozenset(row.get(name, ())) for name in LISTS))

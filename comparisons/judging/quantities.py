@@ -39,7 +39,7 @@ LINEAR_TITLES: Mapping[str, str] = {
     "phi": "travel of the drive",
     "omega": "speed of the drive",
     "epsilon": "acceleration of the drive",
-    "Jeq": "reduced mass",
+    "Jeq": "reduced mass, with the masses of the file",
     "Mkr": "force of the drive",
 }
 TABLE = Path(__file__).with_name("quantities.toml")

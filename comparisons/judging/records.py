@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
+from functools import cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import TypeAdapter
-
-from comparisons.runs.study_folder import plain
+from pydantic import InstanceOf, TypeAdapter
 
 if TYPE_CHECKING:
     from comparisons.reference.case import Case
@@ -129,21 +127,20 @@ class Record(QuantityRecord, RunFacts):
 
 FACTS: Final = tuple(field.name for field in fields(RunFacts))
 ERRORS: Final = tuple(field.name for field in fields(QuantityRecord))
-_FACTS: Final = TypeAdapter(RunFacts)
-_ERRORS: Final = TypeAdapter(tuple[QuantityRecord, ...])
 
 
 @dataclass(frozen=True)
 class RunRecord(RunFacts):
     """One run: its errors by quantity, its invariants, what its adapter says of it, and the curves behind the errors.
 
-    A curve, by its quantity, has ``CURVE`` in its rows, (4, samples).
+    A curve, by its quantity, has ``CURVE`` in its rows, (4, samples). A study whose runs have more to them has a class
+    of its own below this one.
     """
 
     errors: tuple[QuantityRecord, ...] = ()
     invariants: tuple[QuantityRecord, ...] = ()
     details: Mapping[str, str | int | float] = field(default_factory=dict)
-    curves: Mapping[str, Array] = field(default_factory=dict, compare=False, repr=False)
+    curves: Mapping[str, InstanceOf[Array]] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def records(self) -> tuple[Record, ...]:
@@ -172,9 +169,28 @@ class RunRecord(RunFacts):
     @property
     def data(self) -> dict[str, Any]:
         """All but the curves, JSON-ready."""
-        own = {name: getattr(self, name) for name in FACTS}
+        own = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "curves"}
         errors, invariants = ([vars(one) for one in part] for part in (self.errors, self.invariants))
         return {**own, "errors": errors, "invariants": invariants, "details": dict(self.details)}
+
+    def written(self) -> tuple[Mapping[str, Any], Mapping[str, Array]]:
+        """The run for a file: ``data`` and curves."""
+        return self.data, self.curves
+
+    @classmethod
+    @cache
+    def _form(cls) -> TypeAdapter[Self]:
+        return TypeAdapter(cls)
+
+    @classmethod
+    def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Array] = MappingProxyType({})) -> Self:
+        """A run back from what was ``written``; raises ValueError for anything else."""
+        found = cls._form().validate_python({name: value for name, value in row.items() if name != "curves"})
+        parts = {
+            name: tuple(QuantityRecord(**_shared(one)) for one in getattr(found, name))
+            for name in ("errors", "invariants")
+        }
+        return cls(**{**_shared(found), **parts, "curves": curves})
 
 
 def run_record(
@@ -194,16 +210,6 @@ def _error(record: Record) -> QuantityRecord:
     return QuantityRecord(**{name: getattr(record, name) for name in ERRORS})
 
 
-def from_row(row: Mapping[str, Any], curves: Mapping[str, Array]) -> RunRecord:
-    """A run back from its ``data``; raises KeyError, or ValueError where it is none."""
-    errors, invariants = (
-        tuple(QuantityRecord(**_shared(one)) for one in _ERRORS.validate_python(row[name]))
-        for name in ("errors", "invariants")
-    )
-    facts = _shared(_FACTS.validate_python(row))
-    return RunRecord(**facts, errors=errors, invariants=invariants, details=row["details"], curves=curves)
-
-
 def _shared(record: object) -> dict[str, Any]:
     """The fields of a record, their texts those of others of the same words: there may be millions."""
     return {name: sys.intern(value) if type(value) is str else value for name, value in vars(record).items()}
@@ -214,8 +220,3 @@ def blank_record(case: Case, setting: str, engine: str = "", version: str = "", 
     linkage = case.mechanism.linkage
     names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
     return Record(*names, engine, version, setting, host=host)
-
-
-def to_json(document: Mapping[str, Any]) -> str:
-    """JSON text with records written out; NaN never appears."""
-    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=plain) + "\n"

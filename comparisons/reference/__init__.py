@@ -1,1 +1,1 @@
-"""The truth an engine is compared with: cases, their start states, published figures."""
+"""The truth an engine is compared with: cases and their start states."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import zip_longest
 from pathlib import Path
@@ -28,7 +28,6 @@ class Journal:
 
     folder: Path
     request: str
-    _claims: list[Claim] = field(default_factory=list, compare=False, repr=False)
 
     @property
     def place(self) -> Path:
@@ -38,30 +37,25 @@ class Journal:
     @cached_property
     def records(self) -> RecordFile:
         """What is finished so far. Raises LinkproofError if the work begun there is another request's."""
-        self._claim()
+        _ = self._claim
         header = self.place / HEADER
         if header.is_file():
             self._check_header(header)
         else:
             for name in (RECORDS, CURVES):  # of an unknown request
                 (self.place / name).unlink(missing_ok=True)
+            write_text(header, self.request)
         return RecordFile(self.place, survives_power_failure=True)
 
     def keep(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Array] | None = None) -> None:
         """Write one finished record under its key; a record already there is replaced."""
-        records = self.records
-        if not (self.place / HEADER).is_file():
-            write_text(self.place / HEADER, self.request)
         with writing(self.place):
-            records.append(key, row, curves)
+            self.records.append(key, row, curves)
 
     def clear(self) -> None:
         """Remove everything there, of whatever request; a kill leaves all of it or nothing."""
         if self.folder.is_dir():
-            self._claim()
-        self._remove()
-
-    def _remove(self) -> None:
+            _ = self._claim
         vars(self).pop("records", None)
         leaving = self.place.with_name(f".{FOLDER}")
         if leaving.is_dir():
@@ -70,9 +64,9 @@ class Journal:
             self.place.rename(leaving)
             shutil.rmtree(leaving)
 
-    def _claim(self) -> None:
-        if not self._claims:
-            self._claims.append(claim(self.folder))
+    @cached_property
+    def _claim(self) -> Claim:
+        return claim(self.folder)
 
     def _check_header(self, header: Path) -> None:
         begun = header.read_text(encoding="utf-8", errors="replace")

@@ -9,11 +9,11 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, is_dataclass
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from pydantic import TypeAdapter
 
@@ -29,19 +29,8 @@ AGAIN: Final = "run {} with --out again"
 # What versions before wrote instead.
 OLD_FILES: Final = {"compare": "curves.nc", "judge": "curves.nc", "bench": "bench.json", "stress": "stress.json"}
 
+R = TypeVar("R")
 WrittenRecord = tuple[str, Mapping[str, Any], Mapping[str, Array]]  # key, row and curves
-
-
-@dataclass(frozen=True)
-class SavedStudy:
-    """A study read back: its ``document`` has all but the ``records``."""
-
-    document: dict[str, Any]
-    records: RecordFile
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Every record without its curves, in the order in which they were written."""
-        return (self.records.row(key) for key in self.records.keys)
 
 
 def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: Iterable[WrittenRecord]) -> None:
@@ -59,14 +48,19 @@ def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: It
         file.finish()
         told = {"kind": kind, "format": FORMAT, **document}
         with (new / DOCUMENT).open("w", encoding="utf-8") as target:  # in pieces: there may be many key figures
-            json.dump(told, target, indent=1, ensure_ascii=False, allow_nan=False, default=plain)
+            json.dump(told, target, indent=1, ensure_ascii=False, allow_nan=False, default=_plain)
         sums = "".join(f"{_sum(new / name)}\n" for name in (DOCUMENT, RECORDS, CURVES))
         (new / SUMS).write_text(sums, "utf-8")
         _replace(folder / kind, new)
     del held
 
 
-def plain(value: object) -> object:
+def to_json(document: Mapping[str, Any]) -> str:
+    """JSON text with records written out; NaN never appears."""
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=_plain) + "\n"
+
+
+def _plain(value: object) -> object:
     """A data class as JSON has it, with its ``sentence`` if it has one; raises TypeError for anything else."""
     if not is_dataclass(value) or isinstance(value, type):
         raise TypeError(f"cannot write {type(value).__name__} as JSON")
@@ -79,10 +73,12 @@ def has_study(folder: Path, kind: str) -> bool:
     return (folder / kind / DOCUMENT).is_file() or (folder / OLD_FILES[kind]).is_file()
 
 
-def load_study(folder: Path, kind: str, form: TypeAdapter[Any]) -> SavedStudy:
-    """Read a study back; raises LinkproofError where it is missing, damaged, or of another version.
+def load_study(
+    folder: Path, kind: str, form: TypeAdapter[Any], read: Callable[[Mapping[str, Any], Mapping[str, Array]], R]
+) -> tuple[dict[str, Any], tuple[R, ...]]:
+    """The document of a study, which has the ``form``, and its records, of which ``read`` makes each.
 
-    ``form`` is that of its document.
+    Raises LinkproofError where the study is missing, damaged, or of another version.
     """
     place, old = folder / kind, folder / OLD_FILES[kind]
     if not (place / DOCUMENT).is_file():
@@ -95,7 +91,8 @@ def load_study(folder: Path, kind: str, form: TypeAdapter[Any]) -> SavedStudy:
         if document["format"] != FORMAT:
             raise ValueError(f"expected format {FORMAT}, got {document['format']}, of another version")
         form.validate_python(document)
-        return SavedStudy(document, RecordFile(place, may_be_torn=False))
+        file = RecordFile(place, may_be_torn=False)
+        return document, tuple(read(*file.read(key)) for key in file.keys)
 
 
 @contextmanager

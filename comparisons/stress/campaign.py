@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 from analytic.errors import LinkproofError
 from comparisons.judging.verdicts import grouped
 from comparisons.runs.environment import environment
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
-from comparisons.runs.study import Announce, Study, Task, Written
+from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
 from comparisons.stress.axes import Axis, axes
-from comparisons.stress.border import COARSE, PRECISE, Border, bisected, borders
-from comparisons.stress.cell_result import Cell, CellResult, StressVerdict, from_document
+from comparisons.stress.border import COARSE, PRECISE, bisected, borders
+from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
 from comparisons.stress.cells import cells, lost, made
+from comparisons.stress.saved import Stress
 
 MEMORY: Final = 2 * GIB  # a cell may add
 # What a cell may take of a quick map, s, whatever its axis grants; and the usage whose borders a quick map looks for.
@@ -29,7 +30,7 @@ QUICK_BORDERS: Final = "tuned"
 class StressRequest:
     """What to put under stress; no ``usages`` means every setting and method of each axis.
 
-    ``time_limit`` is what a cell may take, s; by default what its axis grants.
+    ``time_limit`` is what a cell may take, s; by default what its axis grants. ``command`` repeats it.
     """
 
     axes: tuple[Axis, ...]
@@ -38,29 +39,7 @@ class StressRequest:
     quick: bool = False
     pool: Pool = EVERY_CORE
     time_limit: float | None = None
-
-
-@dataclass(frozen=True)
-class Stressed:
-    """Finished maps: every cell, those of the bisections among them, and the borders."""
-
-    cells: tuple[CellResult, ...]
-    borders: tuple[Border, ...]
-
-    @property
-    def missed(self) -> tuple[CellResult, ...]:
-        """Wrong motions that no invariant of ours noticed: there must be none."""
-        return tuple(cell for cell in self.cells if cell.verdict is StressVerdict.MISSED)
-
-    def document(self, command: str, *, quick: bool) -> dict[str, Any]:
-        """All but the cells, as JSON-ready data."""
-        return {
-            "command": command,
-            "environment": environment(list(summary(self.cells))),
-            "quick": quick,
-            "summary": summary(self.cells),
-            "borders": [part.document for part in self.borders],
-        }
+    command: str = ""
 
 
 def summary(results: Iterable[CellResult]) -> dict[str, dict[str, int]]:
@@ -74,7 +53,7 @@ def summary(results: Iterable[CellResult]) -> dict[str, dict[str, int]]:
     return counts
 
 
-def stress(request: StressRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Stressed:
+def stress(request: StressRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Stress:
     """Make every requested cell, then the runs that narrow the borders down; what the journal has is not made again.
 
     ``announce`` hears a label, how many cells are done and how many are known of. Raises LinkproofError where there
@@ -91,7 +70,15 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     if request.quick:
         rough = [border for border in rough if border.usage == QUICK_BORDERS]
     narrow = bisected(rough, make, COARSE if request.quick else PRECISE)
-    return Stressed(tuple(study.results()), tuple(narrow))
+    found, counts = tuple(study.results()), summary(study.results())
+    document = {
+        "command": request.command,
+        "environment": {**environment(list(counts)), **request.pool.place},
+        "quick": request.quick,
+        "summary": counts,
+        "borders": [one.document for one in narrow],
+    }
+    return Stress(document, found)
 
 
 def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Pool = EVERY_CORE) -> list[CellResult]:
@@ -100,15 +87,7 @@ def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Po
 
 
 def _study(announce: Announce, journal: Journal | None, pool: Pool) -> Study[CellResult]:
-    return Study(made, lost, _written, _read, journal, announce, pool)
-
-
-def _written(result: CellResult) -> Written:
-    return result.document, {}
-
-
-def _read(row: Mapping[str, Any], _: object) -> CellResult:
-    return from_document(row)
+    return Study(made, lost, CellResult.written, CellResult.from_row, journal, announce, pool)
 
 
 def _made(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cell]) -> list[CellResult]:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, Final
+from typing import Any
 
-from pydantic import TypeAdapter
-
-from comparisons.judging.records import QuantityRecord, RunRecord, Verdict, from_row
+from comparisons.judging.records import QuantityRecord, RunRecord, Verdict
 
 
 class StressVerdict(StrEnum):
@@ -56,11 +54,11 @@ class Cell:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellFacts:
-    """Where a cell is and what it shows; ``wrong`` and ``reason`` are in the words of a reader.
+class CellResult(RunRecord):
+    """The run of a cell: the quantity nearest to its limit, and the invariants that failed, or else the nearest.
 
-    ``differing`` is what differs from a plain run-up of the linkage. ``spent`` is everything: reference, set-up,
-    stepping, judging, s.
+    ``wrong`` and ``reason`` are in the words of a reader; ``differing`` is what differs from a plain run-up of the
+    linkage. ``spent`` is everything: reference, set-up, stepping, judging, s.
     """
 
     axis: str
@@ -73,15 +71,20 @@ class CellFacts:
     spent: float = 0.0
     solver_work: int = 0
 
-
-@dataclass(frozen=True, kw_only=True)
-class CellResult(CellFacts, RunRecord):
-    """The run of a cell: the quantity nearest to its limit, and the invariants that failed, or else the nearest."""
-
     @property
     def cell(self) -> Cell:
         """What was run."""
         return Cell(self.axis, self.row, self.value, self.engine, self.setting)
+
+    @property
+    def key(self) -> str:
+        """The cell in words."""
+        return self.cell.key
+
+    @property
+    def outcome(self) -> str:
+        """The verdict in words."""
+        return self.verdict.value
 
     @property
     def nearest(self) -> QuantityRecord | None:
@@ -99,10 +102,9 @@ class CellResult(CellFacts, RunRecord):
         return tuple(one.quantity for one in self.invariants if one.outcome != Verdict.PASSED)
 
     @property
-    def document(self) -> dict[str, Any]:
+    def data(self) -> dict[str, Any]:
         """The result as JSON-ready data."""
-        own = {name: getattr(self, name) for name in _OWN}
-        return {**own, **self.data, "command": self.cell.command}
+        return {**super().data, "command": self.cell.command}
 
 
 def blank_result(cell: Cell, mechanism: str, motion: str = "") -> CellResult:
@@ -120,12 +122,3 @@ def blank_result(cell: Cell, mechanism: str, motion: str = "") -> CellResult:
         value=cell.value,
         verdict=StressVerdict.UNAVAILABLE,
     )
-
-
-_OWN: Final = tuple(one.name for one in fields(CellFacts))
-_FACTS: Final = TypeAdapter(CellFacts)
-
-
-def from_document(row: Mapping[str, Any]) -> CellResult:
-    """A result back from its JSON data; raises KeyError or ValueError for anything else."""
-    return CellResult(**vars(from_row(row, {})), **vars(_FACTS.validate_python(row)))

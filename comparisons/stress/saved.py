@@ -16,7 +16,7 @@ from comparisons.judging.verdicts import grouped
 from comparisons.runs.study_folder import load_study, save_study, usable
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
-from comparisons.stress.cell_result import Cell, CellResult, StressVerdict, from_document
+from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
 
 KIND: Final = "stress"
 Line = tuple[str, str, str, str]  # axis, row, engine, usage
@@ -37,19 +37,20 @@ _BORDERS: Final = TypeAdapter(tuple[Border, ...])
 
 @dataclass(frozen=True)
 class Stress:
-    """A finished stress test: its document as saved, and what is in it.
-
-    ``made`` are its cells where they are at hand, so that they need not be in the document.
-    """
+    """A finished stress test: its document as saved, its cells, and those of the bisections among them."""
 
     document: Mapping[str, Any]
-    made: Sequence[CellResult] = ()
+    cells: Sequence[CellResult]
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """All of it, JSON-ready."""
+        return {**self.document, "cells": [one.data for one in self.results]}
 
     @cached_property
     def results(self) -> tuple[CellResult, ...]:
         """Every cell in the order of the maps, whichever process was done first."""
-        found = self.made or map(from_document, self.document["cells"])
-        return tuple(sorted(found, key=lambda one: _place(one.cell)))
+        return tuple(sorted(self.cells, key=lambda one: _place(one.cell)))
 
     @cached_property
     def borders(self) -> tuple[Border, ...]:
@@ -114,14 +115,12 @@ def _rank(names: Sequence[str], name: str) -> int:
 
 def save(folder: Path, stress: Stress) -> None:
     """Write a stress test into a folder."""
-    head = {name: value for name, value in stress.document.items() if name != "cells"}
-    save_study(folder, KIND, head, ((one.cell.key, one.document, {}) for one in stress.results))
+    save_study(folder, KIND, stress.document, ((one.key, *one.written()) for one in stress.results))
 
 
 def load(folder: Path) -> Stress:
     """Read a stress test back; no engine is imported. Raises LinkproofError where there is none, or it is damaged."""
-    saved = load_study(folder, KIND, FORM)
-    stress = Stress({**saved.document, "cells": list(saved.rows())})
+    stress = Stress(*load_study(folder, KIND, FORM, CellResult.from_row))
     with usable(folder, KIND):
         _ = stress.columns
         if not stress.results:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
@@ -17,6 +17,7 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
 from comparisons.runs.worker_process import host
+from comparisons.work_precision.records import CALIBRATION, FIRST_USE, METHOD, SETTING, PointRecord
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
 from engines.scene import Scene
 
@@ -24,30 +25,6 @@ JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.
 WARM = 16.0
 _WARM: set[str] = set()  # the engines this process has run
-
-
-@dataclass(frozen=True)
-class Measurement:
-    """One measurement of a point: times of its parts, s, what the engine did, and its errors by quantity if requested.
-
-    ``runs`` of the engine make its motion, 0 where it gave none. ``calibration`` is what the fixed work took just
-    before, s. ``readout`` is the wall time of the call less stepping and set-up. ``first_use`` is what the first run of
-    the engine in its process took more than the second, s, 0 of any later run. ``host`` is as in records.
-    """
-
-    outcome: str
-    reason: str = ""
-    seconds: float = 0.0
-    setup: float = 0.0
-    readout: float = 0.0
-    steps: int = 0
-    solver_work: int = 0
-    runs: int = 0
-    used: str = ""
-    calibration: float = 0.0
-    first_use: float = 0.0
-    errors: tuple[QuantityRecord, ...] = ()
-    host: str = ""
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
@@ -70,6 +47,39 @@ def chosen(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
     return {name: quantities for name, quantities in families.items() if quantities}
 
 
+def point_record(
+    case: Case,
+    adapter: Engine,
+    way: Setting | Method | None,
+    steps_per_turn: float | None,
+    *,
+    outcome: str = "",
+    detail: str = "",
+    host: str = "",
+) -> PointRecord:
+    """The record of a case in an engine by a setting, or by a method at a step, before it is measured."""
+    linkage, method = case.mechanism.linkage, way if isinstance(way, Method) else None
+    return PointRecord(
+        mechanism=linkage.name,
+        variant=linkage.variant,
+        regime=case.motion.regime,
+        conditions=case.conditions,
+        engine=adapter.name,
+        engine_version=adapter.version() or "",
+        is_control=adapter.is_control,
+        work_unit=adapter.work_unit if isinstance(adapter, StudiedEngine) else "",
+        kind=METHOD if method else SETTING,
+        setting=method.name if method else str(way or ""),
+        effort=method.effort if method else None,
+        effort_unit=method.effort_unit if method else "",
+        step=None if steps_per_turn is None else longest_step(case, steps_per_turn),
+        steps_per_turn=steps_per_turn,
+        outcome=outcome,
+        detail=detail,
+        host=host,
+    )
+
+
 def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     pickled: bytes,
     name: str,
@@ -77,7 +87,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     steps_per_turn: float | None,
     quantities: Sequence[str],
     with_errors: bool,
-) -> Measurement:
+) -> PointRecord:
     """Run a pickled case once in an engine, by a setting or by a method at a step.
 
     Raises AdapterError for every exception of the adapter but MemoryError.
@@ -88,44 +98,42 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
         channel for family in families.values() for quantity in family for channel in quantity.channels
     )
     scene = case.scene(channels)
-    step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
     with blamed_on(adapter):
         if isinstance(way, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
         first_use = _warm_up(adapter, scene, longest_step(case, WARM))
+        blank = point_record(case, adapter, way, steps_per_turn, host=host())
         steady = calibrate()
-        run, wall = timed(lambda: started(adapter, scene, way, step))
+        run, wall = timed(lambda: started(adapter, scene, way, blank.step))
         run = checked(run, scene, name)
-    measured = replace(_measurement(run, wall, steady), first_use=first_use)
+    measured = replace(_measured(blank, run, wall), details={CALIBRATION: steady, FIRST_USE: first_use})
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return measured
     try:
         errors = tuple(_errors(case, families, ObservedMotion(scene, run.history)))
     except NoSampleError as error:
-        return replace(measured, outcome=Verdict.UNDEFINED.value, reason=str(error))
+        return replace(measured, outcome=Verdict.UNDEFINED.value, detail=str(error))
     endless = [one.quantity for one in errors if not math.isfinite(one.error_max or 0.0)]
     if endless:
-        return replace(measured, outcome=Outcome.DIVERGED.value, reason=f"{endless[0]} is not finite")
+        return replace(measured, outcome=Outcome.DIVERGED.value, detail=f"{endless[0]} is not finite")
     if all(one.error_max is None for one in errors):
         reasons = "; ".join(one.detail for one in errors)
-        measured = replace(measured, outcome=Verdict.NOT_PROVIDED.value, reason=reasons)
+        measured = replace(measured, outcome=Verdict.NOT_PROVIDED.value, detail=reasons)
     return replace(measured, errors=errors)
 
 
-def _measurement(run: Run, wall: float, steady: float) -> Measurement:
-    used = ", ".join(f"{name.replace('_', ' ')} {_short(value)}" for name, value in run.details.items())
-    return Measurement(
+def _measured(blank: PointRecord, run: Run, wall: float) -> PointRecord:
+    return replace(
+        blank,
         outcome=run.outcome.value,
-        reason=run.reason,
+        detail=run.reason,
         seconds=run.seconds,
-        setup=run.setup_seconds,
-        readout=max(0.0, wall - run.seconds - run.setup_seconds),
+        setup_seconds=run.setup_seconds,
+        readout_seconds=max(0.0, wall - run.seconds - run.setup_seconds),
         steps=run.steps,
         solver_work=run.solver_work,
         runs=max(1, len(run.passes)) if run.history else 0,
-        used=used,
-        calibration=steady,
-        host=host(),
+        used=", ".join(f"{name.replace('_', ' ')} {_short(value)}" for name, value in run.details.items()),
     )
 
 

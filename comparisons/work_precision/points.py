@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from comparisons.judging.records import Verdict
 from comparisons.runs.failures import Failure
-from comparisons.work_precision.measure import Measurement
+from comparisons.work_precision.records import PointRecord
 from comparisons.work_precision.step_sweep import still_improves
 from engines.contract import Method, Outcome, Setting
 
@@ -65,12 +65,12 @@ class Point:
     steps_per_turn: float | None = None
 
     @property
-    def is_run(self) -> bool:
-        """Whether there is anything to run: not where the engine is not installed."""
-        return self.setting is not None or self.method is not None
+    def way(self) -> Setting | Method | None:
+        """What is run; nothing where the engine is not installed."""
+        return self.setting or self.method
 
     @property
-    def way(self) -> str:
+    def words(self) -> str:
         """Setting, or method with its effort and steps, in words."""
         if self.method is None:
             return f"setting {self.setting}"
@@ -80,7 +80,7 @@ class Point:
     @property
     def key(self) -> str:
         """A name that tells it from all others of the same benchmark."""
-        return f"{self.case} {self.engine} {self.way}"
+        return f"{self.case} {self.engine} {self.words}"
 
 
 @dataclass
@@ -92,7 +92,7 @@ class PointSweep:
 
     points: Sequence[Point]
     budget: float
-    measurements: list[Measurement] = field(default_factory=list)
+    measurements: list[PointRecord] = field(default_factory=list)
     ended: str = ""
 
     def next(self) -> Point | None:
@@ -101,7 +101,7 @@ class PointSweep:
             self.ended = self._end()
         return None if self.ended else self.points[len(self.measurements)]
 
-    def add(self, measurement: Measurement | None) -> None:
+    def add(self, measurement: PointRecord | None) -> None:
         """Note what the next point came to; None where there was no time left for it."""
         if measurement is None:
             self.ended = OUT_OF_TIME
@@ -129,7 +129,7 @@ class PointSweep:
         """What a point will cost by the cheapest set-up and step so far, s: a slow spell is not the engine's."""
         pairs = zip(self.points, self.measurements, strict=False)
         rates = [one.seconds / done.steps_per_turn for done, one in pairs if done.steps_per_turn and one.seconds]
-        setup = min((one.setup for one in self.measurements), default=0.0)
+        setup = min((one.setup_seconds for one in self.measurements), default=0.0)
         return setup + min(rates, default=0.0) * (point.steps_per_turn or 0.0)
 
     def _end_by_failure(self) -> str:
@@ -138,7 +138,7 @@ class PointSweep:
         lasting = last.outcome in LASTING
         worked = any(each.outcome == Outcome.FINISHED for each in self.measurements)
         if lasting or worked or len(self.measurements) in (FAILURES, len(self.points)):
-            return f"{last.outcome}: {last.reason}"
+            return f"{last.outcome}: {last.detail}"
         return ""
 
 

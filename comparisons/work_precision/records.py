@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -12,18 +12,20 @@ from typing import Annotated, Any, Final
 from pydantic import Field, NonNegativeFloat, TypeAdapter
 from typing_extensions import TypedDict
 
-from comparisons.judging.records import QuantityRecord, RunRecord, Verdict, from_row
-from comparisons.runs.study_folder import load_study, save_study, usable
+from comparisons.judging.records import QuantityRecord, RunRecord, Verdict
+from comparisons.runs.study_folder import load_study, save_study
 from comparisons.runs.timing import Noise
 from engines.contract import Outcome
 
 KIND: Final = "bench"
 SETTING, METHOD = "setting", "method"
+CALIBRATION: Final = "calibration"
+FIRST_USE: Final = "first_use"
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointFacts:
-    """How a point was made, and what came of it.
+class PointRecord(RunRecord):
+    """The run of a point, and what came of it; ``errors`` are empty where it did not finish.
 
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
     s, it is requested. ``is_control``: the engine is the reference's control, never ranked. ``repeats`` are all wall
@@ -31,6 +33,11 @@ class PointFacts:
     the run, ``ended`` why its sweep goes no further. ``orders`` are those of the point's whole sweep, by quantity;
     in the quantities of ``fronts`` no other point of the engine, single runs and extrapolated ones apart, is as cheap
     and as exact.
+
+    Set-up, stepping and reading out (wall time of the call less the other two) are the shortest of the repeats, s, 0
+    where it did not finish; 0 ``runs`` gave no motion. A quantity that the engine does not tell has no error, and says
+    why. Of a single measurement ``details`` are ``CALIBRATION``, what the fixed work took just before, s, and
+    ``FIRST_USE``, what the first run of the engine in its process took more than the second, s, 0 of any later run.
     """
 
     is_control: bool
@@ -39,25 +46,16 @@ class PointFacts:
     effort_unit: str
     step: float | None
     steps_per_turn: float | None
-    repeats: tuple[float, ...]
-    readout_seconds: float
-    solver_work: int
+    repeats: tuple[float, ...] = ()
+    readout_seconds: float = 0.0
+    solver_work: int = 0
     work_unit: str
     outcome: str
-    detail: str
-    used: str
-    ended: str
+    detail: str = ""
+    used: str = ""
+    ended: str = ""
     orders: Mapping[str, float] = field(default_factory=dict)
     fronts: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class PointRecord(PointFacts, RunRecord):
-    """The run of a point; ``errors`` are empty where it did not finish.
-
-    Set-up, stepping and reading out are the shortest of the repeats, s, 0 where it did not finish; 0 ``runs`` gave no
-    motion. A quantity that the engine does not tell has no error, and says why.
-    """
 
     @property
     def place(self) -> tuple[str, str, str]:
@@ -79,11 +77,6 @@ class PointRecord(PointFacts, RunRecord):
         """What tells it from every other point."""
         steps = (("step", self.step), ("effort", self.effort))
         return super().key + "".join(f", {name} {value!r}" for name, value in steps if value is not None)
-
-    @property
-    def data(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
-        return {**{name: getattr(self, name) for name in _OWN}, **super().data}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,15 +104,6 @@ class BenchRecord(PointRecord):
     def finished(self) -> bool:
         """Whether it has an error and a time to go with it."""
         return self.outcome == Outcome.FINISHED and self.error is not None and bool(self.repeats)
-
-
-_OWN: Final = tuple(one.name for one in fields(PointFacts))
-_FACTS: Final = TypeAdapter(PointFacts)
-
-
-def point_of(row: Mapping[str, Any]) -> PointRecord:
-    """A point back from its ``data``; raises KeyError or ValueError for anything else."""
-    return PointRecord(**vars(from_row(row, {})), **vars(_FACTS.validate_python(row)))
 
 
 def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tuple[BenchRecord, ...]:
@@ -220,14 +204,15 @@ _COSTS: Final = TypeAdapter(tuple[MeasuredCost, ...])
 
 @dataclass(frozen=True)
 class Bench:
-    """A finished benchmark: its document as saved, and its records."""
+    """A finished benchmark: its document as saved, and a record per point, judged."""
 
     document: Mapping[str, Any]
+    points: Sequence[PointRecord]
 
-    @cached_property
-    def points(self) -> tuple[PointRecord, ...]:
-        """One record per point."""
-        return tuple(map(point_of, self.document["records"]))
+    @property
+    def told(self) -> dict[str, Any]:
+        """All of it, JSON-ready."""
+        return {**self.document, "records": [point.data for point in self.points]}
 
     @cached_property
     def records(self) -> tuple[BenchRecord, ...]:
@@ -245,16 +230,11 @@ class Bench:
         return Noise(tuple(self.document["noise"]["samples"]))
 
 
-def save(folder: Path, document: Mapping[str, Any]) -> None:
+def save(folder: Path, bench: Bench) -> None:
     """Write a benchmark into a folder."""
-    head = {name: value for name, value in document.items() if name != "records"}
-    save_study(folder, KIND, head, ((f"{number}", row, {}) for number, row in enumerate(document["records"])))
+    save_study(folder, KIND, bench.document, ((point.key, *point.written()) for point in bench.points))
 
 
 def load(folder: Path) -> Bench:
     """Read a benchmark back; no engine is imported. Raises LinkproofError where there is none, or it is damaged."""
-    saved = load_study(folder, KIND, FORM)
-    bench = Bench({**saved.document, "records": list(saved.rows())})
-    with usable(folder, KIND):
-        _ = bench.records, bench.costs
-    return bench
+    return Bench(*load_study(folder, KIND, FORM, PointRecord.from_row))

@@ -7,23 +7,27 @@ machine hits all alike.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import groupby
 from typing import Any
 
+from analytic.description.linkage import Linkage
 from analytic.errors import UnknownNameError
 from comparisons.reference.case import Case
+from comparisons.runs.environment import environment
 from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
 from comparisons.runs.study import Announce
-from comparisons.runs.timing import Noise
+from comparisons.runs.timing import WORK
 from comparisons.runs.workers import ONE_BY_ONE, Pool
+from comparisons.work_precision import costs
 from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.points import FULL, Extent, Point, PointSweep, planned_sweeps
-from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
-from comparisons.work_precision.rounds import Rounds, records
+from comparisons.work_precision.records import FIRST_USE, Bench, PointRecord
+from comparisons.work_precision.rounds import Rounds
 from engines.contract import Method, Setting, StudiedEngine
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
@@ -36,7 +40,8 @@ class BenchRequest:
     """What to measure; no ``methods`` means all of them.
 
     Solver efforts are tried on the first regime of every mechanism alone, which is enough to tell what they do.
-    The ``pool`` makes one run at a time on a machine.
+    The ``pool`` makes one run at a time on a machine. ``with_costs`` measures what each output and load costs, too.
+    ``command`` repeats it.
     """
 
     cases: tuple[Case, ...]
@@ -46,24 +51,11 @@ class BenchRequest:
     methods: tuple[str, ...] = ()
     extent: Extent = FULL
     pool: Pool = ONE_BY_ONE
+    with_costs: bool = False
+    command: str = ""
 
 
-@dataclass(frozen=True)
-class Measured:
-    """A finished benchmark: its records, judged, the machine's noise, and what each engine's first uses cost, s."""
-
-    points: tuple[PointRecord, ...]
-    quantities: tuple[str, ...]
-    noise: Noise
-    first_uses: Mapping[str, tuple[float, ...]]
-
-    @property
-    def records(self) -> tuple[BenchRecord, ...]:
-        """Every point in each of its quantities."""
-        return by_quantity(self.points, self.quantities)
-
-
-def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Measured:
+def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Bench:
     """Measure everything requested; points in the journal are not measured again.
 
     ``announce`` hears a label, how many runs are done and how many are known of. Raises UnknownNameError before any run
@@ -93,17 +85,39 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
         for number in range(1, request.extent.repeats):
             rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
         longest = max(longest, time.monotonic() - begun)
-    noise, uses = Noise(rounds.calibrations), {name: _first_uses(sweeps, name) for name in request.engines}
-    return Measured(judged(_records(request, sweeps, rounds)), request.quantities, noise, uses)
+    return Bench(_document(request, sweeps, rounds), judged(_records(request, sweeps, rounds)))
+
+
+def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> dict[str, Any]:
+    """All but the points, ready for JSON."""
+    linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in request.cases}
+    return {
+        "command": request.command,
+        "conditions": "; ".join(dict.fromkeys(case.conditions for case in request.cases)),
+        "environment": {**environment(request.engines), **request.pool.place},
+        "extent": {name: value for name, value in asdict(request.extent).items() if value != math.inf},
+        "noise": {"work": WORK, "samples": [round(one, 9) for one in rounds.calibrations]},
+        "first_use": [{"engine": name, "seconds": _first_uses(sweeps, name)} for name in request.engines],
+        "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
+        "methods": _method_descriptions(request),
+        "costs": _costs(list(linkages.values()), request.engines) if request.with_costs else [],
+        "quantities": list(request.quantities),
+    }
+
+
+def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:
+    """What each output and load costs, in the linkage with most to leave out and the engines that are installed."""
+    present = [name for name in engines if why_unavailable(engine(name)) is None]
+    return [asdict(cost) for cost in costs.measure(costs.most_reducible(linkages), present)]
 
 
 def _first_uses(sweeps: Sequence[PointSweep], engine: str) -> tuple[float, ...]:
     """What the first runs of an engine took beyond the second, s: one in every process that measured it."""
-    mine = (one for sweep in sweeps if sweep.points[0].engine == engine for one in sweep.measurements)
-    return tuple(one.first_use for one in mine if one.first_use > 0.0)
+    mine = (one.details for sweep in sweeps if sweep.points[0].engine == engine for one in sweep.measurements)
+    return tuple(float(one[FIRST_USE]) for one in mine if one.get(FIRST_USE))
 
 
-def method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
+def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
     """What the engines say of their methods, once each."""
     methods: dict[tuple[str, str], Mapping[str, Any]] = {}
     for case in request.cases:
@@ -164,4 +178,4 @@ def _records(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds
     """All records, by case and engine in the requested order, then as measured."""
     places = {name: place for place, name in enumerate(request.engines)}
     ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].engine]))
-    return [one for sweep in ordered for one in records(request.cases[sweep.points[0].case], sweep, rounds)]
+    return [one for sweep in ordered for one in rounds.records(sweep)]

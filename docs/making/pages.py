@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from analytic.description.format.json_schema import json_schema
-from comparisons.judging.limits import LimitRow, shipped_limits
+from comparisons.judging.limits import Limit, shipped_limits
 from reports.document.markdown import table
 from reports.document.numbers import bound
 from reports.document.parts import Mono, Table, Words
@@ -61,9 +61,9 @@ def limits() -> str:
     return table(Table("", head, tuple(map(_limit, shipped_limits().rows)), align="lllrl"))
 
 
-def _limit(row: LimitRow) -> tuple[str, ...]:
+def _limit(row: Limit) -> tuple[str, ...]:
     names = (row.quantities, row.settings, row.regimes)
-    return (*(", ".join(sorted(one)) or "all" for one in names), bound(row.limit.value), row.limit.reason)
+    return (*(", ".join(sorted(one)) or "all" for one in names), bound(row.value), row.reason)
 
 
 def keys() -> str:
@@ -72,7 +72,7 @@ def keys() -> str:
     tables = {"TheWholeFile": schema} | {
         name: part for name, part in schema["definitions"].items() if not name.startswith(("Variant", "Repeated"))
     }
-    return "\n\n".join(f"## {_title(name)}\n\n{_keys(part)}" for name, part in tables.items())
+    return "\n\n".join(f"### {_title(name)}\n\n{_keys(part)}" for name, part in tables.items())
 
 
 def _title(name: str) -> str:
@@ -128,4 +128,4 @@ def _signature(name: str, function: Any) -> str:  # noqa: ANN401 - any function,
     return f"{name}(\n{''.join(lines)})" if lines else f"{name}()"
 
 
-MADE = {"limits.md": limits, "keys.md": keys, "python.md": reference}
+MADE = {"accuracy.md": limits, "linkage-files.md": keys, "python.md": reference}

@@ -10,7 +10,7 @@ every run or an even number in every run, the alternating part keeps its sign an
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from engines.contract import History, Origin, Signal, weakest
 from engines.stepping.histories import combined
 
 Array = NDArray[np.float64]
+Weigh = Callable[[Sequence[float], Sequence[int]], Array]
 
 # Clocks of two runs may differ by rounding alone: this much of the whole duration.
 CLOCK_ROUNDING = 1e-9
@@ -44,13 +45,14 @@ def weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
     return np.asarray(np.linalg.solve(np.array(rows), right), dtype=np.float64)
 
 
-def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8)) -> History:
+def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8), weigh: Weigh = weights) -> History:
     """Combine passes of one scene so that the leading errors, of these orders, cancel; all share their sample times.
 
+    ``weigh`` gives the weights by steps and orders.
     What is read becomes extrapolated unless there is one pass alone.
     Channels that no pass recorded stay None. Raises ValueError where the clocks differ.
     """
-    share = weights([each.step for each in passes], orders)
+    share = weigh([each.step for each in passes], orders)
 
     def weighted(signals: Sequence[Signal]) -> Signal:
         time = signals[0].time

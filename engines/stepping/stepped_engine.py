@@ -27,7 +27,7 @@ from engines.stepping.driver import check_step, run_stepping
 from engines.stepping.error_estimate import estimated_error
 from engines.stepping.intervals import MANY, Interval, Pace, intervals, released_intervals, whole_interval
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
-from engines.stepping.richardson import Pass, extrapolate
+from engines.stepping.richardson import Pass, extrapolate, weights
 
 LARGEST_EFFORT = 2.0**31  # of an iteration count
 
@@ -103,7 +103,8 @@ class SteppedEngine(ABC, Generic[World, R]):
     """An adapter that needs only ``build`` and ``follow``.
 
     ``package`` is what is imported and installed, ``oldest`` its first version that will do; ``settings`` are the
-    recipes by drive, ``studied`` what each method is in one sentence and its recipe, the newcomer's first.
+    recipes by drive, ``studied`` what each method is in one sentence and its recipe, the newcomer's first. ``weights``
+    are those of an extrapolation's runs, but where a test looks whether errors in them are seen.
     """
 
     name: ClassVar[str]
@@ -116,6 +117,7 @@ class SteppedEngine(ABC, Generic[World, R]):
     settings: Mapping[type, Mapping[Setting, R]]
     studied: Mapping[str, tuple[str, R]]
     chatters: ClassVar[bool] = False  # whether the engine writes to the terminal
+    weights = staticmethod(weights)
 
     @abstractmethod
     def build(self, scene: Scene, recipe: R) -> World:
@@ -206,7 +208,7 @@ class SteppedEngine(ABC, Generic[World, R]):
             cost.details["parts"] = len(parts)
         if len(passes) > 1:
             cost.details["estimated_error"] = estimated_error(passes, recipe.orders)
-        history = extrapolate(passes, recipe.orders)
+        history = extrapolate(passes, recipe.orders, self.weights)
         return restored(history, units, scene.driver_kind) if units else history
 
     def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:

@@ -40,7 +40,7 @@ def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = (), departur
 
 
 def _record(record: Record, *, decides: bool) -> ElementTree.Element:
-    case = _case("/".join(record.run), record.quantity)
+    case = _case(record.key, record.quantity)
     verdict = Verdict(record.outcome)
     if verdict is Verdict.PASSED:
         return case

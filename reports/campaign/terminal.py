@@ -8,6 +8,7 @@ from itertools import groupby
 from types import MappingProxyType
 
 from comparisons.campaign.key_figures import KeyFigure
+from comparisons.faults.symptoms import meaning
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
 from comparisons.judging.verdicts import grouped
 from reports.document.numbers import bound, error, figure
@@ -39,7 +40,7 @@ def printout(
     ``runs`` are gone through again for each part of it. ``notes`` are sentences that always stand before the closing
     line. ``environment`` says how many ran at a time.
     """
-    closing = [*notes, *_reasons(runs), *_changes(figures), _closing_line(runs)]
+    closing = [*notes, *_reasons(runs), *_meanings(runs), *_changes(figures), _closing_line(runs)]
     return Printout(_tables(runs, figures, side_by_side(environment)), closing, _details(runs))
 
 
@@ -134,6 +135,14 @@ def _reasons(runs: Iterable[RunRecord]) -> list[str]:
     told = (one for run in runs for one in run.every if one.detail and (one.error_max is None or is_within(one)))
     reasons = grouped(((f"{one.engine} {one.setting}", one.detail), one.mechanism) for one in told)
     return [f"{run}, {', '.join(dict.fromkeys(where))}: {detail}" for (run, detail), where in reasons.items()]
+
+
+def _meanings(runs: Iterable[RunRecord]) -> list[str]:
+    """What the failing rows of a run mean together, each sentence once, with where."""
+    where = grouped(
+        ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := meaning(run.every))
+    )
+    return [f"{run}, {', '.join(dict.fromkeys(names))}: {words}" for (run, words), names in where.items()]
 
 
 def _closing_line(runs: Iterable[RunRecord]) -> str:

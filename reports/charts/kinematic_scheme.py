@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from analytic.description.file_units import file_unit
 from analytic.description.linkage import GROUND, CylinderDrive, Guide, Linkage, Spring
 from comparisons.datasheet.sheet import Positions
-from comparisons.datasheet.units import file_unit
 from reports.charts import symbols
 
 Array = NDArray[np.float64]

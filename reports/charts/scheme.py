@@ -12,9 +12,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from analytic.description.file_units import file_unit
 from analytic.description.linkage import GROUND, Linkage
 from comparisons.datasheet.sheet import Positions
-from comparisons.datasheet.units import file_unit
 from reports.charts import symbols
 from reports.charts.draw import Host, drawn, inches
 from reports.charts.kinematic_scheme import KinematicScheme

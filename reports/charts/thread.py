@@ -12,9 +12,9 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]  # matplotlib types the plane only
 from numpy.typing import NDArray
 
+from analytic.description.file_units import file_unit
 from analytic.description.linkage import Linkage
 from comparisons.datasheet.sheet import Positions, ThreadSheet
-from comparisons.datasheet.units import file_unit
 from reports.charts import symbols
 from reports.charts.draw import drawn
 from reports.charts.kinematic_scheme import KinematicScheme

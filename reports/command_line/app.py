@@ -63,8 +63,6 @@ Mechanisms = Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")]
 Json = Annotated[str | None, Option("Write JSON to a file; - is stdout.", "FILE|-")]
 Quiet = Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))]
 Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
-Folder = Annotated[Path, Argument("DIR")]
-WITHOUT_FOLDER = ("out", "junit", "resume")
 
 
 def destination(output: OutputOptions) -> Destination:
@@ -311,7 +309,7 @@ def check_engine(
 
     ENGINE is the name of an adapter announced under the entry-point group linkproof.engines.
 
-    Exit codes: 0 every check passed, failed as expected or does not apply, 1 a check failed, 2 nothing to check.
+    Exit codes: 0 every check passed, failed as expected or was not tested, 1 a check failed, 2 nothing to check.
     """
     from comparisons.runs.worker_process import start_server
 
@@ -319,6 +317,20 @@ def check_engine(
     from reports.command_line.commands import engines
 
     return engines.check(engine, destination(OutputOptions(json=json, quiet=quiet)), jobs)
+
+
+@command(app, summary="Show what is installed, and try every engine.")
+def doctor(json: Json = None) -> int:
+    """Show versions, packages and folders, try every engine and the compiler, and say what a bug report needs.
+
+    Exit codes: 0 everything that is installed works, 1 something that is installed does not.
+    """
+    from comparisons.runs.worker_process import start_server
+
+    start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
+    from reports.command_line.commands import doctor
+
+    return doctor.doctor(destination(OutputOptions(json=json)))
 
 
 @command(app, summary="Write an engine's run as a standalone script.")
@@ -335,67 +347,3 @@ def export(
     from reports.command_line.commands import engines
 
     engines.export(options, out)
-
-
-@command(app, summary="Write the pages of saved results again, or the curves as CSV.")
-def report(
-    saved: Folder,
-    out: Annotated[Path | None, Option("Where to write the pages; default: the same folder.", "DIR")] = None,
-    single_file: Annotated[Path | None, Option("Write one page with everything in it, to mail.", "FILE")] = None,
-    csv: Annotated[Path | None, Option("Write only the curves, a CSV file per run.", "DIR")] = None,
-    png: Annotated[bool, Option("Write every figure as PNG beside its SVG.")] = False,
-    show: Annotated[bool, Option("Open the report in the browser.", flags=("--open",))] = False,
-) -> None:
-    """Write the pages of saved results again; needs no engine.
-
-    DIR is a folder that compare, bench, stress or judge wrote with --out, the curves.nc in it, or a merged folder.
-    """
-    from reports.command_line.commands import folders
-
-    folders.report(saved, out, single_file, csv, opens=show, png=png)
-
-
-@command(app, summary="Check a results folder from someone else.")
-def verify(
-    saved: Folder,
-    limits: Annotated[Path | None, Option("Judge by these limits; default: those saved in DIR.", "FILE")] = None,
-    json: Json = None,
-    quiet: Quiet = False,
-) -> int:
-    """Check a results folder: texts, curves and records are compared with each other and the closed form.
-
-    DIR is the folder that compare wrote with --out; no engine is needed.
-
-    Exit codes: 0 nothing differs, whatever the verdicts, 1 something differs, 2 bad input.
-    """
-    from reports.command_line.commands import folders
-
-    return folders.verify(saved, limits, destination(OutputOptions(json=json, quiet=quiet)))
-
-
-@command(app, summary="Show the changes between two results folders.", without=WITHOUT_FOLDER)
-def diff(before: Folder, after: Folder, output: OutputOptions) -> int:
-    """Show the changes between two results folders: after an engine's upgrade, for two designs or variants.
-
-    Each DIR is a folder that compare wrote with --out; name the earlier one first.
-
-    Exit codes: 0 no change is beyond the limits; 1 a run newly fails, or in the same linkage an error has tripled or a
-    key figure has changed; 2 bad input or nothing in common.
-    """
-    from reports.command_line.commands import folders
-
-    return folders.diff(before, after, destination(output))
-
-
-@command(app, summary="Join folders from several machines into one report.")
-def merge(
-    saved: Annotated[tuple[Path, ...], Argument("DIR", is_required=True)],
-    out: Annotated[Path, Option("The new folder.", "DIR")],
-) -> None:
-    """Join folders from several machines into one report, grouped by hardware; nothing is ranked across machines.
-
-    DIR is a folder that compare, bench or stress wrote with --out, or a merged folder.
-    """
-    from reports.command_line.commands import folders
-
-    folders.merge(saved, out)

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from analytic.errors import LinkproofError
-from comparisons.judging.records import to_json
 from comparisons.runs.files import check_writable, write_bytes, write_text
+from comparisons.runs.study_folder import to_json
 from reports.command_line.progress import progress
 from reports.document.terminal import Printed, Printout, show, write
 from reports.requests.options.declaring import declared

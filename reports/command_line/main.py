@@ -24,7 +24,7 @@ def _run() -> None:
     _start_fast()
     _open_closed_streams()
     from analytic.errors import LinkproofError
-    from reports.command_line import designs_app  # noqa: F401 - adds its commands
+    from reports.command_line import designs_app, folders_app  # noqa: F401 - they add their commands
     from reports.command_line.app import InterruptedRunError, app
     from reports.document.characters import accept_any_text
 

@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 
 from comparisons.runs.files import write_bytes, write_text
 from reports.document.chart import Chart
-from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Words
+from reports.document.parts import JavaScript, Mono, Page, PageFigure, PageLink, Widget, Words
 from reports.document.templates import FOLDER, render
 
 STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
@@ -104,7 +104,8 @@ class _Beside:
         folder = f"data/{Path(self.page.file).stem}/"
         for key, data in widget.further.items():
             name = f"{widget.name}.{key}"
-            write_text(self._file(f"{folder}{name}.js"), f"linkproof.loaded({self.json(name)}, {self.json(data)});\n")
+            code = data.text if isinstance(data, JavaScript) else self.json(data)
+            write_text(self._file(f"{folder}{name}.js"), f"linkproof.loaded({self.json(name)}, {code});\n")
         return self.root + folder
 
     def picture(self, figure: PageFigure) -> Picture:

@@ -126,19 +126,26 @@ class PageFigure:
 
 
 @dataclass(frozen=True)
+class JavaScript:
+    """An expression of a page's script, made of numbers and operations alone."""
+
+    text: str
+
+
+@dataclass(frozen=True)
 class Widget:
     """What moves and answers on a page: ``kind`` names its script, ``label`` says what it is.
 
     ``data`` is JSON-ready (no number that is not finite) and on the page; each of ``further`` is a file of its own,
-    loaded when it is chosen: ``name`` and keys are plain file names. ``markup`` stands in its place until the script
-    runs, and ``instead`` where no script runs.
+    loaded when it is chosen, JSON-ready too or an expression: ``name`` and keys are plain file names. ``markup`` stands
+    in its place until the script runs, and ``instead`` where no script runs.
     """
 
     kind: str
     name: str
     label: str
     data: Mapping[str, Any]
-    further: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    further: Mapping[str, Mapping[str, Any] | JavaScript] = field(default_factory=dict)
     markup: Markup = NOTHING
     instead: tuple[Part, ...] = ()
 

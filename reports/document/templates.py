@@ -60,16 +60,18 @@ def plain(name: str) -> str:
 def worded(quantity: str) -> str:
     """A quantity's name for a reader.
 
-    "Jeq:needle_bar.mean" is "Jeq of needle bar, mean", "point:F:x@5" is "x of point F at 5°".
+    "Jeq:needle_bar.mean" is "Jeq of needle bar, mean", "point:F:x@5 - phi" is "x of point F at 5° − phi".
     """
-    names, at, place = quantity.rpartition("@")
+    whole, *less = quantity.split(" - ")
+    name, at, place = whole.rpartition("@")
     if at:
-        number, timed, regime = place.partition("s:")
-        angle = place.replace("rad", " rad") if place.endswith("rad") else f"{place.removesuffix('deg')}°"
-        where = f"{number} s of {regime}" if timed else angle
-        return plain(f"{' − '.join(map(_signal, names.split(' - ')))} at {where}")
-    name, dot, what = quantity.rpartition(".")
-    return plain(f"{_signal(name)}, {what}" if dot else _signal(quantity))
+        unit = next((unit for unit in ("rad", "s") if place.endswith(unit)), "")
+        where = f"{place.removesuffix(unit)} {unit}" if unit else f"{place.removesuffix('deg')}°"
+        words = f"{_signal(name)} at {where}"
+    else:
+        name, dot, what = whole.rpartition(".")
+        words = f"{_signal(name)}, {what}" if dot else _signal(whole)
+    return plain(" − ".join([words, *map(_signal, less)]))
 
 
 def _signal(name: str) -> str:

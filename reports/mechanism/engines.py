@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from comparisons.datasheet.sheet import ByName
 from comparisons.datasheet.thinning import extremes
+from comparisons.faults.symptoms import meaning
 from comparisons.judging.records import Record, Verdict
 from reports.charts.errors import errors_chart
 from reports.charts.judged import JudgedCurve, judged_chart
@@ -74,7 +75,7 @@ def errors_fold(view: View, regime: Regime) -> Fold:
     runs = view.runs(regime)
     shown = [run for run in runs if any(record.error_max is not None for record in run)]
     parts: list[Part] = [_matrix(view, regime, shown)] if shown else []
-    reasons = _reasons(runs)
+    reasons = (*_reasons(runs), *_meanings(runs))
     under = f" under {regime.name}" if len(view.regimes) > 1 else ""
     return Fold(f"Every error{under} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
 
@@ -126,6 +127,11 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
             who = told.setdefault((record.engine, reason), [])
             who += [words] if (words := record.setting + names) not in who else []
     return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in told.items())
+
+
+def _meanings(runs: Sequence[Sequence[Record]]) -> list[str]:
+    """What the failing rows of a run mean together, in a sentence."""
+    return [f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := meaning(run))]
 
 
 def _printed_models(view: View, printed: Mapping[str, ByName]) -> list[Part]:

@@ -9,6 +9,8 @@ from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from reports.charts.moving import moving_scheme
 from reports.document.parts import Bullets, Card, Cards, Page, Paragraph, Part, Section
+from reports.document.templates import sentence
+from reports.live.widget import live, model_of
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.player import player
@@ -36,7 +38,7 @@ def page(sheet: Sheet, results: Results | None = None) -> Page:
         title=f"{sheet.name} ({sheet.variant})" if len(linkage.variants) > 1 else sheet.name,
         heading=linkage.title or sheet.name,
         subtitle=f"{sheet.name}, variant {sheet.variant}{of}.{source}",
-        parts=(*_verdict(results), _first_look(sheet)),
+        parts=(*_verdict(results), *_first_look(sheet)),
         sections=tuple(_sections(sheet, results)),
         charts=results is not None,
     )
@@ -48,13 +50,19 @@ def _verdict(results: Results | None) -> tuple[Part, ...]:
     return (Paragraph(told[0], "verdict"), Bullets(tuple(told[1:]))) if told else ()
 
 
-def _first_look(sheet: Sheet) -> Cards:
-    """The linkage in motion beside its key figures."""
+def _first_look(sheet: Sheet) -> Iterator[Part]:
+    """The linkage in motion beside its key figures; where it can be computed anew, to pull at."""
     if sheet.positions is None:
-        return Cards((Card("The mechanism", (*designer.told(sheet, "values"), designer.facts(sheet))),), wide=True)
-    drawing = moving_scheme(sheet.linkage, sheet.positions, "moving")
-    motion = Card("In motion", (player(sheet, sheet.positions, drawing),))
-    return Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(sheet)))), wide=True)
+        yield Cards((Card("The mechanism", (*designer.told(sheet, "values"), designer.facts(sheet))),), wide=True)
+        return
+    drawing, model = moving_scheme(sheet.linkage, sheet.positions, "moving"), model_of(sheet)
+    if not isinstance(model, str):
+        yield live(sheet, model, drawing, (key_table(sheet),))
+        yield Cards((Card("The mechanism as in its file", (designer.facts(sheet),)),), wide=True)
+        return
+    fixed = Paragraph(sentence("not_live", reason=model), "small")
+    motion = Card("In motion", (player(sheet, sheet.positions, drawing), fixed))
+    yield Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(sheet)))), wide=True)
 
 
 def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:

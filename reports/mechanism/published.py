@@ -41,7 +41,7 @@ def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> T
 def answers_table(rows: Sequence[Row], answers: Sequence[Row]) -> Table:
     """One variant's figures: printed, how far each can be trusted, the closed form and every engine less printed.
 
-    ``answers`` have the fields of ``PrintedAnswer``; a figure that is not requested of engines has a dash.
+    ``answers`` have the fields of ``EngineAnswer``; a figure that is not requested of engines has a dash.
     """
     engines = list(dict.fromkeys(answer["engine"] for answer in answers))
     told = {(answer["quantity"], answer["published"], answer["engine"]): answer for answer in answers}
@@ -49,23 +49,29 @@ def answers_table(rows: Sequence[Row], answers: Sequence[Row]) -> Table:
     for row in rows:
         of = [told.get((row["quantity"], row["published"], name)) for name in engines]
         trusted = next((answer["uncertainty"] for answer in of if answer), row["half_digit"])
-        found = [_away(row, answer["answer"], answer["verdict"]) if answer else ABSENT for answer in of]
-        ours = _away(row, row["ours"], row["verdict"])
-        cells.append((row["quantity"], _printed(row), f"±{trusted:.0e}", ours, *found, row["source"]))
+        found = [_away(answer) if answer else ABSENT for answer in of]
+        cells.append((row["quantity"], _printed(row), f"±{trusted:.0e}", _away(row), *found, row["source"]))
     return Table("", ("quantity", "printed", "itself", "closed form", *engines, "place"), tuple(cells), "l")
 
 
-def _away(row: Row, value: float | None, verdict: str) -> TableCell | str:
+def _away(row: Row) -> TableCell | str:
     """How far a value is from the printed one, in its unit."""
-    if value is None:
+    if row["ours"] is None:
         return ABSENT
-    sign = PUBLISHED[verdict]
-    return TableCell(f"{sign.symbol} {signed(value - row['published'], '.0e')}", sign.style, sign.colour)
+    sign = PUBLISHED[row["verdict"]]
+    return TableCell(f"{sign.symbol} {signed(row['ours'] - row['published'], '.0e')}", sign.style, sign.colour)
 
 
 def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
-    """What the file notes on some of them, each once."""
-    return tuple(dict.fromkeys(f"{named(r['quantity'])} {_printed(r)}: {r['note']}" for r in rows if r["note"]))
+    """What the file notes on some of them, each once, after the first figure that has it."""
+    found: dict[str, dict[str, None]] = {}
+    for row in rows:
+        if row["note"]:
+            found.setdefault(row["note"], {})[f"{named(row['quantity'])} {_printed(row)}"] = None
+    return tuple(
+        f"{next(iter(figures))}{f' and {len(figures) - 1} more' if len(figures) > 1 else ''}: {note}"
+        for note, figures in found.items()
+    )
 
 
 def _variants(rows: Sequence[Row]) -> list[str]:

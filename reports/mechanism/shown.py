@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from analytic.description.file_units import FileUnit
 from analytic.description.law import FULL_TURN
 from analytic.written import fixed
 from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import MEAN, SHAKING
 from comparisons.datasheet.sheet import Sheet
-from comparisons.datasheet.units import FileUnit
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
 from reports.document.parts import PageFigure, Table

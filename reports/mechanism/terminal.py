@@ -18,8 +18,8 @@ from reports.mechanism.published import SIGNS, answers_table, notes, published_t
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
     from analytic.turn.required_feed import FeedComparison
-    from comparisons.campaign.printed_answers import PrintedAnswer
-    from comparisons.reference.published import PublishedRecord
+    from comparisons.campaign.printed_answers import EngineAnswer
+    from comparisons.datasheet.published import PublishedRecord
 
 
 def catalogue(shelves: Mapping[str, Sequence[Linkage]]) -> list[Printed]:
@@ -93,7 +93,7 @@ def published(records: Sequence[PublishedRecord]) -> list[Printed]:
 
 
 def answered(
-    records: Sequence[PublishedRecord], answers: Sequence[PrintedAnswer], sources: Mapping[str, str]
+    records: Sequence[PublishedRecord], answers: Sequence[EngineAnswer], sources: Mapping[str, str]
 ) -> list[Printed]:
     """Printed figures beside the closed form and every engine, a table per variant under its source."""
     blocks: list[Printed] = []

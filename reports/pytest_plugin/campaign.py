@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from comparisons.campaign.campaign import CampaignRequest, judged, lost, tasks, written
+from comparisons.campaign.campaign import CampaignRequest, judged, lost, tasks
 from comparisons.campaign.key_figures import KeyFigure, compared
 from comparisons.campaign.project import Project
 from comparisons.campaign.standards import compared_cases, notes, standard
 from comparisons.invariants.checks import NEEDS as INVARIANTS
 from comparisons.judging.departures import Departure, file_departures, motion_departures
-from comparisons.judging.records import Record, blank_record, from_row
+from comparisons.judging.records import Record, RunRecord, blank_record
 from comparisons.judging.verdicts import Standard
 from comparisons.reference.case import Case, unpickled
 from comparisons.runs.plugins import engine
@@ -100,7 +100,7 @@ class CampaignRun:
 
     def records(self) -> tuple[Record, ...]:
         """Make the run in a worker process, within its bounds, and judge it; no invariants where it failed."""
-        study = Study(judged, lost, written, from_row, pool=LocalPool(1))
+        study = Study(judged, lost, RunRecord.written, RunRecord.from_row, pool=LocalPool(1))
         (run,) = study.in_order([self.task], self.campaign.bounds)
         return run.judged(self.campaign.standard.judge).every
 

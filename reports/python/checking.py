@@ -9,7 +9,7 @@ from typing import Any
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, shortened
-from comparisons.conformance.findings import Found
+from comparisons.conformance.results import CheckResult
 from comparisons.datasheet.linkage_check import check as linkage_facts
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.judging.records import Record
@@ -37,17 +37,17 @@ def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str
     return linkage_facts(chosen_linkage(linkage, variant))[0]
 
 
-class EngineFindings(PrintedResult, list[Found]):
+class EngineFindings(PrintedResult, list[CheckResult]):
     """What comes of every check of an adapter, in a list; printed as the command prints it."""
 
-    def __init__(self, engine: str, checks: Sequence[Found]) -> None:
+    def __init__(self, engine: str, checks: Sequence[CheckResult]) -> None:
         super().__init__(checks)
         self.engine = engine
 
     def _printout(self) -> Printout:
         return printout(self.engine, self)
 
-    def _rows(self) -> Sequence[Found]:
+    def _rows(self) -> Sequence[CheckResult]:
         return self
 
 

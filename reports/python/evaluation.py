@@ -37,11 +37,12 @@ def evaluate(
 ) -> xarray.Dataset:
     """Quantities of the closed form over crank angles ``phi`` (n,), rad; all available ones if none are named.
 
-    They have the names and signs of ``results``; ``Q``, ``half_slope``, ½ dJeq/dφ, and ``damping`` are added.
-    ``speed``, rpm, and ``acceleration``, rad/s², are a number or (n,); quantities of motion need a speed. ``designs``
-    has arrays (k,) of numbers of the linkage, SI, by their names in its file: the Dataset is then over ``design`` and
-    ``phi``, without signals of parts and without S, and NaN where ``assembled`` is False. A drive along a line has m,
-    its file's unit of length per second and m/s² in place of rad, rpm and rad/s². Raises LinkproofError for bad input.
+    They have the names and signs of ``results``; ``Q``, ``half_slope``, ½ dJeq/dφ, and ``damping`` are added, and a
+    link's share ``Jeq:LINK`` where it is named. ``speed``, rpm, and ``acceleration``, rad/s², are a number or (n,);
+    quantities of motion need a speed. ``designs`` has arrays (k,) of numbers of the linkage, SI, by their names in its
+    file: the Dataset is then over ``design`` and ``phi``, without signals of parts and without S, and NaN where
+    ``assembled`` is False. A drive along a line has m, its file's unit of length per second and m/s² in place of rad,
+    rpm and rad/s². Raises LinkproofError for bad input.
     """
     mechanism = Mechanism(chosen_linkage(linkage, variant, gravity=gravity))
     angle = np.atleast_1d(np.asarray(phi, dtype=float))
@@ -76,7 +77,8 @@ def _chosen(
     """The requested variables, each once; all that the motion allows where none are named."""
     table = signals.table(mechanism)
     if asked is None:
-        return [name for name, parts in known.items() if moves or all(table[part].is_still for part in parts)]
+        whole = {name: parts for name, parts in known.items() if not name.startswith("Jeq:")}
+        return [name for name, parts in whole.items() if moves or all(table[part].is_still for part in parts)]
     for name in asked:
         if name not in known:
             raise UnknownNameError("quantity", name, known)

@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from comparisons.conformance.conformance import MUTANT
-from comparisons.conformance.findings import Finding, Found
+from comparisons.conformance.mutants import MUTANT
+from comparisons.conformance.results import CheckResult, Finding
 from reports.document.parts import Table, TableCell, Words
 from reports.document.terminal import Printout
 
 STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
 
 
-def printout(name: str, checks: Sequence[Found]) -> Printout:
+def printout(name: str, checks: Sequence[CheckResult]) -> Printout:
     """A line of every check, and how many came to what."""
     counts = Counter(each.finding for each in checks)
     closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
     return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
 
 
-def _rows(found: Sequence[Found]) -> list[Sequence[TableCell | Words]]:
+def _rows(found: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
     """A line of every check; of mutants that say the same, one line."""
     groups: dict[tuple[str, Finding, str], int] = {}
     for each in found:

@@ -18,7 +18,7 @@ from engines.registry import engine_names, why_unavailable
 from reports.requests.motions import EVERYTHING, check_motion, own_regimes, prescribed
 from reports.requests.options.campaign import CompareOptions, RunsOptions
 
-DEEPEST_FOLDER = 5  # by which files of one name are told apart
+DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of files
 
 
 def files(options: RunsOptions) -> list[LinkageFile]:

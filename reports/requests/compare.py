@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from comparisons.campaign.results import document
 from comparisons.campaign.standards import JudgedCampaign, judged_campaign
 from comparisons.judging.verdicts import Standard
 from comparisons.runs.plugins import engines
+from comparisons.runs.study import Task
 from comparisons.runs.workers import Pool
 from reports.records.environment import AT_A_TIME
 from reports.requests.campaign import request
@@ -43,14 +45,19 @@ class Campaign:
 
     def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign
         """Make the runs in a pool and judge them; the errors are recorded as the baseline if they are to be."""
-        runs = run_campaign(self.request, bounds=self.running.bounds, pool=pool, **how)
+        runs = run_campaign(self.request, bounds=self.running.bounds, pool=pool, todo=self.tasks, **how)
         runs.make()
         return judged_campaign(self.request, runs, self.standard, self.recorded)
+
+    @cached_property
+    def tasks(self) -> Sequence[Task]:
+        """Its runs; raises LinkproofError for what cannot run."""
+        return tasks(self.request)
 
     @property
     def environment(self) -> dict[str, str]:
         """How many runs are made side by side on this machine, where they are."""
-        count = min(self.running.processes, len(tasks(self.request))) if self.running.scheduler is None else 1
+        count = min(self.running.processes, len(self.tasks)) if self.running.scheduler is None else 1
         return {AT_A_TIME: str(count)} if count > 1 else {}
 
     def document(

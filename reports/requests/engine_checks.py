@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from analytic.errors import LinkproofError
 from comparisons.conformance.conformance import INSTALLED, check_engine
-from comparisons.conformance.findings import Finding, Found
+from comparisons.conformance.results import CheckResult, Finding
 from comparisons.runs.failures import blamed_on
 from engines.contract import Engine
 from engines.registry import Unusable
 
-UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
 
-
-def engine_findings(adapter: Engine, processes: int | None = None) -> list[Found]:
+def engine_findings(adapter: Engine, processes: int | None = None) -> list[CheckResult]:
     """What comes of every check of an engine.
 
     Raises LinkproofError where nothing could be checked, AdapterError for an engine that cannot be loaded.
@@ -23,7 +21,9 @@ def engine_findings(adapter: Engine, processes: int | None = None) -> list[Found
         with blamed_on(adapter):
             raise adapter.error
     found = check_engine(adapter, processes)
-    absent = next((each.detail for each in found if each.check == INSTALLED and each.finding in UNTESTED), None)
+    absent = next(
+        (each.detail for each in found if each.check == INSTALLED and each.finding is Finding.NOT_TESTED), None
+    )
     if absent is not None:
         raise LinkproofError(f"expected an engine to check, got none: {absent}")
     return found

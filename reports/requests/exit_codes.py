@@ -36,13 +36,9 @@ def campaign_exit_code(
         if not verdict.judged:
             reasons[record.outcome, record.detail] += 1
     decisive = others or naive
-    if Verdict.SUITE_ERROR in naive | others or any(one.outcome == Failure.SUITE_ERROR for one in errata):
-        return SUITE_ERROR
-    if any(verdict.failed for verdict in decisive) or any(figure.changed for figure in figures) or departures:
-        return FAILED
-    if not any(verdict.judged for verdict in decisive):
-        raise _nothing_judged(reasons)
-    return PASSED
+    is_ours = Verdict.SUITE_ERROR in naive | others or any(one.outcome == Failure.SUITE_ERROR for one in errata)
+    has_failed = any(one.failed for one in decisive) or any(figure.changed for figure in figures) or bool(departures)
+    return _code(is_ours, has_failed, any(one.judged for one in decisive), reasons)
 
 
 def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> int:
@@ -50,15 +46,11 @@ def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> i
 
     Raises LinkproofError where no point of any engine could be measured.
     """
-    if any(record.outcome == Failure.SUITE_ERROR for record in records):
-        return SUITE_ERROR
     excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
     useful = {record.engine for record in records if record.outcome in excused or record.detail == OUT_OF_TIME}
-    if not useful.issuperset(engines):
-        return FAILED
-    if not any(record.finished for record in records):
-        raise _nothing_judged(Counter((record.outcome, record.detail) for record in records))
-    return PASSED
+    reasons = Counter((record.outcome, record.detail) for record in records)
+    is_ours = any(outcome == Failure.SUITE_ERROR for outcome, _ in reasons)
+    return _code(is_ours, not useful.issuperset(engines), any(one.finished for one in records), reasons)
 
 
 def stress_exit_code(cells: Iterable[CellResult]) -> int:
@@ -67,15 +59,24 @@ def stress_exit_code(cells: Iterable[CellResult]) -> int:
     Raises LinkproofError where not one cell says anything of an engine.
     """
     reasons = {cell.verdict: cell.reason for cell in cells}
-    if StressVerdict.SUITE_ERROR in reasons:
-        return SUITE_ERROR
-    if reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}:
-        raise _nothing_judged(Counter((verdict.value, reason) for verdict, reason in reasons.items()))
-    return FAILED if StressVerdict.MISSED in reasons else PASSED
+    is_judged = not reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}
+    counts = Counter((verdict.value, reason) for verdict, reason in reasons.items())
+    return _code(StressVerdict.SUITE_ERROR in reasons, StressVerdict.MISSED in reasons, is_judged, counts)
+
+
+def _code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter[tuple[str, str]]) -> int:
+    """A fault of ours goes before a failure; raises LinkproofError where nothing is judged, for the commonest reason.
+
+    ``counts`` are of the outcomes that say nothing, each with its reason.
+    """
+    if is_ours or has_failed:
+        return SUITE_ERROR if is_ours else FAILED
+    if not is_judged:
+        raise _nothing_judged(counts)
+    return PASSED
 
 
 def _nothing_judged(counts: Counter[tuple[str, str]]) -> LinkproofError:
-    """What to raise where no run can be judged; ``counts`` are of their outcomes, each with its reason."""
     if not counts:
         return LinkproofError("expected something to judge, got no run at all: ask for other regimes, axes or settings")
     (outcome, reason), _ = counts.most_common(1)[0]

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import without
+from analytic.description.file_units import file_unit
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.instants import Instants
-from comparisons.datasheet.units import file_unit
 from comparisons.reference.case import Case
 from reports.requests.case import requested_case
 from reports.requests.motions import check_motion

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from analytic.description.changes import SPEED
+from analytic.description.file_units import file_unit
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
-from comparisons.datasheet.units import file_unit
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import mass_words
 from comparisons.designs.sweep.simulated_designs import SimulatedDesigns, simulated_designs

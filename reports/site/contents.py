@@ -8,15 +8,9 @@ from functools import cached_property
 from pathlib import Path
 
 from analytic.errors import LinkproofError
-from comparisons.campaign import results as campaign
-from comparisons.campaign.results import Results
 from comparisons.datasheet import saved as datasheet
 from comparisons.datasheet.sheet import Sheet
-from comparisons.runs.study_folder import has_study
-from comparisons.stress import saved as stress_test
-from comparisons.stress.saved import Stress
-from comparisons.work_precision import records as work_precision
-from comparisons.work_precision.records import Bench
+from comparisons.folders.studies import StudyFolder
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
 from reports.campaign.index import index
@@ -30,41 +24,24 @@ BENCH, STRESS = PageLink("Work-precision", "bench.html"), PageLink("Stability", 
 
 
 @dataclass(frozen=True)
-class Contents:
-    """The contents of ``folder``, read when needed."""
-
-    folder: Path
+class Contents(StudyFolder):
+    """The contents of a folder, read when needed."""
 
     def __reduce__(self) -> tuple[type[Contents], tuple[Path]]:
         """Another process reads for itself."""
-        return Contents, (self.folder,)
-
-    @cached_property
-    def results(self) -> Results | None:
-        """The campaign, if there is one."""
-        return campaign.load(self.folder) if campaign.is_saved(self.folder) else None
+        return Contents, (self.path,)
 
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:
         """The data sheets of its mechanisms."""
-        if self.results is not None:
-            return self.results.sheets
-        return datasheet.load_sheets(self.folder) if (self.folder / datasheet.FILE).is_file() else ()
-
-    @cached_property
-    def bench(self) -> Bench | None:
-        """The benchmark, if there is one."""
-        return work_precision.load(self.folder) if has_study(self.folder, work_precision.KIND) else None
-
-    @cached_property
-    def stress(self) -> Stress | None:
-        """The stability maps, if there are any."""
-        return stress_test.load(self.folder) if has_study(self.folder, stress_test.KIND) else None
+        if self.campaign is not None:
+            return self.campaign.sheets
+        return datasheet.load_sheets(self.path) if (self.path / datasheet.FILE).is_file() else ()
 
     @property
     def is_of_one(self) -> bool:
         """Whether it is a designer's results or a judgement of one linkage, whose page is the first one."""
-        judged = self.results is None or "judgement" in self.results.document
+        judged = self.campaign is None or "judgement" in self.campaign.document
         return len(self.sheets) == 1 and judged and self.bench is None and self.stress is None
 
     def file_of(self, sheet: Sheet) -> str:
@@ -86,7 +63,7 @@ class Contents:
         )
         if not found:
             raise LinkproofError(
-                f"nothing to report in '{self.folder}': expected the folder given to --out of compare, bench, stress, "
+                f"nothing to report in '{self.path}': expected the folder given to --out of compare, bench, stress, "
                 "judge or results"
             )
         return (PageLink(INDEX_TITLE, INDEX), *found)
@@ -94,13 +71,13 @@ class Contents:
     def page(self, file: str) -> Page:
         """One of the pages, by its file."""
         if file == INDEX and not self.is_of_one:
-            return index(self.results, self.sheets, tuple(self._studies()))
+            return index(self.campaign, self.sheets, tuple(self._studies()))
         if file == BENCH.href and self.bench is not None:
             return bench_page.page(self.bench)
         if file == STRESS.href and self.stress is not None:
             return stress_page.page(self.stress)
         sheet = next(sheet for sheet in self.sheets if self.file_of(sheet) == file)
-        return replace(mechanism_page.page(sheet, self.results), file=file)
+        return replace(mechanism_page.page(sheet, self.campaign), file=file)
 
     def _studies(self) -> Iterator[Words]:
         if self.bench is not None:

@@ -31,7 +31,7 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     ``png`` writes every figure as PNG as well. Raises LinkproofError where another command writes there.
     """
     found = Contents(saved)
-    folder, links = out or found.folder, found.links()
+    folder, links = out or found.path, found.links()
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
     files = sorted((link.href for link in links), key=_turn)
@@ -59,8 +59,8 @@ def _write(found: Contents, folder: Path, links: Sequence[PageLink], png: bool, 
     """Write one page; returns the names of its files. The garbage collector waits: its walks take long."""
     gc.disable()
     try:
-        if file == SUMMARY and found.results is not None:
-            write_text(folder / SUMMARY, markdown(found.results, found.sheets))
+        if file == SUMMARY and found.campaign is not None:
+            write_text(folder / SUMMARY, markdown(found.campaign, found.sheets))
             return (SUMMARY,)
         return tuple(html.write_all(found.page(file), folder, links, png=png))
     finally:

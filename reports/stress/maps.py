@@ -50,7 +50,7 @@ def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]
 def _cell(result: CellResult) -> dict[str, Any]:
     """The number of its verdict, its story, and the command that repeats it."""
     sign = list(SIGNS).index(result.verdict)
-    return {"verdict": sign, "story": story(result), "command": result.document["command"]}
+    return {"verdict": sign, "story": story(result), "command": result.cell.command}
 
 
 def border_place(border: Border, values: Sequence[float]) -> int:

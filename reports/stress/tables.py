@@ -93,5 +93,5 @@ def incident_table(results: Iterable[CellResult]) -> Table:
 def _incident(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
     cell = result.cell
     place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
-    told = (result.reason, Mono(result.document["command"]))
+    told = (result.reason, Mono(result.cell.command))
     return (cell.engine, place, value_words(cell.value), cell.usage, *told)

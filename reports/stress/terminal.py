@@ -27,7 +27,7 @@ def printout(stress: Stress) -> Printout:
 def _incident(result: CellResult) -> Paragraph:
     cell = result.cell
     place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.usage}"
-    text = f"{result.verdict.value}: {place}: {result.reason}\n  {result.document['command']}"
+    text = f"{result.verdict.value}: {place}: {result.reason}\n  {result.cell.command}"
     return Paragraph(text, colour=SIGNS[result.verdict].terminal)
 
 

@@ -9,12 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.conformance.channels import says_what_is_true
-from comparisons.conformance.conformance import CHECKS, MUTANT
-from comparisons.conformance.misreadings import MISREADINGS
-from comparisons.conformance.mutants import Misread
-from engines.direct_adapter.adapter import DirectEngine
-from engines.scene import Channel
+from comparisons.conformance.conformance import CHECKS
+from comparisons.conformance.mutants import MUTANT
+from comparisons.conformance.trial import Trial
+from tests.comparisons.conformance.wrong_engines import WRONG
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "your-first-engine.md").read_text(encoding="utf-8")
@@ -85,4 +83,4 @@ def test_the_page_has_every_check():
 def test_a_wrong_sign_is_named_as_the_page_has_it():
     (told,) = re.findall(r"failed  (drive torque, .*), …", PAGE)
     with pytest.raises(AssertionError, match=re.escape(told)):
-        says_what_is_true(Channel.TORQUE, Misread(DirectEngine(), MISREADINGS["drive torque reversed"]))
+        CHECKS["drive torque"].examine(Trial(WRONG["torque reversed"][0]))

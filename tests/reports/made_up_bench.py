@@ -19,7 +19,7 @@ def made_up_bench(
                 where = {"mechanism": mechanism, "regime": regime, "engine": engine, "is_control": engine == control}
                 for quantity in ("Mkr", "joint_force"):
                     records += _engine(quantity, 1.0 + number, where)
-    return Bench(document(judged(points(records)), mechanisms, engines))
+    return Bench(document(mechanisms, engines), judged(points(records)))
 
 
 def _engine(quantity, dearer, where):
@@ -38,8 +38,8 @@ def _engine(quantity, dearer, where):
     return [*settings, *second, *loose, *fourth, failed]
 
 
-def document(records, mechanisms, engines, **changes):
-    """All a saved benchmark holds."""
+def document(mechanisms, engines, **changes):
+    """All a saved benchmark holds but its points."""
     methods = [("plain", 100.0, "iterations", 1), ("higher", None, "", 2), ("torn", None, "", 1)]
     return {
         "command": "linkproof bench --quick",
@@ -57,7 +57,6 @@ def document(records, mechanisms, engines, **changes):
         ],
         "costs": [],
         "quantities": ["Mkr", "joint_force"],
-        "records": [record.data for record in records],
         **changes,
     }  # fmt: skip
 
@@ -75,4 +74,4 @@ def nothing_finished():
         seconds=0.0,
         repeats=(),
     )
-    return Bench(document(points([absent]), ("m",), ("gamma",), methods=[], noise={"work": "none", "samples": []}))
+    return Bench(document(("m",), ("gamma",), methods=[], noise={"work": "none", "samples": []}), points([absent]))

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from comparisons.stress.campaign import Stressed
 from comparisons.stress.cell_result import StressVerdict
+from comparisons.stress.saved import Stress
 from tests.comparisons.stress.test_border import result
 from tests.targets import random_linkages, studies
 from tests.targets.long_run import LEAST, LongRun
@@ -24,7 +24,7 @@ def test_a_long_run_tells_its_ratio_and_what_it_is_made_of(monkeypatch):
 
 def test_missed_cells_are_counted(monkeypatch):
     cells = (result(1.0, StressVerdict.WITHIN), result(2.0, StressVerdict.CAUGHT))
-    monkeypatch.setattr(studies, "stress", lambda _request: Stressed(cells, ()))
+    monkeypatch.setattr(studies, "stress", lambda _request: Stress({}, cells))
     (found,) = studies.missed({"quick": True}, ["e"])
     assert (found.reached, found.detail) == (0.0, "of 2 cells")
 

@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from analytic.description.changes import SPEED
+from analytic.description.file_units import FileUnit
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.datasheet.units import FileUnit
 from comparisons.designs.parameters import LISTED, Parameter, parameter, parameters
 
 Array = NDArray[np.float64]

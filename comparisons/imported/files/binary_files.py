@@ -19,9 +19,9 @@ import numpy as np
 
 from analytic.errors import LinkproofError, printable
 from comparisons.imported.columns import Column
-from comparisons.imported.files.text import ResultText
+from comparisons.imported.files.tables import GREATEST
+from comparisons.imported.files.text import LARGEST, MOST_NUMBERS, ResultText
 
-LARGEST: Final = 1 << 26  # bytes of a workbook's parts, and numbers of a MATLAB file
 TRAJECTORY: Final = ("Aclass", "name", "dataInfo", "data_2")
 # SciPy's reader, in a process of its own: a damaged file may crash it. An archive of NumPy's arrays goes to stdout.
 READER: Final = """
@@ -36,7 +36,7 @@ LONGEST: Final = 60.0  # seconds that it may take
 
 
 def sheets(path: Path) -> Iterator[ResultText]:
-    """The sheets of a workbook as tables parted by tabs; raises LinkproofError for what is none."""
+    """The sheets of a workbook as tables parted by tabs; raises LinkproofError for what cannot be read."""
     try:
         from openpyxl import load_workbook  # noqa: PLC0415 - an extra
     except ImportError:
@@ -47,18 +47,16 @@ def sheets(path: Path) -> Iterator[ResultText]:
     try:
         with zipfile.ZipFile(path) as parts:
             size = sum(part.file_size for part in parts.infolist())
-        if size > LARGEST:
-            raise ValueError(f"{size >> 20} MB of cells")
         for sheet in load_workbook(io.BytesIO(path.read_bytes()), read_only=True, data_only=True).worksheets:
-            lines, length, numbers = [], 0, 0
+            lines, numbers = [], 0
             for row in sheet.iter_rows(values_only=True):
                 lines.append("\t".join("" if cell is None else " ".join(str(cell).split()) for cell in row))
                 numbers = max(numbers, sum(isinstance(cell, int | float) for cell in row))
-                length += len(lines[-1])
-                if length > LARGEST:
-                    raise ValueError("more empty cells than results")
+                size += len(lines[-1])  # of empty cells, too
+                if size > LARGEST:
+                    raise ValueError(f"more than {LARGEST >> 20} MB of cells")
             if numbers > 1:  # no sheet of notes
-                yield ResultText(f"{printable(str(path))}[{printable(sheet.title)}]", "\n".join(lines) + "\n")
+                yield ResultText(f"{printable(str(path))}[{printable(sheet.title)}]", "\n".join(lines))
     except Exception as error:  # what damaged files raise in zip, XML and cells has no common class
         raise _unreadable(path, "a workbook", error) from error
 
@@ -76,7 +74,7 @@ def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
     Raises LinkproofError for one that cannot be read.
     """
     try:
-        command = [sys.executable, "-c", READER, str(path), str(LARGEST)]
+        command = [sys.executable, "-c", READER, str(path), str(MOST_NUMBERS)]
         read = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False)
         if read.returncode:
             raise ValueError(read.stderr.decode(errors="replace").strip().rpartition("\n")[2] or "it is damaged")
@@ -88,10 +86,10 @@ def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
     tables: dict[int, list[Column]] = {}
     for name, array in arrays.items():
         values = array.astype(float)
-        if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > 1e100:
+        if not (np.abs(values) < GREATEST).all():
             raise LinkproofError(f"{path}: expected finite numbers of '{printable(name)}', got others; export it again")
-        column = Column(name, "", values, np.finfo(array.dtype).eps * np.abs(values), f"{path} ({printable(name)})")
-        tables.setdefault(len(values), []).append(column)
+        sharp = np.finfo(array.dtype if array.dtype.kind == "f" else float).eps * np.abs(values)
+        tables.setdefault(len(values), []).append(Column(name, "", values, sharp, f"{path} ({printable(name)})"))
     return is_trajectory, list(tables.values())
 
 
@@ -107,8 +105,7 @@ def _trajectory(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 def _vectors(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Names and values of vectors and of the columns of matrices."""
     for name, array in data.items():
+        every = array if array.shape[0] == 1 else array.T
         if array.dtype.kind in "fiu" and array.size > 1:
-            every = array.T if array.shape[0] == 1 else array
-            every = every if every.dtype.kind == "f" else every.astype(float)
-            for number in range(every.shape[1]):
-                yield f"{name}({number + 1})" if every.shape[1] > 1 else name, every[:, number]
+            for number, values in enumerate(every, start=1):
+                yield f"{name}({number})" if len(every) > 1 else name, values

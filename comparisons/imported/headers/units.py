@@ -18,9 +18,7 @@ from analytic.description.units import UNITS
 
 _FILE: Final[Mapping[str, Any]] = tomllib.loads(Path(__file__).with_name("units.toml").read_text(encoding="utf-8"))
 
-Dimension = tuple[int, int, int, int]  # exponents of m, kg, s and rad
-PLAIN: Final[Dimension] = (0, 0, 0, 0)
-KINDS: Final[Mapping[str, Dimension]] = {kind: tuple(powers) for kind, powers in _FILE["dimensions"].items()}
+Dimension = tuple[int, ...]  # exponents of m, kg, s and rad
 
 
 @dataclass(frozen=True)
@@ -30,96 +28,59 @@ class Unit:
     factor: float
     dimension: Dimension
 
-    def __pow__(self, exponent: int) -> Unit:
-        return Unit(self.factor**exponent, _dimension(exponent * part for part in self.dimension))
-
-    def __mul__(self, other: Unit) -> Unit:
-        parts = zip(self.dimension, other.dimension, strict=True)
-        return Unit(self.factor * other.factor, _dimension(a + b for a, b in parts))
+    def times(self, other: Unit, exponent: int) -> Unit:
+        """The product with a power of another unit."""
+        powers = zip(self.dimension, other.dimension, strict=True)
+        return Unit(self.factor * other.factor**exponent, tuple(own + exponent * added for own, added in powers))
 
     def measures(self, dimension: Dimension) -> bool:
         """Whether it can be the unit of a quantity; a speed of rotation may be in 1/s."""
-        return self.dimension == dimension or (
-            dimension[3] == 1 and dimension[2] < 0 and self.dimension == (*dimension[:3], 0)
-        )
-
-
-def _dimension(parts: Any) -> Dimension:  # noqa: ANN401 - any iterable of four integers
-    metre, kilogram, second, radian = parts
-    return (metre, kilogram, second, radian)
+        turns = dimension[3] == 1 and dimension[2] < 0
+        return self.dimension == dimension or (turns and self.dimension == (*dimension[:3], 0))
 
 
 def _named() -> dict[str, Unit]:
     """Every unit by every name it has."""
     units: dict[str, Unit] = {}
-    for kind, dimension in KINDS.items():
-        plain = {name: value for name, value in UNITS.get(kind, {}).items() if name.isalpha()} | _FILE.get(kind, {})
-        units |= {name: Unit(value, dimension) for name, value in plain.items()}
+    for kind, dimension in _FILE["dimensions"].items():
+        values = {**UNITS.get(kind, {}), **_FILE.get(kind, {})}
+        units |= {name: Unit(value, tuple(dimension)) for name, value in values.items()}
     return units | {name: units[plain] for plain, names in _FILE["names"].items() for name in names}
 
 
 NAMED: Final[Mapping[str, Unit]] = _named()
 _LOWER: Final = {name.lower(): unit for name, unit in reversed(tuple(NAMED.items())) if len(name) > 1}
-ONE: Final = Unit(1.0, PLAIN)
+ONE: Final = Unit(1.0, (0, 0, 0, 0))
 SUPERSCRIPTS: Final = str.maketrans("²³⁻¹", "23-1")
-EXPONENT: Final = re.compile(r"(?:\*\*|\^)?\s*\(?(-?[1-4])\)?$")
-# Names to offer, by dimension: those of linkage files, and the plain ones here.
-OFFERED: Final[Mapping[Dimension, list[str]]] = {
-    dimension: [
-        name for kind in KINDS if KINDS[kind] == dimension for table in (UNITS, _FILE) for name in table.get(kind, {})
-    ]
-    for dimension in KINDS.values()
-}
+BETWEEN: Final = re.compile(r"\s*[*·.⋅×]\s*|(?<=\w)-(?=[^\W\d])|\s+")
+POWER: Final = re.compile(r"(.+?)(?:\^?\s*\(?(-?[1-4])\)?)?")
 LONGEST: Final = 40  # characters of a unit
+
+
+def _unit(name: str) -> Unit | None:
+    return NAMED.get(name) or _LOWER.get(name.lower())
 
 
 @lru_cache(maxsize=1024)
 def parsed(text: str) -> Unit | None:
-    """The unit that a text names, None if it names none; "-" and "1" are the unit of a plain number."""
+    """The unit that a text names, such as ``a*b/c^2``, None if it names none; "-" is that of a plain number.
+
+    Of two solidi the meaning is open, so there may be one.
+    """
     text = text.strip()
     if not text or len(text) > LONGEST:
         return None
-    if text in ("-", "1"):
-        return ONE
-    return _name(text) or _product(text.translate(SUPERSCRIPTS).replace("**", "^"))
-
-
-def _name(text: str) -> Unit | None:
-    return NAMED.get(text) or _LOWER.get(text.lower())
-
-
-def _product(text: str) -> Unit | None:
-    """Of ``a*b/c*d`` and the like; one solidus, everything behind it divides."""
-    above, solidus, below = text.partition("/")
-    if solidus and (not below.strip() or "/" in below):
-        return None
-    top = ONE if above.strip() in ("", "1") else _factors(above)
-    bottom = _factors(below.strip().removeprefix("(").removesuffix(")")) if solidus else ONE
-    return top * bottom**-1 if top and bottom else None
-
-
-def _factors(text: str) -> Unit | None:
+    if text == "-" or _unit(text):
+        return _unit(text) or ONE
+    above, *below = text.translate(SUPERSCRIPTS).replace("**", "^").split("/")
+    parts = [] if below and above.strip() in ("", "1") else [(above, 1)]
+    parts += [(part.strip().removeprefix("(").removesuffix(")"), -1) for part in below]
     result = ONE
-    for word in re.split(r"\s*[*·.⋅×]\s*|(?<=\w)-(?=[^\W\d])|\s+", text.strip()):
-        unit = _power(word) if word else None
-        if unit is None:
-            return None
-        result = result * unit
+    for part, sign in parts:
+        for word in BETWEEN.split(part.strip()):
+            power = POWER.fullmatch(word)
+            unit = _unit(power[1]) if power else None
+            if power is None or unit is None or len(below) > 1:
+                return None
+            result = result.times(unit, sign * int(power[2] or 1))
     return result
-
-
-def _power(word: str) -> Unit | None:
-    """A unit, with its exponent if any."""
-    exponent = EXPONENT.search(word)
-    name = word[: exponent.start()] if exponent else word
-    unit = _name(name) or _run_together(name)
-    return unit ** int(exponent[1]) if unit and exponent else unit
-
-
-def _run_together(name: str) -> Unit | None:
-    """``Nmm`` and the like: a force and a length."""
-    for cut in (1, 2, 3):
-        force, length = NAMED.get(name[:cut]), NAMED.get(name[cut:])
-        if force and length and force.dimension == KINDS["force"] and length.dimension == KINDS["length"]:
-            return force * length
-    return None

@@ -5,28 +5,20 @@ from __future__ import annotations
 import re
 import tomllib
 import unicodedata
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
 
+Meanings = frozenset[str]
+Table = Mapping[tuple[str, ...], Meanings]
+
 TOKEN: Final = re.compile(r"[^\W\d_]+|\d+")
 # Where a word begins inside another: camelCase, and the last capital of a run of them.
 CAMEL: Final = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
-NOTHING: Final = "nothing"  # the meaning of words that change nothing
+NOTHING: Final = frozenset({"nothing"})  # the meaning of words that change nothing
 SHORTEST, SHORTEST_FOREIGN = 3, 2  # letters of a word written together with others
-
-
-@dataclass(frozen=True)
-class Word:
-    """A part of a header with all that it may mean; a name of the linkage means ``:name``."""
-
-    text: str
-    meanings: frozenset[str] = frozenset()
-
-
-Table = Mapping[tuple[str, ...], frozenset[str]]
 
 
 def plain(text: str) -> str:
@@ -41,27 +33,20 @@ def tokens(text: str) -> list[str]:
     return TOKEN.findall(CAMEL.sub(" ", text))
 
 
-def _table() -> dict[tuple[str, ...], frozenset[str]]:
-    table: dict[tuple[str, ...], frozenset[str]] = {}
-    for meaning, words in tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8")).items():
-        for word in words:
-            key = tuple(plain(word).split())
-            table[key] = table.get(key, frozenset()) | {meaning}
-    return table
+def _table(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
+    table: dict[tuple[str, ...], Meanings] = defaultdict(frozenset)
+    for words, meaning in pairs:
+        table[words] |= {meaning}
+    return dict(table)
 
 
-WORDS: Final[Table] = _table()
-MOST_WORDS: Final = max(map(len, WORDS))  # of a phrase
+_FILE: Final = tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8"))
+WORDS: Final = _table((tuple(plain(word).split()), meaning) for meaning, words in _FILE.items() for word in words)
 
 
 def named(names: Iterable[str]) -> Table:
-    """What names mean by their words; a number alone is that of a plot, "Angular Velocity2", and no name."""
-    table: dict[tuple[str, ...], frozenset[str]] = {}
-    for name in names:
-        key = _key(tokens(name))
-        if not all(map(str.isdigit, key)):
-            table[key] = table.get(key, frozenset()) | {f":{name}"}
-    return table
+    """What names mean, ``:name``, by their words; a number alone is a plot's, "Angular Velocity2", and no name."""
+    return _table((key, f":{name}") for name in names if not all(map(str.isdigit, key := _key(tokens(name)))))
 
 
 def _key(words: Iterable[str]) -> tuple[str, ...]:
@@ -69,24 +54,27 @@ def _key(words: Iterable[str]) -> tuple[str, ...]:
     return tuple(word if len(word) == 1 else word.casefold() for word in words)
 
 
-def words(header: str, names: Table) -> Iterator[Word]:
-    """The words of a header that mean something or are unknown; numbers that belong to no name are left out."""
+def words(header: str, names: Table) -> Iterator[tuple[str, Meanings]]:
+    """The words of a header with all that each may mean, of which an unknown one has nothing.
+
+    Numbers that belong to no name are left out, and words that change nothing.
+    """
     every, at = tokens(header), 0
-    longest = max(MOST_WORDS, *map(len, names))
+    longest = max(map(len, [*WORDS, *names]))
     while at < len(every):
-        for count in range(min(longest, len(every) - at), 0, -1):
-            part = every[at : at + count]
+        for end in range(min(len(every), at + longest), at, -1):
+            part = every[at:end]
             meanings = names.get(_key(part), frozenset()) | WORDS.get(tuple(map(plain, part)), frozenset())
             if meanings:
                 break
-        at += count
-        text = " ".join(part)
-        together = [meanings] if meanings or text.isdigit() else known_parts(plain(text)) or [meanings]
-        yield from (Word(text, one) for one in together if not text.isdigit() and one != {NOTHING})
+        text, at = " ".join(part), end
+        if meanings or not text.isdigit():
+            together = [meanings] if meanings else known_parts(plain(text)) or [meanings]
+            yield from ((text, one) for one in together if one != NOTHING)
 
 
 @lru_cache(maxsize=4096)
-def known_parts(word: str) -> tuple[frozenset[str], ...]:
+def known_parts(word: str) -> tuple[Meanings, ...]:
     """The meanings of known words that are written together in one, as in German and Chinese; () if any is unknown."""
     if (word,) in WORDS:
         return (WORDS[word,],)

@@ -33,7 +33,7 @@ MOST: Final = 1000  # samples to which a piece is fitted while its end is sought
 WIDER: Final = 4.0  # times the rounding: the next noise that is tried
 FINEST: Final = 0.02  # of the coarsest rounding of a column
 EXACT: Final = 0.02  # of the rounding: a known motion that leaves less is printed in full, 1.5° after 1.5°
-ROUND: Final = 200.0  # roundings: the start of such a motion is a multiple of so many, that is, of 100 last digits
+ROUND: Final = 200.0  # roundings: such an angle or speed starts at a multiple of so many, that is, of 100 last digits
 NOTHING: Final = 1e-6  # of the rounding: the last bits of a number
 MANY: Final = 8  # pieces, from which a column may hold more than rounding
 FEWER: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
@@ -42,7 +42,7 @@ SIXTH: Final = 20.5  # median of the sixth differences of noise, over its root m
 LARGEST_NOISE: Final = 1e-3  # of the largest value
 LEAST_JUMP: Final = 0.02  # of the largest acceleration
 TRIALS: Final = 4  # other columns that would round to the same
-WAVES: Final = (1.0, 3.0, 7.0)  # half waves of slow ones over the column
+WAVES: Final = (0.0, 1.0, 3.0, 7.0)  # half waves of slow ones over the column; none: all samples are off by the same
 SPREAD: Final = 3.0  # from the largest of so few trials to a bound
 
 
@@ -108,7 +108,7 @@ def _motion(time: Array, values: Array, resolution: Array, name: str, *, of_spee
     known = known_fit(time, values, rounding, of_speed=of_speed)
     if known is not None:
         column = known.column  # of fewer samples than the file, if that has many
-        share, start = float(np.max(np.abs(known.rest) / column.rounding)), known.start / (ROUND * coarsest)
+        share, start = float(np.max(np.abs(known.rest) / column.rounding)), float(known.values[0]) / (ROUND * coarsest)
         is_exact = share < EXACT and abs(start - round(start)) < EXACT
         within = column.rounding * (max(share, NOTHING) if is_exact else 1.0)
         trials = (replace(column, values=column.values + trial) for trial in _trials(within))

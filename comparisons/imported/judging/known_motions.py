@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
+from scipy.optimize import linprog, minimize_scalar
 
 from analytic.description.crank_motion import LAWS, RAMPS, CrankMotion, Segment, crank_motion, swing
 
@@ -21,6 +21,7 @@ Family = Callable[
 CONSTANT: Final = "constant-speed"
 SLACK: Final = 1.2  # of the rounding: the last bits of the numbers
 TIMES: Final = 50  # from which the search of a family's time begins
+TWICE: Final = 3.0  # roundings that the nearest motion by squares may leave of a column that is within its own
 FEW: Final = 200  # samples by which a family is ruled out
 MOST: Final = 2000  # samples to which one is fitted; all are held against it
 NOTHING: Final = 1e-9  # of the duration: no dwell
@@ -68,10 +69,37 @@ class KnownColumn:
         thin = self.thinned(FEW)
         coarse = np.linspace(LEAST * self.duration, self._longest, 1 if self.name == CONSTANT else TIMES)
         near = float(coarse[int(np.argmin([thin._cost(time) for time in coarse]))])
-        if not thin.near(near).is_within:
+        if not thin._within(near).is_within:
             return None
-        fit = self.thinned(MOST).near(near)
+        fit = self.thinned(MOST)._within(near)
         return fit if replace(fit, rest=self._rest(fit.time, fit.size, fit.start), column=self).is_within else None
+
+    def _within(self, about: float) -> KnownFit:
+        """The nearest motion by squares, or if the column is not within its rounding of that, by the largest rest.
+
+        Where the crank turns steadily every sample is rounded alike, and the squares are least where the others are
+        off by that besides their own rounding.
+        """
+        fit = self.near(about)
+        return self._evened(fit) if not fit.is_within and fit.largest < TWICE else fit
+
+    def _evened(self, fit: KnownFit) -> KnownFit:
+        """The motion beside a fit whose largest rest, over the rounding, is least: a linear programme."""
+        step, free = SMALL * self.duration, np.array([self.name != CONSTANT, True, not self.of_speed])
+        by_time = (self._rest(fit.time + step, fit.size, fit.start) - fit.rest) / step
+        slopes = np.column_stack([by_time, -self._shape(fit.time), -np.ones(len(self.time))]) * free
+        slopes /= self.rounding[:, None]
+        sizes, rest = np.max(np.abs(slopes), axis=0) + ~free, fit.rest / self.rounding
+        least = linprog(
+            (0.0, 0.0, 0.0, 1.0),
+            np.vstack([np.column_stack([side * slopes / sizes, -np.ones(len(rest))]) for side in (1.0, -1.0)]),
+            np.concatenate([-rest, rest]),
+            bounds=(None, None),
+        )
+        if not least.success:
+            return fit
+        time, size, start = np.array([fit.time, fit.size, fit.start]) + free * least.x[:3] / sizes
+        return KnownFit(self, float(time), float(size), float(start), self._rest(time, size, start))
 
     @property
     def _longest(self) -> float:
@@ -88,7 +116,7 @@ class KnownColumn:
         fits = [self._settled(place)]
         if self._longest < bounds[1]:
             fits.append(self._of(self._longest))
-        return min(fits, key=lambda fit: float(np.max(np.abs(fit.rest / self.rounding))))
+        return min(fits, key=lambda fit: fit.largest)
 
     def _settled(self, time: float) -> KnownFit:
         """The fit at a time to rounding: the least of a cost tells its place to the root of rounding only."""
@@ -138,9 +166,19 @@ class KnownFit:
     rest: Array
 
     @property
+    def values(self) -> Array:
+        """The fitted column, (n,)."""
+        return self.column.values - self.rest
+
+    @property
+    def largest(self) -> float:
+        """The largest rest over the rounding."""
+        return float(np.max(np.abs(self.rest) / self.column.rounding))
+
+    @property
     def is_within(self) -> bool:
         """Whether the column is that motion within its rounding."""
-        return bool(np.all(np.abs(self.rest) <= SLACK * self.column.rounding))
+        return self.largest <= SLACK
 
     @property
     def motion(self) -> CrankMotion:

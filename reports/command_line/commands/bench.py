@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from contextlib import closing
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
 
-from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
 from comparisons.runs.cluster.connecting import check_scheduler, opened
-from comparisons.runs.environment import environment
-from comparisons.runs.timing import WORK
 from comparisons.runs.workers import LastingPool
-from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK
-from comparisons.work_precision.records import KIND, Bench, save
-from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, method_descriptions
+from comparisons.work_precision.records import KIND, save
+from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
 from reports.command_line.interruption import interruptible, journal
-from reports.requests.campaign import installed, request
+from reports.requests.campaign import request
 from reports.requests.exit_codes import bench_exit_code
 from reports.requests.options.campaign import BenchOptions, RunsOptions
 from reports.requests.options.declaring import command_line
@@ -45,7 +40,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
     """
     destination.check(KIND)
     options = of_project(options)
-    out, command = destination.out, command_line("bench", options)
+    out = destination.out
     check_scheduler(scheduler)
     if scheduler is not None and options.costs:
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
@@ -56,19 +51,18 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
         opened(scheduler, here, alone=True) as pool,
         interruptible(out) as counting,
     ):
-        kept = journal(out, command, asked.engines, asked.linkages, resume=destination.resume) if out else None
+        kept = journal(out, wanted.command, asked.engines, asked.linkages, resume=destination.resume) if out else None
         wanted = replace(wanted, pool=pool)
         with destination.progress() as announce:
-            measured = measure_all(wanted, counting(announce), kept)
-        found = Bench(_document(options, command, wanted, measured))
-        destination.write_json(found.document)
+            found = measure_all(wanted, counting(announce), kept)
+        destination.write_json(found.told)
         if out:
-            save(out, found.document)
+            save(out, found)
             destination.write_pages()
         if kept:
             kept.clear()
     destination.print_out(printout(found, options.quantity))
-    return bench_exit_code(measured.records, wanted.engines)
+    return bench_exit_code(found.records, wanted.engines)
 
 
 def _campaign(options: BenchOptions) -> RunsOptions:
@@ -97,7 +91,8 @@ def _request(options: BenchOptions, asked: CampaignRequest) -> BenchRequest:
         if not found:
             raise LinkproofError(_nothing_to_measure(case, quantities))
         check_defined(case, [quantity for family in found.values() for quantity in family])
-    return BenchRequest(every, asked.engines, quantities, extent=QUICK if options.quick else FULL)
+    extent, command = QUICK if options.quick else FULL, command_line("bench", options)
+    return BenchRequest(every, asked.engines, quantities, extent=extent, with_costs=options.costs, command=command)
 
 
 def _nothing_to_measure(case: Case, quantities: Iterable[str]) -> str:
@@ -105,28 +100,3 @@ def _nothing_to_measure(case: Case, quantities: Iterable[str]) -> str:
         f"none of {', '.join(quantities)} is a result of '{case.mechanism.linkage.name}' in regime "
         f"'{case.motion.regime}': ask for another quantity, or leave the regime out"
     )
-
-
-def _document(options: BenchOptions, command: str, wanted: BenchRequest, measured: Measured) -> dict[str, Any]:
-    """Everything of a finished benchmark, ready for JSON."""
-    noise = measured.noise
-    linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in wanted.cases}
-    extent = {name: value for name, value in asdict(wanted.extent).items() if value != float("inf")}
-    return {
-        "command": command,
-        "conditions": "; ".join(dict.fromkeys(case.conditions for case in wanted.cases)),
-        "environment": {**environment(wanted.engines), **wanted.pool.place},
-        "extent": extent,
-        "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
-        "first_use": [{"engine": name, "seconds": times} for name, times in measured.first_uses.items()],
-        "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
-        "methods": method_descriptions(wanted),
-        "costs": _costs(list(linkages.values()), wanted.engines) if options.costs else [],
-        "quantities": list(measured.quantities),
-        "records": [point.data for point in measured.points],
-    }
-
-
-def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:
-    """What each output and load costs, in the linkage with most to leave out and the engines that are installed."""
-    return [asdict(cost) for cost in costs.measure(costs.most_reducible(linkages), installed(engines))]

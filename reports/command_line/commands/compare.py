@@ -10,13 +10,12 @@ from pathlib import Path
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import tasks
 from comparisons.campaign.errata import SPEED, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
 from comparisons.campaign.results import save, with_runs
 from comparisons.campaign.sheets import sheets
 from comparisons.campaign.standards import JudgedCampaign
-from comparisons.reference.published import PublishedRecord, all_variants, compare_published
+from comparisons.datasheet.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
 from engines.registry import engine_names
 from reports.campaign.terminal import printout
@@ -45,7 +44,7 @@ def compare(
     wanted, out = campaign(options, standard, limits), destination.out
     request = wanted.request
     if out:
-        tasks(request)  # what cannot run is refused before the folder is touched
+        _ = wanted.tasks  # what cannot run is refused before the folder is touched
     with wanted.running.pool() as pool, interruptible(out) as counting:
         engines, linkages = request.engines, request.linkages
         kept = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
@@ -70,8 +69,8 @@ def compare(
         destination.say(f"baseline: {wanted.recorded}")
     destination.write_junit(judged.records, judged.figures, judged.departures)
     notes = (*judged.notes, *judged.departures)
-    usual = printout(judged.runs, judged.figures, notes, wanted.environment)
-    destination.print_out(words(judged) if words else usual)
+    shown = words(judged) if words else printout(judged.runs, judged.figures, notes, wanted.environment)
+    destination.print_out(shown)
     code = campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
     if kept:
         kept.clear()  # last, since the runs are read from it

@@ -9,7 +9,7 @@ from typing import Any
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import cases
-from comparisons.conformance.findings import Finding
+from comparisons.conformance.results import Finding
 from comparisons.exported_run import exported, exported_cell
 from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.plugins import engine, engines

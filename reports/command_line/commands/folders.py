@@ -11,7 +11,7 @@ from comparisons.campaign.results import is_saved, load
 from comparisons.folders import merging
 from comparisons.folders.difference import difference
 from comparisons.folders.merging import MergedFolder
-from comparisons.folders.studies import study_differences
+from comparisons.folders.studies import StudyFolder, study_differences
 from comparisons.folders.tables import write_tables
 from comparisons.folders.verification import verify as verify_folder
 from reports.command_line.commands.compare import report as report_saved
@@ -36,7 +36,7 @@ def diff(before: Path, after: Path, destination: Destination) -> int:
     """Print what has moved between two folders; returns the exit code: 1 where it is more than is allowed."""
     destination.check("")
     _refuse_merged(before, after)
-    studies = tuple(study_differences(before, after))
+    studies = tuple(study_differences(StudyFolder(before), StudyFolder(after)))
     campaign = None
     if (is_saved(before) and is_saved(after)) or not studies:
         campaign = difference(load(before, with_sheets=False), load(after, with_sheets=False))

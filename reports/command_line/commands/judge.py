@@ -14,7 +14,7 @@ from comparisons.campaign.results import save
 from comparisons.datasheet.building import usual_sheet
 from comparisons.imported.columns import MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
-from comparisons.imported.mapping.writing import with_proposals
+from comparisons.imported.mapping import with_proposals
 from comparisons.judging.records import Verdict, run_record
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import STDOUT, Destination, check_files, files_of, write_files

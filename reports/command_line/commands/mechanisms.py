@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from analytic.description.changes import SPEED
+from analytic.description.file_units import FileUnit
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, installed, literature, load
 from analytic.designs.figure_names import figure_names
@@ -20,7 +21,6 @@ from analytic.turn.required_feed import compare_feed, read_required_feed
 from analytic.written import finite
 from comparisons.campaign.project import FILE, find_project
 from comparisons.datasheet.mechanism_summary import portrait, thread_facts
-from comparisons.datasheet.units import FileUnit
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import parameters, speed_unit
 from reports.command_line.destination import Destination

@@ -11,14 +11,14 @@ import numpy as np
 
 from analytic import signals
 from analytic.description.changes import SPEED
+from analytic.description.file_units import file_unit
 from analytic.description.loading import load
 from analytic.signals import MAGNITUDE
-from comparisons.datasheet.units import file_unit
 from comparisons.designs.design_file import design_file
 from comparisons.designs.optimum.optimisation import Optimum
 from comparisons.designs.parameters import speed_unit
-from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
+from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import Destination
 from reports.designs.optimum.optimise_terminal import aim, closing, document, printed
 from reports.requests import PASSED

@@ -12,7 +12,7 @@ from comparisons.runs.workers import LastingPool
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
-from comparisons.stress.saved import KIND, Stress, save
+from comparisons.stress.saved import KIND, save
 from engines.registry import engine_names
 from reports.command_line.destination import Destination
 from reports.command_line.interruption import interruptible, journal
@@ -41,21 +41,19 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     cells = [word for word in options.words if "/" in word]
     if cells:
         return _alone(options, cells, destination, where)
-    wanted, out, command = _request(options), destination.out, command_line("stress", options)
+    wanted, out = _request(options), destination.out
     with closing(LastingPool(where.processes)) as here, where.pool(here) as pool, interruptible(out) as counting:
-        kept = journal(out, command, wanted.engines, resume=destination.resume) if out else None
+        kept = journal(out, wanted.command, wanted.engines, resume=destination.resume) if out else None
         with destination.progress() as announce:
             found = stress(replace(wanted, pool=pool), counting(announce), kept)
-        told = found.document(command, quick=options.quick)
-        maps = Stress({**told, "environment": {**told["environment"], **pool.place}}, found.cells)
         if destination.json:
-            destination.write_json({**maps.document, "cells": [cell.document for cell in maps.results]})
+            destination.write_json(found.told)
         if out:
-            save(out, maps)
+            save(out, found)
             destination.write_pages()
         if kept:
             kept.clear()
-    destination.print_out(printout(maps))
+    destination.print_out(printout(found))
     return stress_exit_code(found.cells)
 
 
@@ -68,7 +66,8 @@ def _request(options: StressOptions) -> StressRequest:
             f"'linkproof[{engines[0] if engines else 'pymunk'}]'"
         )
     axes = tuple(chosen_axes(options.words))
-    return StressRequest(axes, present, options.setting, options.quick, time_limit=options.time_limit)
+    command = command_line("stress", options)
+    return StressRequest(axes, present, options.setting, options.quick, time_limit=options.time_limit, command=command)
 
 
 def _alone(options: StressOptions, cells: Sequence[str], destination: Destination, where: Running) -> int:
@@ -79,5 +78,5 @@ def _alone(options: StressOptions, cells: Sequence[str], destination: Destinatio
     with where.pool() as pool:
         results = make_cells(chosen, options.time_limit, pool)
     destination.print(*map(cell_details, results))
-    destination.write_json({"cells": [result.document for result in results]})
+    destination.write_json({"cells": [result.data for result in results]})
     return stress_exit_code(results)

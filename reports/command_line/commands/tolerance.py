@@ -7,7 +7,7 @@ from pathlib import Path
 from analytic.description.loading import load
 from comparisons.designs.tolerance.tolerance_study import ToleranceStudy, tolerance_study
 from comparisons.designs.tolerance.tolerances import read_tolerances
-from comparisons.judging.records import to_json
+from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import STDOUT, check_files, files_of, write_files
 from reports.command_line.progress import progress
 from reports.designs.tolerance.tolerance_files import csv_table, document

@@ -129,11 +129,17 @@ window.linkproof = (() => {
     stops();
   }
 
+  /* Calls back when what is drawn by a script has to be drawn anew: another size, other colours. */
+  function redrawn(callback) {
+    window.addEventListener("resize", callback);
+    dark.addEventListener("change", callback);
+  }
+
   dark.addEventListener("change", redraw);
   window.matchMedia("print").addEventListener("change", redraw);
   document.addEventListener("DOMContentLoaded", begin);
   window.addEventListener("hashchange", begin);
   window.addEventListener("resize", stops);
   document.addEventListener("toggle", stops, true);
-  return { widget, load, loaded, plot, colours, saveButton };
+  return { widget, load, loaded, plot, colours, saveButton, redrawn };
 })();

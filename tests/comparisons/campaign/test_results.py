@@ -18,7 +18,7 @@ from comparisons.campaign.results import described, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.datasheet.building import bare_sheet
 from comparisons.datasheet.saved import save_sheets
-from comparisons.judging.records import to_json
+from comparisons.runs.study_folder import to_json
 from engines.contract import Outcome, Run, Setting
 from tests.comparisons.perfect_engine import perfect_motion
 

@@ -1,6 +1,7 @@
 """Engines that are right but for one thing, each made of the direct solution."""
 
 import ctypes
+import math
 import os
 import sys
 from dataclasses import replace
@@ -8,9 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from comparisons.conformance.misreadings import MISREADINGS, Misreading
-from comparisons.conformance.mutants import Misread
-from engines.contract import Abilities, History, Outcome, Run, Setting, Signal
+from engines.contract import Abilities, History, Outcome, Run, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import AppliedForce, Channel, Free, Prescribed, SlotJoint
 
@@ -195,24 +194,85 @@ class NarrowEngine(Direct):
         return replace(run, history=replace(run.history, joint_force=forces))
 
 
-def _bodies(channel, change):
-    """One channel of the bodies changed: ``change(values, scene)`` in place."""
+class Misread(Direct):
+    """The direct solution, what it returns changed by ``change(history, scene)``."""
 
-    def changed(history: History, scene) -> History:
-        signal = getattr(history, channel.value)
+    def __init__(self, change):
+        self.change = change
+
+    def run(self, scene, setting):
+        run = super().run(scene, setting)
+        return replace(run, history=self.change(run.history, scene)) if run.history else run
+
+
+def of(channel, change):
+    """One channel of the bodies, or the torque, changed: ``change(values, scene)`` in place, if it was requested."""
+
+    def changed(history, scene):
+        signal = getattr(history, channel)
+        if signal is None:
+            return history
         values = signal.values.copy()
         change(values, scene)
-        return replace(history, **{channel.value: replace(signal, values=values)})
+        return replace(history, **{channel: replace(signal, values=values)})
 
-    return Misreading(channel, changed)
+    return Misread(changed)
 
 
-def _place_in_mm(values, scene):
-    values[..., :2] *= 1e3
+def force_of(joint_number, change):
+    """The force of one joint changed: ``change(values, history, scene)`` gives others."""
+
+    def changed(history, scene):
+        if not history.joint_force or history.position is None:
+            return history
+        name = list(history.joint_force)[joint_number]
+        signal = history.joint_force[name]
+        forces = {**history.joint_force, name: replace(signal, values=change(signal.values, history, scene))}
+        return replace(history, joint_force=forces)
+
+    return Misread(changed)
+
+
+def sampled(channel, change):
+    """Times and values of a channel changed: ``change(signal)`` gives another signal."""
+
+    def changed(history, scene):
+        signal = getattr(history, channel)
+        return replace(history, **{channel: change(signal)}) if signal is not None else history
+
+    return Misread(changed)
+
+
+def at(samples):
+    """A signal's samples of these numbers."""
+    return lambda signal: replace(signal, time=signal.time[samples(signal)], values=signal.values[samples(signal)])
+
+
+def late(samples):
+    """Every value so many samples before its time, by straight lines between them."""
+
+    def changed(signal):
+        flat, number = signal.values.reshape(len(signal.time), -1), np.arange(len(signal.time))
+        values = np.column_stack([np.interp(number - samples, number, column) for column in flat.T])
+        return replace(signal, values=values.reshape(signal.values.shape))
+
+    return changed
 
 
 def _degrees(values, scene):
     values[..., 2] *= 180.0 / np.pi
+
+
+def _places_in_mm(values, scene):
+    values[..., :2] *= 1e3
+
+
+def _wrapped(values, scene):
+    values[..., 2] = (values[..., 2] + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def _exchanged(values, scene):
+    values[..., :2] = values[..., 1::-1]
 
 
 def _of_the_pivot(values, scene):
@@ -224,68 +284,72 @@ def _of_the_pivot(values, scene):
     values[:, -1, 1] += s * x + c * y
 
 
-def _wrapped(values, scene):
-    values[..., 2] = (values[..., 2] + np.pi) % (2.0 * np.pi) - np.pi
+def _one_angle_mirrored(values, scene):
+    values[:, -1, 2] *= -1.0
 
 
-def _exchanged(values, scene):
-    values[..., :2] = values[..., 1::-1]
+def _with_gravity(values, scene):
+    values[..., :2] -= scene.gravity
 
 
-def _without_the_crank(history, scene):
-    """What the crank's own weight takes is left out, at the least: of a crank as if it were balanced and light."""
-    from comparisons.conformance.clues import _crank_share  # noqa: PLC0415
-    from comparisons.conformance.samples import SAMPLES, case  # noqa: PLC0415
+def _times(factor):
+    def changed(values, scene):
+        values *= factor
 
-    of = next(c for c in map(case, SAMPLES) if c.scene(scene.channels) == scene)
-    share = _crank_share(of, scene, history.torque.time)
-    return replace(history, torque=replace(history.torque, values=history.torque.values - share))
+    return changed
 
 
-def _cut(signal: Signal, end):
-    return replace(signal, time=signal.time[:end], values=signal.values[:end])
+def _without_the_crank(values, scene):
+    """The crank turns about its pivot: its torque is (J + m r²) φ'' less the moment of its weight."""
+    if isinstance(scene.drive, Free) or scene.cylinder or (scene.sliders and scene.sliders[0].body == scene.crank):
+        return
+    crank = next(body for body in scene.bodies if body.name == scene.crank)
+    pin = next(p for p in scene.pins if {p.first, p.second} == {scene.crank, "ground"})
+    x, y = pin.first_anchor if pin.first == scene.crank else pin.second_anchor
+    time = np.linspace(0.0, scene.drive.motion.duration, len(values))
+    angle, second = scene.drive.motion.angle(time), scene.drive.motion.acceleration(time)
+    turned = angle - angle[0] + crank.angle
+    arm = -np.column_stack([np.cos(turned) * x - np.sin(turned) * y, np.sin(turned) * x + np.cos(turned) * y])
+    inertia = crank.inertia + crank.mass * math.hypot(x, y) ** 2
+    gx, gy = scene.gravity
+    values -= inertia * second - crank.mass * (arm[:, 0] * gy - arm[:, 1] * gx)
 
 
-def _twice(signal: Signal):
-    order = np.insert(np.arange(len(signal.time)), 700, 700)
-    return replace(signal, time=signal.time[order], values=signal.values[order])
+def _in_the_body(values, history, scene):
+    """The second joint's force, in the frame of its first body."""
+    joint = list(history.joint_force)[1]
+    first = next(pin.first for pin in scene.pins if pin.name == joint)
+    angle = history.position.values[:, [body.name for body in scene.bodies].index(first), 2]
+    c, s = np.cos(angle), np.sin(angle)
+    return np.column_stack([c * values[:, 0] + s * values[:, 1], c * values[:, 1] - s * values[:, 0]])
 
 
-def misread(name_or_misreading):
-    """The direct solution, misread."""
-    found = MISREADINGS.get(name_or_misreading, name_or_misreading)
-    return Misread(Direct(), found)
-
-
-def _torque(change):
-    return Misreading(Channel.TORQUE, lambda history, scene: replace(history, torque=change(history.torque)))
-
-
-# What is wrong, the checks that must fail of it, words that must be in each message.
+# What is wrong, the check that must fail of it, and words that its message must contain.
 WRONG = {
-    "places in mm": (misread(_bodies(Channel.POSITION, _place_in_mm)), "positions", "in mm"),
-    "angles in degrees": (misread(_bodies(Channel.POSITION, _degrees)), "positions", "in degrees"),
-    "angles wrapped": (misread(_bodies(Channel.POSITION, _wrapped)), "positions", "not unwrapped"),
-    "x and y exchanged": (misread(_bodies(Channel.VELOCITY, _exchanged)), "velocities", "x and y are exchanged"),
-    "the pivot's place": (misread(_bodies(Channel.POSITION, _of_the_pivot)), "positions", "the point in joint"),
-    "an angle mirrored": (misread("angle of a body mirrored"), "positions", "wrong sign"),
-    "positions late": (misread("positions of a sample before"), "positions", "1 of a sample .* before"),
-    "velocities late": (misread("velocities of half a sample before"), "velocities", "0.5 of a sample .* before"),
-    "velocities reversed": (misread("velocities reversed"), "velocities", "wrong sign"),
-    "an accelerometer": (misread("accelerations without gravity"), "accelerations", "accelerometer"),
-    "torque reversed": (misread("drive torque reversed"), "drive torque", "wrong sign"),
-    "torque late": (misread("drive torque of half a sample before"), "drive torque", "0.5 of a sample .* before"),
-    "torque scaled": (misread("drive torque 0.1 % too large"), "drive torque", "1.001 times"),
-    "torque without the crank": (
-        misread(Misreading(Channel.TORQUE, _without_the_crank)), "drive torque", "crank's own inertia and weight",
+    "places in mm": (of("position", _places_in_mm), "positions", "in mm"),
+    "angles in degrees": (of("position", _degrees), "positions", "in degrees"),
+    "angles wrapped": (of("position", _wrapped), "positions", "not unwrapped"),
+    "x and y exchanged": (of("velocity", _exchanged), "velocities", "x and y are exchanged"),
+    "the pivot's place": (of("position", _of_the_pivot), "positions", "the point in joint"),
+    "an angle mirrored": (of("position", _one_angle_mirrored), "positions", "counts clockwise"),
+    "positions late": (sampled("position", late(1.0)), "positions", "1 of a sample before"),
+    "velocities late": (sampled("velocity", late(0.5)), "velocities", "0.5 of a sample before"),
+    "velocities reversed": (of("velocity", _times(-1.0)), "velocities", "wrong sign"),
+    "an accelerometer": (of("acceleration", _with_gravity), "accelerations", "accelerometer"),
+    "torque reversed": (of("torque", _times(-1.0)), "drive torque", "wrong sign"),
+    "torque late": (sampled("torque", late(0.5)), "drive torque", "0.5 of a sample before"),
+    "torque scaled": (of("torque", _times(1.001)), "drive torque", "1.001 times"),
+    "torque without the crank": (of("torque", _without_the_crank), "drive torque", "crank's own inertia and weight"),
+    "force on the other body": (force_of(1, lambda values, *_: -values), "joint forces", "wrong sign"),
+    "force in a body's frame": (force_of(1, _in_the_body), "joint forces", "in the frame of body"),
+    "forces exchanged": (
+        force_of(1, lambda values, history, scene: next(iter(history.joint_force.values())).values),
+        "joint forces", "it is the force of joint",
     ),
-    "force on the other body": (misread("a joint's force on its other body"), "joint forces", "on the other body"),
-    "force in a body's frame": (misread("a joint's force in its body's frame"), "joint forces", "in the frame of body"),
-    "forces exchanged": (misread("two joints' forces exchanged"), "joint forces", "it is the force of joint"),
-    "half a motion": (misread(_torque(lambda signal: _cut(signal, 700))), "samples", "run to the end"),
-    "an instant twice": (misread(_torque(_twice)), "samples", "increasing times"),
-    "one torque in forty": (misread(_torque(lambda s: replace(s, time=s.time[::40], values=s.values[::40]))),
-                            "samples", "samples per turn"),
+    "half a motion": (sampled("torque", at(lambda s: slice(700))), "installed", "torque has no samples"),
+    "an instant twice": (sampled("torque", at(lambda s: np.insert(np.arange(len(s.time)), 700, 700))),
+                         "samples", "increasing times"),
+    "one torque in forty": (sampled("torque", at(lambda s: slice(None, None, 40))), "samples", "samples per turn"),
     "bad data taken": (CarelessEngine(), "bad data", "got a finished run"),
     "bad data raised": (RaisingEngine(), "bad data", "ValueError: mass .*wrong_engines.py, line"),
     "printing": (PrintingEngine(), "silence", "stepping"),

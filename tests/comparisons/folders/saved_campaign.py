@@ -12,7 +12,7 @@ from comparisons.campaign.results import document, load, save
 from comparisons.campaign.standards import judged_campaign
 from comparisons.datasheet.building import bare_sheet
 from comparisons.judging.limits import shipped_limits
-from comparisons.judging.records import from_row
+from comparisons.judging.records import RunRecord
 from comparisons.judging.verdicts import Standard
 from engines.contract import Outcome, Run
 from tests.comparisons.perfect_engine import perfect_motion
@@ -48,7 +48,7 @@ def changed(folder, into, edit):
     }
     edit(told, made)
     into.mkdir()
-    save(into, told, [from_row(made, made["curves"])], results.sheets)
+    save(into, told, [RunRecord.from_row(made, made["curves"])], results.sheets)
     return into
 
 

@@ -113,8 +113,9 @@ def mapping(export):
     if export.layout == "tab":
         named = {TITLES["tab"][name]: (name, UNIT.get(name, ("s",))[0]) for name in ("time", *export.signals)}
     elif export.layout == "robotran":
-        units = {"Mkr": "N*m", "S": "m", "v": "m/s", "phi": "rad"}
-        named = {f"run {n}": (name, units[name]) for n, name in enumerate(export.signals, start=1)}
+        units = {"time": "s", "Mkr": "N*m", "S": "m", "v": "m/s", "phi": "rad"}
+        signals = enumerate(("time", *export.signals), start=1)
+        named = {f"column {n}": (name, units[name]) for n, name in signals}
     else:
         return ""
     entries = (f'[[column]]\nheader = "{header}"\nsignal = "{n}"\nunit = "{u}"\n' for header, (n, u) in named.items())

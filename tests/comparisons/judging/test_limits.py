@@ -7,7 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
-from comparisons.judging.limits import USERS, Limit, limit, read_limits, table_of
+from comparisons.judging.limits import USERS, limit, read_limits, table_of
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Setting
@@ -39,7 +39,8 @@ def test_rows_of_a_user_go_before_the_table(tmp_path):
     path = tmp_path / "limits.toml"
     path.write_text('[[limit]]\nquantities = ["Mkr"]\nmechanisms = ["press"]\nregimes = ["own"]\nvalue = 0.5\n')
     table = read_limits(path)
-    assert table.limit("Mkr", "tuned", "a-regime-of-its-own", "press") == Limit(0.5, USERS)
+    own = table.limit("Mkr", "tuned", "a-regime-of-its-own", "press")
+    assert (own.value, own.reason) == (0.5, USERS)
     for quantity, regime, mechanism in ("Jeq", "free", "press"), ("Mkr", "run-up", "press"), ("Mkr", "free", "other"):
         assert table.limit(quantity, "tuned", regime, mechanism) == limit(quantity, "tuned", regime)
 

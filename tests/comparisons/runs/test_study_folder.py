@@ -33,15 +33,13 @@ def folder(tmp_path):
 
 
 def read(folder):
-    saved = load_study(folder, "bench", FORM)
-    rows = [saved.records.read(key) for key in saved.records.keys]
-    return saved.document, [(row["key"], row["error"], curves["Mkr"].tobytes()) for row, curves in rows]
+    return load_study(folder, "bench", FORM, lambda row, curves: (row["key"], row["error"], curves["Mkr"].tobytes()))
 
 
 def test_what_is_saved_is_read_back_and_replaced_as_a_whole(folder):
     document, rows = read(folder)
     assert document == {"kind": "bench", "format": 4, **TOLD}
-    assert rows == [(key, row["error"], curves["Mkr"].tobytes()) for key, row, curves in RECORDS]
+    assert list(rows) == [(key, row["error"], curves["Mkr"].tobytes()) for key, row, curves in RECORDS]
     save_study(folder, "bench", TOLD, RECORDS[:1])
     assert len(read(folder)[1]) == 1
     assert [path.name for path in folder.iterdir()] == ["bench"]
@@ -126,9 +124,9 @@ def test_a_document_of_another_form_is_refused_by_its_key(tmp_path, told, words)
 def test_a_folder_of_an_earlier_version_is_refused_with_the_cure(tmp_path, kind, name):
     (tmp_path / name).write_text("{}")
     with pytest.raises(LinkproofError, match=f"is of an earlier version of linkproof: run {kind} with --out again"):
-        load_study(tmp_path, kind, FORM)
+        load_study(tmp_path, kind, FORM, dict)
 
 
 def test_a_folder_with_nothing_is_refused_with_the_cure(tmp_path):
     with pytest.raises(LinkproofError, match="expected the folder given to bench --out"):
-        load_study(tmp_path, "bench", FORM)
+        load_study(tmp_path, "bench", FORM, dict)

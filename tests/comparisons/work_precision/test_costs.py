@@ -32,7 +32,7 @@ def test_every_reduction_is_run_in_turn_there_and_back_records_no_more_than_it_s
     channels, turns = [one.channels for one in REDUCTIONS], [args[1].channels for args in run[1:]]
     assert turns == [*channels, *reversed(channels), *channels]
     document = {"costs": json.loads(json.dumps([asdict(one) for one in measured], allow_nan=False))}
-    assert list(Bench(document).costs) == measured
+    assert list(Bench(document, ()).costs) == measured
 
 
 class Refusing:

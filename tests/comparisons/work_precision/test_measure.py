@@ -33,17 +33,20 @@ def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
     assert set(errors) == set(FOUR)
     assert all(error.error_rms <= error.error_max < 1e-12 and error.peak > 0.0 for error in errors.values())
     assert errors["Mkr"].unit == "N m"
-    assert min(measurement.seconds, measurement.steps, measurement.calibration) > 0
-    assert min(measurement.setup, measurement.readout) >= 0.0
+    assert min(measurement.seconds, measurement.steps, measurement.details["calibration"]) > 0
+    assert min(measurement.setup_seconds, measurement.readout_seconds) >= 0.0
 
 
 class Altered:
     """The control with another history."""
 
-    name = "altered"
+    name, is_control = "altered", True
 
     def __init__(self, change):
         self.change = change
+
+    def version(self):
+        return "1.0"
 
     def run(self, scene, setting):
         run = engine("direct").run(scene, setting)
@@ -82,7 +85,7 @@ def test_what_an_engine_does_not_tell_costs_that_quantity_alone(monkeypatch):
 
 def test_an_engine_that_tells_nothing_asked_for_gives_nothing(monkeypatch):
     measurement = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
-    assert (measurement.outcome, measurement.reason) == ("not-provided", "Jeq not offered; Mkr not offered")
+    assert (measurement.outcome, measurement.detail) == ("not-provided", "Jeq not offered; Mkr not offered")
 
 
 def test_a_repeat_takes_no_errors():
@@ -111,4 +114,4 @@ def test_a_first_use_is_timed_once_in_a_process(monkeypatch):
     real = point.timed
     monkeypatch.setattr(point, "timed", lambda work: next(costs, None) or real(work))
     first, second = (measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=False) for _ in range(2))
-    assert (first.first_use, second.first_use) == (2.5, 0.0)
+    assert [one.details["first_use"] for one in (first, second)] == [2.5, 0.0]

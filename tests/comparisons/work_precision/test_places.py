@@ -18,7 +18,7 @@ def test_places_stand_in_the_order_measured_with_their_titles():
 def test_a_place_is_judged_by_the_torque_where_it_has_one():
     def foremost(*quantities):
         rows = [row(quantity=name) for name in quantities]
-        return places(Bench(document(points(rows), ("m",), ("alpha",))))[0].foremost
+        return places(Bench(document(("m",), ("alpha",)), points(rows)))[0].foremost
 
     assert foremost("Jeq", "phi", "Mkr") == "Mkr"
     assert foremost("Jeq", "phi") == "phi"

@@ -6,9 +6,9 @@ import math
 import pytest
 
 from comparisons.judging.records import QuantityRecord
-from comparisons.work_precision.measure import Measurement
 from comparisons.work_precision.points import FEWEST, FULL, OUT_OF_TIME, QUICK, Point, PointSweep, planned_sweeps
 from engines.contract import Method, Setting
+from tests.comparisons.bench_rows import row
 
 METHOD = Method("plain", "as it comes", effort_unit="iterations")
 STEPS = tuple(12.0 * 2.0**k for k in range(9))
@@ -21,11 +21,11 @@ def _sweep(budget=math.inf):
 def _made(error, seconds=1e-3, also=None, setup=0.0):
     found = {"Mkr": error} | ({"Jeq": also} if also else {})
     errors = tuple(QuantityRecord(name, error_max=one) for name, one in found.items())
-    return Measurement("finished", seconds=seconds, setup=setup, errors=errors)
+    return dataclasses.replace(row(seconds=seconds, setup_seconds=setup), errors=errors)
 
 
 def _failed(outcome="diverged"):
-    return Measurement(outcome, "why")
+    return row(outcome=outcome, detail="why", error_max=None)
 
 
 def _run(sweep, results):

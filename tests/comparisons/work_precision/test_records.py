@@ -5,7 +5,8 @@ import re
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.work_precision.records import Bench, by_quantity, load, save
+from comparisons.runs.study_folder import save_study
+from comparisons.work_precision.records import KIND, Bench, by_quantity, load, save
 from tests.comparisons.bench_rows import points, row, setting_row
 
 KEYS = {
@@ -13,7 +14,7 @@ KEYS = {
 }  # fmt: skip
 
 
-def _document(records):
+def _document():
     noise = {"work": "w", "samples": [1e-3, 1.2e-3]}
     extent = {"budget": 1.0, "repeats": 5, "patience": 0.6}
     told = {"command": "bench", "conditions": "", "environment": {}, "first_use": [], "mechanisms": [], "methods": []}
@@ -22,7 +23,6 @@ def _document(records):
         "extent": extent,
         "costs": [],
         "quantities": ["Mkr"],
-        "records": [point.data for point in points(records)],
     }
     return {**told, **own}
 
@@ -36,7 +36,7 @@ def test_a_point_has_the_keys_that_readers_of_the_file_use():
 
 def test_what_is_saved_is_what_is_loaded(tmp_path):
     records = [row(), setting_row("best", None, None, outcome="crashed", repeats=(), detail="died by signal 6")]
-    save(tmp_path, _document(records))
+    save(tmp_path, Bench(_document(), points(records)))
     found = load(tmp_path)
     assert found.records == tuple(records)
     assert found.noise.samples == (1e-3, 1.2e-3)
@@ -53,12 +53,12 @@ def test_what_is_saved_is_what_is_loaded(tmp_path):
     ],
 )
 def test_a_document_of_another_form_is_refused_with_the_place(tmp_path, place, words):
-    document = _document([row()])
-    part = document
+    told = {**_document(), "records": [point.data for point in points([row()])]}
+    part = told
     for key in place[:-1]:
         part = part[key]
     part[place[-1]] = {"x": 1}
-    save(tmp_path, document)
+    save_study(tmp_path, KIND, told, (("0", one, {}) for one in told.pop("records")))
     with pytest.raises(LinkproofError, match=rf"{re.escape(words)}.*run bench with --out again"):
         load(tmp_path)
 
@@ -82,4 +82,3 @@ def test_a_record_without_error_or_time_has_not_finished():
     assert row().finished
     assert not row(error_max=None).finished
     assert not row(outcome="timed-out").finished
-    assert Bench(_document([row()])).records[0].repeats == (1e-2, 1.2e-2)

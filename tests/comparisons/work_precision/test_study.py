@@ -20,7 +20,7 @@ from comparisons.work_precision.analysis import method_sweeps
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.points import OUT_OF_TIME, Extent, planned_sweeps
 from comparisons.work_precision.records import METHOD, SETTING
-from comparisons.work_precision.study import BenchRequest, bench, method_descriptions
+from comparisons.work_precision.study import BenchRequest, bench
 from engines.contract import Outcome, Run, Setting
 from tests.comparisons.bench_engine import METHODS, KnownEngine
 from tests.comparisons.faults import PATIENCE
@@ -99,8 +99,9 @@ def test_every_point_is_repeated_round_after_round(measured, runs):
 def test_the_runs_that_warm_up_are_in_no_record_and_tell_what_a_first_use_costs(measured, runs):
     assert runs[0][:2] == ("first", None)
     assert runs[1] == runs[0]
-    assert set(measured.first_uses) == {"known"}
-    assert all(seconds > 0.0 for seconds in measured.first_uses["known"])
+    (uses,) = measured.document["first_use"]
+    assert uses["engine"] == "known"
+    assert all(seconds > 0.0 for seconds in uses["seconds"])
     steps = {one.step for one in measured.records if one.setting == "first"}
     assert runs[0][2] not in steps
 
@@ -171,10 +172,11 @@ def test_no_run_is_begun_after_the_deadline(known):
 
 def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkeypatch):
     monkeypatch.setattr(known, "version", lambda: None)
-    (one,) = bench(REQUEST).records
+    found = bench(REQUEST)
+    (one,) = found.records
     assert (one.outcome, one.engine_version) == ("unavailable", "")
     assert "is not installed" in one.detail
-    assert method_descriptions(REQUEST) == []
+    assert found.document["methods"] == []
 
 
 def test_an_engine_that_cannot_hold_a_scene_says_so(known, monkeypatch):
@@ -203,9 +205,9 @@ def test_other_efforts_are_tried_on_the_first_regime_alone(known):
 def test_an_engine_without_methods_to_study_has_its_settings(known, monkeypatch):
     monkeypatch.delattr(KnownEngine, "run_method")
     monkeypatch.setattr(known, "is_control", True)
-    found = bench(REQUEST).records
-    assert [(one.setting, one.finished, one.is_control) for one in found] == [(s, True, True) for s in Setting]
-    assert method_descriptions(REQUEST) == []
+    found = bench(REQUEST)
+    assert [(one.setting, one.finished, one.is_control) for one in found.records] == [(s, True, True) for s in Setting]
+    assert found.document["methods"] == []
 
 
 def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that_says_why(known, monkeypatch):
@@ -221,8 +223,9 @@ def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that
 
 def test_methods_can_be_asked_for_by_name(known):
     only = dataclasses.replace(REQUEST, methods=("first",), settings=())
-    assert {one.setting for one in bench(only).records} == {"first"}
-    assert [told["name"] for told in method_descriptions(only)] == ["first"]
+    found = bench(only)
+    assert {one.setting for one in found.records} == {"first"}
+    assert [told["name"] for told in found.document["methods"]] == ["first"]
 
 
 def _cases(*names):

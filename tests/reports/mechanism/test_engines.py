@@ -45,13 +45,31 @@ def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
     table, reasons = errors_fold(view, view.regimes[0]).parts
     assert isinstance(table, Table)
     assert table.groups == (("", 2), ("alpha", 3), ("beta", 3))
-    assert [words(row[0]) for row in table.rows][:2] == ["Jeq reduced moment of inertia", "Mkr crank torque"]
+    assert [words(row[0]) for row in table.rows][:2] == [
+        "Jeq reduced moment of inertia, with the masses of the file",
+        "Mkr crank torque",
+    ]
     by_run = {(r.engine, r.setting): r for r in view.of(view.regimes[0]) if r.quantity == "Mkr"}
     torque = dict(zip([("alpha", s.value) for s in Setting], table.rows[1][2:5], strict=True))
     for run, cell in torque.items():
         assert float(words(cell).split()[0]) == pytest.approx(by_run[run].error_max, rel=0.06)
         assert ("✗" in words(cell)) == (by_run[run].outcome != Verdict.PASSED.value)
     assert reasons == Bullets(("gone naive; tuned; best – unsupported: gone <cannot> hold this scene.",))
+
+
+def test_rows_that_fail_together_have_their_meaning(results):
+    def fail(record):
+        failing = (record.engine, record.setting) == ("beta", "best") and record.quantity in (
+            "Mkr",
+            "torque_two_routes",
+        )
+        return replace(record, outcome=Verdict.OVER_LIMIT.value) if failing else replace(record, outcome="passed")
+
+    (view,) = views(changed_results(results, fail))
+    _, reasons = errors_fold(view, view.regimes[0]).parts
+    (told,) = (item for item in reasons.items if item.startswith("beta best – "))
+    assert "the drive torque is not the one it takes" in told
+    assert told.endswith("run 'linkproof check-engine beta', and if it passes shorten the step.")
 
 
 def test_a_quantity_that_an_engine_lacks_is_told_beside_its_other_errors(results):

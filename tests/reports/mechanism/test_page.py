@@ -8,7 +8,7 @@ from analytic.description.loading import catalogue, load
 from comparisons.datasheet.building import page_sheet, usual_sheet
 from comparisons.reference.case import Case
 from reports.document import html
-from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table
+from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table, Widget
 from reports.mechanism.page import file_of, page
 from tests.analytic.linkages import MADE_UP, from_text, mechanism
 from tests.reports.designs.results.samples import MASS, TURN, piston_text
@@ -36,7 +36,8 @@ def section(found, key):
 
 
 def key_rows(found):
-    table = next(part for card in found.parts[-1].cards for part in card.parts if isinstance(part, Table))
+    """The key figures of a page without scripts."""
+    table = next(part for widget in found.parts if isinstance(widget, Widget) for part in widget.instead)
     return {row[0]: row[1:] for row in table.rows}
 
 
@@ -70,6 +71,15 @@ def test_without_an_output_a_sentence_says_so():
     found = page(page_sheet(Case(from_text(piston_text().replace('output = { point = "B" }\n', "")), TURN)))
     assert "names no output" in section(found, "motion").parts[-1].words
     assert "stroke" not in key_rows(found)
+
+
+def test_a_linkage_without_a_list_of_operations_says_why_its_numbers_stay():
+    found = page(usual_sheet(load("shaper-quick-return")))
+    words = next(part.words for card in found.parts[-1].cards for part in card.parts if isinstance(part, Paragraph))
+    assert words == (
+        "The numbers of this page cannot be changed in it: one of its groups has no formula and is solved by Newton's "
+        "method."
+    )
 
 
 def test_every_variant_has_a_column_of_published_figures():

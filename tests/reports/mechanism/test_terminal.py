@@ -2,7 +2,7 @@
 
 from analytic.description.loading import catalogue, literature, load
 from comparisons.datasheet.mechanism_summary import portrait
-from comparisons.reference.published import all_variants, compare_published
+from comparisons.datasheet.published import all_variants, compare_published
 from reports.document.terminal import rendered
 from reports.mechanism import terminal
 

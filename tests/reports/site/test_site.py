@@ -46,7 +46,7 @@ def files_of(folder):
 def saved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("saved")
     save_campaign(folder)
-    save_bench(folder, made_up_bench().document)
+    save_bench(folder, made_up_bench())
     save_stress(folder, made_up_stress())
     return folder
 

@@ -46,7 +46,7 @@ def test_every_cell_of_an_axis_stands_on_its_map_once_at_its_value(axis):
 
 
 def test_a_cell_with_no_run_is_left_empty():
-    cells = [row for row in STRESS.document["cells"] if row["value"] != 1.0 or row["setting"] != "naive"]
+    cells = [one for one in STRESS.cells if one.value != 1.0 or one.setting != "naive"]
     data = map_data(made_up_stress(cells=cells), "mass")
     column = data["values"].index("1")
     for line in data["blocks"][0]["lines"]:

@@ -58,7 +58,7 @@ def test_what_was_missed_raised_or_crashed_stands_open_with_its_reason_and_comma
 
 
 def test_what_did_not_occur_is_said(written):
-    within = [row for row in STRESS.document["cells"] if row["verdict"] == "within limit"]
+    within = STRESS.of(StressVerdict.WITHIN)
     found = page(made_up_stress(cells=within, borders=[]))
     (incidents,) = [section for section in found.sections if section.key == "incidents"]
     assert (

@@ -13,7 +13,7 @@ PLACE = {"axis": "mass", "row": "four-bar, crank", "engine": "alpha", "usage": "
 def cells_of(verdicts, **changes):
     """A stress test of one line."""
     found = [made_up_cell(one, value=10.0**n, **{**PLACE, **changes}) for n, one in enumerate(verdicts)]
-    return made_up_stress(cells=[one.document for one in found], borders=[])
+    return made_up_stress(cells=found, borders=[])
 
 
 def test_every_verdict_is_counted_and_explained():
@@ -45,7 +45,7 @@ def test_engines_are_ranked_by_what_they_accept_at_the_tuned_setting():
         cells_of([refused], engine="gamma"),
         cells_of([over] * 3, usage="naive"),
     ]
-    found = made_up_stress(cells=[row for part in parts for row in part.document["cells"]], borders=[])
+    found = made_up_stress(cells=[one for part in parts for one in part.cells], borders=[])
     assert ranking(found).endswith("that an engine accepts: beta 1 of 1, alpha 1 of 2.")
     assert ranking(parts[2]) == ""
     assert ranking(parts[3]).endswith("alpha 0 of 3.")

@@ -10,7 +10,7 @@ from tests.reports.made_up_bench import document, made_up_bench
 
 
 def _regimes(*rows, mechanisms=("m",)):
-    return by_regime(places(Bench(document(points(rows), mechanisms, ("alpha", "beta")))))
+    return by_regime(places(Bench(document(mechanisms, ("alpha", "beta")), points(rows))))
 
 
 def _columns(row):

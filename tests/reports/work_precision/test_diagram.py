@@ -55,6 +55,6 @@ def test_a_sweep_tells_whether_its_effort_is_its_own_and_what_limits_it():
 
 
 def test_an_error_of_nought_has_a_place_on_a_logarithmic_axis():
-    data = _widget(Bench(document(points([row(error_max=0.0)]), ("m",), ("alpha",)))).data["first"]
+    data = _widget(Bench(document(("m",), ("alpha",)), points([row(error_max=0.0)]))).data["first"]
     ((_, point),) = _held(data)
     assert point["errors"]["Mkr"] == [LEAST, 0.0, 0.0]

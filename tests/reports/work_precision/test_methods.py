@@ -38,7 +38,7 @@ def test_a_setting_stands_beside_the_cheapest_method_at_its_error():
 
 def test_settings_alone_are_held_against_nothing_which_is_said_once():
     settings = [setting_row(name, 1e-4, 0.5) for name in ("tuned", "best")]
-    bench = Bench(document(points(settings), ("m",), ("alpha",)))
+    bench = Bench(document(("m",), ("alpha",)), points(settings))
     (table,) = _section(bench).parts
     assert "No method was measured" in table.caption
     assert {cell.note for _, (cell,) in _rows(table).items()} == {""}

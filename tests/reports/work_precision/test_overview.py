@@ -45,7 +45,7 @@ def test_every_point_of_a_method_at_its_own_effort_is_drawn_and_every_setting_ma
 
 def test_a_floor_is_barred_and_an_order_noted_at_the_least_error():
     records = sweep_rows([1e-1, 1e-2, 1e-3, 1e-3, 1e-3], ratio=10.0, effort=100.0, effort_unit="iterations")
-    bench = Bench(document(points(records), ("m",), ("alpha",)))
+    bench = Bench(document(("m",), ("alpha",)), points(records))
     panel = chart(places(bench), inks(engine_labels(bench))).panels[0]
     assert [list(curve.y) for curve in panel.curves if curve.marker == "_"] == [[1e-3]]
     open_end = chart(PLACES, INKS).panels[0]

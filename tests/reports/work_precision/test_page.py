@@ -18,7 +18,7 @@ BENCH = made_up_bench()
 def folder(tmp_path_factory):
     """A folder with the page of a benchmark that was saved."""
     found = tmp_path_factory.mktemp("bench")
-    save(found, BENCH.document)
+    save(found, BENCH)
     html.write(page(load(found)), found, ())
     return found
 
@@ -56,7 +56,7 @@ def _section(made, key) -> Section:
 
 def test_costs_have_a_section_where_they_were_measured():
     cost = MeasuredCost("made-up", "base", "alpha", "everything", "", seconds=(1.0, 0.5, 0.75))
-    made = page(Bench({**BENCH.document, "costs": [asdict(cost)]}))
+    made = page(Bench({**BENCH.document, "costs": [asdict(cost)]}, BENCH.points))
     assert _section(made, "costs").heading == "What each output and load costs"
 
 

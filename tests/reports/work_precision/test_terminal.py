@@ -36,7 +36,7 @@ def test_an_engine_that_is_absent_says_so():
 
 def test_costs_stand_below_where_they_were_measured():
     cost = MeasuredCost("made-up", "base", "alpha", "Jeq <alone>", "", seconds=(1.0, 0.5, 0.75))
-    text = _text(Bench({**made_up_bench().document, "costs": [asdict(cost)]}))
+    text = _text(Bench({**made_up_bench().document, "costs": [asdict(cost)]}, made_up_bench().points))
     assert "Jeq <alone> 500 ms (100 %)" in " ".join(text.split())
 
 

@@ -11,7 +11,7 @@ BENCH = made_up_bench()
 
 
 def _facts(rows, quantity="Mkr"):
-    return places(Bench(document(points(rows), ("m",), ("alpha", "beta"))))[0].engines(quantity)
+    return places(Bench(document(("m",), ("alpha", "beta")), points(rows)))[0].engines(quantity)
 
 
 def test_a_way_names_its_method_and_its_steps_a_turn():

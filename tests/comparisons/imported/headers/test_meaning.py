@@ -66,7 +66,8 @@ OPEN = {
     "A D x (mm)": "its name fits none of S, point:A",
     "Angular Velocity D (rad/s)": "its name fits none of omega",
     "Temperature [K]": "in its name",
-    "Torqe motor (Nm)": "'Torqe' in its name is no link, point or joint, nor a known word",
+    "Torque [furlong]": "'furlong' in its name is no unit",
+    "Torqe motor (Nm)": "'Torqe' in its name is no unit, link, point or joint, nor a known word",
 }
 
 

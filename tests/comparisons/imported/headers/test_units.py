@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from comparisons.imported.headers.units import NAMED, OFFERED, parsed
+from comparisons.imported.headers.units import parsed
 
 DEGREE = math.pi / 180.0
 
@@ -13,7 +13,7 @@ def test_units_have_their_si_values():
     expected = {
         "newton-meter": 1.0, "N*m": 1.0, "N·m": 1.0, "N⋅m": 1.0, "N.m": 1.0, "Nm": 1.0, "N m": 1.0, "Н·м": 1.0,
         "newton-millimeter": 1e-3, "Nmm": 1e-3, "N-mm": 1e-3, "Ncm": 1e-2, "kN·m": 1e3, "mNm": 1e-3,
-        "NEWTON-METER": 1.0,
+        "NEWTON-METER": 1.0, "Нмм": 1e-3, "牛米": 1.0,
         "lbf*in": 4.4482216152605 * 0.0254, "in-lb": 4.4482216152605 * 0.0254, "ft-lb": 4.4482216152605 * 0.3048,
         "deg": DEGREE, "°": DEGREE, "град": DEGREE, "rad": 1.0, "rev": 2.0 * math.pi,
         "deg/sec": DEGREE, "°/s": DEGREE, "rad/s": 1.0, "s^-1": 1.0, "1/s": 1.0, "rpm": math.pi / 30.0,
@@ -29,7 +29,7 @@ def test_units_have_their_si_values():
 
 
 def test_what_is_no_unit_is_none():
-    for text in ("furlong", "", "m/s/s", "N*", "/", "Motor1", "N^9", "x" * 99, "m^", "**2", "(", "²"):
+    for text in ("furlong", "", "1", "m/s/s", "N*", "/", "Motor1", "N^9", "x" * 99, "m^", "**2", "(", "²"):
         assert parsed(text) is None, text
 
 
@@ -38,9 +38,3 @@ def test_a_speed_of_rotation_may_be_in_one_over_seconds_and_nothing_else_may_los
     assert per_second.measures((0, 0, -1, 1))
     assert not metre_per_second.measures((0, 0, -1, 1))
     assert not parsed("-").measures((0, 0, 0, 1))
-
-
-def test_every_offered_unit_is_understood():
-    for dimension, names in OFFERED.items():
-        assert all(parsed(name).dimension == dimension for name in names)
-    assert len(NAMED) > 150

@@ -7,6 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import LAWS, crank_motion, swing
 from comparisons.imported.judging.crank_column import motion_of_angles, motion_of_speeds, regular, unwrapped
+from comparisons.imported.judging.known_motions import known_fit
 
 DEGREE = math.pi / 180.0
 
@@ -98,3 +99,21 @@ def test_of_a_noisy_column_the_motion_comes_back():
     angle = 60.0 * time + 0.3 * np.sin(9.0 * time)
     found = motion_of_angles(time, angle + random.normal(0.0, 1e-3, len(time)), np.full(len(time), 1e-8))
     np.testing.assert_allclose(found.angle(time), angle, atol=2e-3)
+
+
+@pytest.mark.parametrize("digits", [1, 2])
+def test_a_constant_speed_of_few_digits_is_known_no_better_than_they_say(digits):
+    true, time = 1000.0 * math.pi / 30.0, np.linspace(0.0, 0.12, 121)
+    found = motion_of_speeds(time, np.full(121, round(true, digits)), np.full(121, 0.5 * 10.0**-digits))
+    spread = max(np.max(np.abs(other.speed(time) - found.speed(time))) for other in found.likewise)
+    assert np.max(np.abs(found.speed(time) - true)) <= 3.0 * spread
+
+
+@pytest.mark.parametrize("digits", [4, 5, 6])
+@pytest.mark.parametrize("rpm", [600, 850, 1100, 1200, 1480])
+def test_a_run_up_is_known_whichever_way_its_steady_part_is_rounded(rpm, digits):
+    motion, time = crank_motion("run-up-quintic", speed=rpm * math.pi / 30.0), np.linspace(0.0, 0.7, 701)
+    unit = 10.0 ** (np.floor(np.log10(np.maximum(motion.speed(time), 1e-6))) - digits + 1)
+    found = known_fit(time, unit * np.round(motion.speed(time) / unit), np.maximum(unit, 1e-6) / 2.0, of_speed=True)
+    assert found is not None
+    assert found.column.name == "run-up-quintic"

@@ -1,0 +1,116 @@
+"""An engine under test: its runs of the samples, each made once, and the rows of the suite that they fail."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from comparisons.conformance.results import NotTestedError
+from comparisons.conformance.samples import PLAIN, SAMPLES, case
+from comparisons.invariants.checks import checks
+from comparisons.judging.deviations import NoSampleError, deviation
+from comparisons.judging.quantities import chosen_quantities
+from comparisons.judging.records import Record, Verdict, blank_record
+from comparisons.judging.verdicts import judge
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
+from comparisons.runs.run_engine import run_engine
+from engines.contract import Engine, History, Outcome, Run, Setting
+from engines.mechanics.start_check import ability_obstacle
+from engines.scene import Channel, Scene
+
+EVERY: frozenset[Channel] = frozenset(Channel)
+
+
+def scene_of(sample: str) -> Scene:
+    """A sample's scene, all channels requested."""
+    return case(sample).scene(EVERY)
+
+
+class Trial:
+    """An engine and what it has run so far."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+        self._runs: dict[tuple[str, Setting], Run] = {}
+        self._rows: dict[tuple[str, Setting], Mapping[str, bool]] = {}
+
+    @property
+    def setting(self) -> Setting:
+        """``tuned``, or what it offers instead."""
+        settings = self.engine.abilities.settings
+        return Setting.TUNED if Setting.TUNED in settings else min(settings, default=Setting.TUNED)
+
+    def obstacle(self, sample: str) -> str | None:
+        """Why a sample is not for the engine, by its abilities."""
+        return ability_obstacle(case(sample).scene(frozenset()), self.engine.abilities)
+
+    def run(self, sample: str, setting: Setting = Setting.TUNED) -> Run:
+        """Its run of a sample; raises AdapterError."""
+        if (sample, setting) not in self._runs:
+            self._runs[sample, setting] = run_engine(self.engine, scene_of(sample), setting)
+        return self._runs[sample, setting]
+
+    def finished(self, sample: str, setting: Setting = Setting.TUNED) -> History:
+        """What it did in a sample; raises NotTestedError for one that it does not take, AssertionError if it fails."""
+        reason = self.obstacle(sample)
+        if reason is None and setting not in self.engine.abilities.settings:
+            reason = f"{self.engine.name} offers no setting '{setting}'"
+        if reason is not None:
+            raise NotTestedError(f"{sample}: {reason}")
+        run = self.run(sample, setting)
+        if run.outcome is Outcome.UNAVAILABLE or (run.outcome is Outcome.UNSUPPORTED and sample != PLAIN):
+            raise NotTestedError(f"{sample}: {run.outcome}, {run.reason}")
+        assert run.outcome is Outcome.FINISHED, (
+            f"expected the run of sample '{sample}' in setting '{setting}' to finish, got {run.outcome}: {run.reason}; "
+            "an adapter takes pins, gravity and a prescribed crank, and what its abilities name besides"
+        )
+        assert run.history is not None
+        return run.history
+
+    def histories(self) -> Iterator[tuple[str, Scene, History]]:
+        """The samples that the engine takes, and what it did in each; the plain one must be among them."""
+        for sample in SAMPLES:
+            try:
+                yield sample, scene_of(sample), self.finished(sample)
+            except NotTestedError:
+                if sample == PLAIN:
+                    raise
+
+    def rows(self, sample: str, setting: Setting) -> Mapping[str, bool]:
+        """The judged rows of its run of a sample, and whether each failed."""
+        if (sample, setting) not in self._rows:
+            self._rows[sample, setting] = judged_rows(sample, setting, self.engine.name, self.finished(sample, setting))
+        return self._rows[sample, setting]
+
+
+def judged_rows(sample: str, setting: Setting, engine: str, history: History) -> Mapping[str, bool]:
+    """The rows that speak of what an engine did in a sample, of all joints one, and whether each failed."""
+    of, failed = case(sample), dict[str, bool]()
+    blank = blank_record(of, setting, engine)
+    motion = ObservedMotion(scene_of(sample), history)
+    for row in (*_quantities(of, motion, blank), *checks(of, motion, blank)):
+        if Verdict(row.outcome).judged:
+            name = row.quantity.partition(":")[0]
+            failed[name] = failed.get(name, False) or Verdict(row.outcome).failed
+    return MappingProxyType(failed)
+
+
+def _quantities(of: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
+    for quantity in chosen_quantities(of, ()):
+        if quantity.lacking(motion) or quantity.shared(of, motion):
+            continue
+        try:
+            error = deviation(of, quantity, motion)
+        except NoSampleError:
+            continue
+        yield judge(
+            replace(
+                blank,
+                quantity=quantity.name,
+                origin=quantity.origin(motion).value,
+                error_max=error.error_max,
+                error_at_jumps=error.error_at_jumps,
+            )
+        )

@@ -1,0 +1,122 @@
+"""Figures of a case by name, SI: of signals over its motion, and of the mechanism alone.
+
+A signal's figure has the name of ``analytic.designs.figure_names``, and its means are over the time. Of a mechanism, in
+any motion, there are
+
+``Jeq.pulsation``       half the range of Jeq over a turn, over its mean
+``equilibrium``         crank angle, rad, of the undriven linkage's stable rest with the least potential energy
+``top_dead_centre``     crank angle, rad, at which the output is highest along its direction
+``time_ratio``          crank angle of the output's slower stroke over that of its faster one
+``range.low .high``     ends, rad, of the range of a crank that cannot turn fully
+``S.harmonic_deviation``  mean distance of the unit function from a harmonic, likewise v and a
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
+from analytic.designs.figure_names import STROKE, figures_named
+from analytic.designs.figures import Figure, SignalExtreme
+from analytic.dynamics import reduced
+from analytic.dynamics.equilibrium import equilibria
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.extremes import extremes
+from analytic.signals import unit
+from analytic.turn.unit_functions import bottom_dead_centre, top_dead_centre, unit_functions
+from comparisons.datasheet.curves import Curves, Measure
+
+Array = NDArray[np.float64]
+MechanismFigure = Callable[[Mechanism], float]
+
+
+def _resting_angle(mechanism: Mechanism) -> float:
+    stable = [rest.angle for rest in equilibria(mechanism) if rest.stable]
+    if not stable:
+        raise LinkproofError(f"'{mechanism.linkage.name}' has no stable equilibrium: its loads balance at no angle")
+    return min(stable, key=lambda angle: float(reduced.potential_energy(mechanism.sweep(angle)))) % FULL_TURN
+
+
+def _time_ratio(mechanism: Mechanism) -> float:
+    there = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
+    strokes = sorted((there, FULL_TURN - there))
+    return strokes[1] / strokes[0]
+
+
+def _limit(mechanism: Mechanism, end: int) -> float:
+    reach = mechanism.crank_range()
+    if reach.is_full_turn:
+        raise LinkproofError(f"'{mechanism.linkage.name}': its crank turns fully, so its range has no limits")
+    return reach.limits[end]
+
+
+def _pulsation(mechanism: Mechanism) -> float:
+    return extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))).relative_pulsation
+
+
+# Each with its SI unit.
+OF_A_MECHANISM: Final[Mapping[str, tuple[str, MechanismFigure]]] = {
+    "Jeq.pulsation": ("", _pulsation),
+    "equilibrium": ("rad", _resting_angle),
+    "top_dead_centre": ("rad", lambda mechanism: top_dead_centre(mechanism).angle),
+    "time_ratio": ("", _time_ratio),
+    "range.low": ("rad", lambda mechanism: _limit(mechanism, 0)),
+    "range.high": ("rad", lambda mechanism: _limit(mechanism, 1)),
+    "S.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[0]),
+    "v.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[1]),
+    "a.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[2]),
+}
+
+
+def named(mechanism: Mechanism, name: str) -> Mapping[str, Figure | MechanismFigure]:
+    """What a name stands for, a family's members each by its own; raises LinkproofError for a figure there is not."""
+    return {name: OF_A_MECHANISM[name][1]} if name in OF_A_MECHANISM else figures_named(mechanism, name, in_time=True)
+
+
+def figure_unit(name: str, linkage: Linkage) -> str:
+    """SI unit of a figure of the linkage."""
+    if name in OF_A_MECHANISM:
+        return OF_A_MECHANISM[name][0]
+    return unit("S" if name == STROKE else name.rpartition("@")[0] or name.rpartition(".")[0], linkage)
+
+
+def case_figures(curves: Curves, wanted: Mapping[str, Figure | MechanismFigure]) -> dict[str, float]:
+    """What ``named`` gives, over the motion, SI.
+
+    Raises LinkproofError for a place that the motion does not pass, and for what the mechanism lacks.
+    """
+    of_signals = {name: one for name, one in wanted.items() if isinstance(one, Figure)}
+    found = {name: one(curves.case.mechanism) for name, one in wanted.items() if not isinstance(one, Figure)}
+
+    def height(end: SignalExtreme) -> Measure:
+        return lambda at: end.height(curves.of(at, end.signal))
+
+    places = curves.places({end: height(end) for one in of_signals.values() for end in one.extremes})
+    at_places = curves.at(np.array([*places.values()]))
+    ends = {end: curves.of(at_places, end.signal)[row] for row, end in enumerate(places)}
+    means = {
+        one: lambda at, one=one: one.integrand(curves.of(at, one.signal)) for one in of_signals.values() if one.is_mean
+    }
+    averages = dict(zip(means, curves.means(*means.values()) if means else (), strict=True))
+    for name, one in of_signals.items():
+        if one.extremes:
+            found[name] = float(one.of([ends[end] for end in one.extremes]))
+        elif one.is_mean:
+            found[name] = float(one.of_mean(np.array(averages[one])))
+        else:
+            found[name] = float(curves.of(curves.at(_instant(curves, one)), one.signal)[0])
+    return found
+
+
+def _instant(curves: Curves, one: Figure) -> Array:
+    """The instant (1,), s, of a figure at a place or a time; raises LinkproofError where the motion has none."""
+    if math.isnan(one.time):
+        return curves.instants.at_angles(np.array([one.angle]), "", 1.0)
+    return curves.instants.at_times(np.array([one.time]))

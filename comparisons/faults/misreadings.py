@@ -1,0 +1,301 @@
+"""What may be wrong with what an adapter reads of its engine: each entry is planted in a history, and explains one.
+
+An entry makes of a right signal what a slip of an adapter makes of it. It is planted in what an engine did; where a
+signal of an engine is wrong, it is planted in the closed form, and explains the signal if it makes the same of that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import GROUND, DriverKind
+from comparisons.observation.interpolation import resample
+from comparisons.reference.case import Case
+from comparisons.reference.channels import truth
+from engines.contract import History, Signal
+from engines.mechanics.states import point_acceleration, point_velocity
+from engines.scene import Channel, Scene
+
+Array = NDArray[np.float64]
+
+PLACE, ANGLE, NUMBER = slice(0, 2), slice(2, 3), slice(0, 1)  # columns of a body; of a force; of what is no vector
+LEVELS: Final = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
+VECTORS: Final = (*LEVELS, Channel.JOINT_FORCE)
+EXPLAINED: Final = 0.1  # of an error: what a cause may leave of it
+ENDS: Final = 4  # samples at either end by which nothing is explained: shifted in time they have no values
+STEP: Final = 0.1  # of a factor or a sample, to either side, for the slope of a fit
+ROUNDS: Final = 4  # of Gauss and Newton
+EQUAL: Final = 1e-3  # relative: what a known factor may be off
+FACTORS: Final = {
+    -1.0: "it has the wrong sign",
+    1e3: "it is in mm",
+    1e-3: "it is a thousandth: m taken for mm",
+    360.0 / FULL_TURN: "it is in degrees",
+    FULL_TURN / 360.0: "it is turned from degrees to rad twice",
+}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A signal of a history: place or angle of a body (``name``), force of a joint, torque of the drive.
+
+    ``time`` (n,), s, are its samples, ``columns`` those that it has of its body's or its joint's.
+    """
+
+    scene: Scene
+    history: History
+    channel: Channel
+    name: str
+    columns: slice
+    time: Array
+
+    @property
+    def values(self) -> Array:
+        """Its samples, (n, k)."""
+        return self.at(self.time)
+
+    def at(self, time: Array) -> Array:
+        """Its values at other times, (n, k), the first or the last outside of its own."""
+        return self.other(self.channel, self.name, time)[:, self.columns]
+
+    def other(self, channel: Channel, name: str, time: Array) -> Array:
+        """All columns of any body's or joint's, (n, columns)."""
+        if channel is Channel.JOINT_FORCE:
+            signal = self.history.joint_force[name]
+        else:
+            signal = getattr(self.history, channel.value)
+        values = resample(signal, np.clip(time, signal.time[0], signal.time[-1]))
+        return np.asarray(values[:, self.number(name)] if channel in LEVELS else values.reshape(len(time), -1))
+
+    def number(self, body: str) -> int:
+        """The place of a body in the scene."""
+        return [each.name for each in self.scene.bodies].index(body)
+
+    @property
+    def words(self) -> str:
+        """What it is, for a reader."""
+        if self.channel not in LEVELS:
+            return "drive torque" if self.channel is Channel.TORQUE else f"force in joint '{self.name}'"
+        kind = "" if self.channel is Channel.POSITION else self.channel.value
+        turning = f"angular {kind}" if kind else "angle"
+        return f"{turning if self.columns == ANGLE else kind or 'place'} of body '{self.name}'"
+
+
+def readings(scene: Scene, history: History) -> Iterator[Reading]:
+    """Every signal of a history."""
+    for channel in (*LEVELS, Channel.TORQUE):
+        signal = getattr(history, channel.value)
+        bodies = [body.name for body in scene.bodies for _ in (PLACE, ANGLE)] if channel in LEVELS else [""]
+        for number, name in enumerate(bodies if signal is not None else []):
+            columns = NUMBER if channel is Channel.TORQUE else (PLACE, ANGLE)[number % 2]
+            yield Reading(scene, history, channel, name, columns, signal.time)
+    for joint, signal in history.joint_force.items():
+        columns = PLACE if signal.values.ndim > 1 else NUMBER
+        yield Reading(scene, history, Channel.JOINT_FORCE, joint, columns, signal.time)
+
+
+def true_history(case: Case, scene: Scene, history: History) -> History:
+    """The closed form of all signals of a history, of magnitudes alone where it has no more."""
+
+    def right(channel: Channel, names: Iterable[str], signal: Signal) -> Signal:
+        values = np.stack([truth(case, channel, name, signal.time) for name in names], axis=1)
+        return Signal(signal.time, values if channel in LEVELS else values[:, 0])
+
+    bodies = [body.name for body in scene.bodies]
+    signals = {channel.value: getattr(history, channel.value) for channel in (*LEVELS, Channel.TORQUE)}
+    forces = {name: right(Channel.JOINT_FORCE, [name], signal) for name, signal in history.joint_force.items()}
+    for name, signal in history.joint_force.items():
+        if signal.values.ndim == 1:
+            forces[name] = Signal(signal.time, np.hypot(*forces[name].values.T))
+    return History(
+        **{name: signal and right(Channel(name), bodies, signal) for name, signal in signals.items()},
+        joint_force=forces,
+    )
+
+
+@dataclass(frozen=True)
+class Misreading:
+    """A slip: ``values(reading, choice)`` (n, k) are what it makes of a signal, ``words(choice)`` its sentence.
+
+    Of its ``channels`` it concerns those signals that have ``choices``: names of joints or bodies, or a single text.
+    Where a slip goes by any number, these are the ``numbers`` to plant, and a fit begins at ``start``.
+    """
+
+    words: Callable[[Any], str]
+    values: Callable[[Reading, Any], Array]
+    channels: tuple[Channel, ...] = tuple(Channel)
+    choices: Callable[[Reading], Iterable[Any]] = lambda _: ("",)
+    numbers: tuple[float, ...] = ()
+    start: float = 0.0
+
+    def causes(self, right: Reading, wrong: Array) -> Iterator[tuple[float, str]]:
+        """What it leaves of values (n, k) by each choice, or by the number that fits best; and its sentence."""
+        if right.channel in self.channels:
+            for choice in (self._fitted(right, wrong),) if self.numbers else self.choices(right):
+                yield size(wrong - self.values(right, choice)), self.words(choice)
+
+    def _fitted(self, right: Reading, wrong: Array) -> float:
+        number = self.start
+        for _ in range(ROUNDS):
+            high, low = (self.values(right, number + step) for step in (STEP, -STEP))
+            slope, left = _inner((high - low) / (2.0 * STEP)), _inner(wrong - self.values(right, number))
+            number += float(np.vdot(left, slope) / (np.vdot(slope, slope) or 1.0))
+        return number
+
+
+def likeliest(right: Reading, wrong: Array) -> str:
+    """The slip that leaves least of the error of values (n, k), in words; empty where none explains it."""
+    left, words = min(cause for misreading in MISREADINGS for cause in misreading.causes(right, wrong))
+    return words if left <= EXPLAINED * size(wrong - right.values) else ""
+
+
+def size(values: Array) -> float:
+    """The largest number, the ends left out."""
+    return float(np.abs(_inner(values)).max())
+
+
+def _inner(values: Array) -> Array:
+    return values[ENDS:-ENDS]
+
+
+def planted(history: History, scene: Scene, channel: Channel, misreading: Misreading, number: float | None) -> History:
+    """A history with a channel misread, of joint forces the largest; itself where that concerns nothing in it."""
+    concerned = [reading for reading in readings(scene, history) if reading.channel is channel]
+    if channel is Channel.JOINT_FORCE:
+        concerned = [max(concerned, key=lambda reading: size(reading.values))]
+    for reading in concerned:
+        choice = next(iter(misreading.choices(reading)), None) if number is None else number
+        if choice is None:
+            continue
+        values = misreading.values(reading, choice)
+        before = getattr(history, channel.value)
+        if channel in LEVELS:
+            whole = before.values.copy()
+            whole[:, reading.number(reading.name), reading.columns] = values
+            changed: Any = replace(before, values=whole)
+        elif channel is Channel.TORQUE:
+            changed = replace(before, values=values[:, 0])
+        else:
+            own = before[reading.name]
+            changed = {**before, reading.name: replace(own, values=values.reshape(own.values.shape))}
+        history = replace(history, **{channel.value: changed})
+    return history
+
+
+def _factor_words(factor: float) -> str:
+    known = (words for value, words in FACTORS.items() if abs(factor - value) <= EQUAL * abs(value))
+    return next(known, f"it is {factor:.5g} times as large")
+
+
+def _shift_words(samples: float) -> str:
+    return (
+        f"its values are those of {abs(samples):.2g} of a sample {'after' if samples > 0.0 else 'before'} their times"
+    )
+
+
+def _only(columns: slice, *choices: Any) -> Callable[[Reading], Iterable[Any]]:  # noqa: ANN401
+    """Choices that concern places or forces alone, or angles."""
+    return lambda reading: (choices or ("",)) if reading.columns == columns else ()
+
+
+def _bodies(reading: Reading) -> list[str]:
+    """The body of a vector, or those of its joint."""
+    ends = {pin.name: (pin.first, pin.second) for pin in reading.scene.pins}
+    ends |= {joint.name: (joint.body, joint.host) for joint in reading.scene.guided}
+    own = ends[reading.name] if reading.channel is Channel.JOINT_FORCE else (reading.name,)
+    return [end for end in own if end != GROUND] if reading.columns == PLACE else []
+
+
+def _in_frame(reading: Reading, body: str) -> Array:
+    angle = reading.other(Channel.POSITION, body, reading.time)[:, 2]
+    c, s, (x, y) = np.cos(angle), np.sin(angle), reading.values.T
+    return np.column_stack([c * x + s * y, c * y - s * x])
+
+
+def _other_joints(reading: Reading) -> list[str]:
+    return [name for name in reading.history.joint_force if name != reading.name]
+
+
+def _anchors(reading: Reading) -> dict[str, tuple[float, float]]:
+    """The points of a body that are in joints, by the joint, in the body's frame."""
+    sides = [(pin.name, pin.first, pin.first_anchor) for pin in reading.scene.pins]
+    sides += [(pin.name, pin.second, pin.second_anchor) for pin in reading.scene.pins]
+    sides += [(joint.name, joint.body, joint.anchor) for joint in reading.scene.guided]
+    return {name: at for name, body, at in sides if body == reading.name} if reading.columns == PLACE else {}
+
+
+def _of_point(reading: Reading, joint: str) -> Array:
+    """The place of the point in a joint, or a time derivative of it."""
+    order = LEVELS.index(reading.channel)
+    position, *rates = (reading.other(level, reading.name, reading.time) for level in LEVELS[: order + 1])
+    c, s, (x, y) = np.cos(position[:, 2]), np.sin(position[:, 2]), _anchors(reading)[joint]
+    arm = np.column_stack([c * x - s * y, s * x + c * y])
+    moved = (
+        lambda: position[:, :2] + arm,
+        lambda: point_velocity(arm, *rates),
+        lambda: point_acceleration(arm, *rates),
+    )
+    return np.asarray(moved[order](), dtype=float)
+
+
+def _without_crank(reading: Reading, _: str) -> Array:
+    """Without the torque, N m, that the crank alone takes, or the force, N, that a driven slider does."""
+    scene = reading.scene
+    crank = next(body for body in scene.bodies if body.name == scene.crank)
+    velocity, second = (reading.other(level, crank.name, reading.time) for level in LEVELS[1:])
+    force = crank.mass * (second[:, :2] - scene.gravity)
+    if scene.driver_kind is DriverKind.SLIDER:
+        own = force @ np.array(scene.driven_slider.along)
+    else:
+        speed = np.where(velocity[:, 2] == 0.0, 1.0, velocity[:, 2])
+        own = np.einsum("nk,nk->n", force, velocity[:, :2]) / speed + (crank.inertia or 0.0) * second[:, 2]
+    return np.asarray(reading.values - own[:, None])
+
+
+MISREADINGS: Final = (
+    Misreading(_factor_words, lambda r, k: k * r.values, numbers=(-1.0, 1.002), start=1.0),
+    Misreading(_shift_words, lambda r, samples: r.at(r.time + samples * np.gradient(r.time)), numbers=(-0.5,)),
+    Misreading(lambda _: "it counts clockwise", lambda r, _: -r.values, LEVELS, _only(ANGLE)),
+    Misreading(lambda _: "it counts from the start", lambda r, _: r.values - r.values[0], LEVELS[:1], _only(ANGLE)),
+    Misreading(
+        lambda _: "it is not unwrapped",
+        lambda r, low: (r.values - low) % FULL_TURN + low,
+        LEVELS[:1],
+        _only(ANGLE, -np.pi, 0.0),
+    ),
+    Misreading(lambda _: "x and y are exchanged", lambda r, _: r.values[:, ::-1], VECTORS, _only(PLACE)),
+    Misreading(
+        lambda axis: f"{axis} is mirrored",
+        lambda r, axis: r.values * ((-1.0, 1.0) if axis == "x" else (1.0, -1.0)),
+        VECTORS,
+        _only(PLACE, "x", "y"),
+    ),
+    Misreading(lambda body: f"it is in the frame of body '{body}', not the ground's", _in_frame, VECTORS, _bodies),
+    Misreading(
+        lambda joint: f"it is the force of joint '{joint}'",
+        lambda r, joint: r.other(Channel.JOINT_FORCE, joint, r.time),
+        (Channel.JOINT_FORCE,),
+        _other_joints,
+    ),
+    Misreading(
+        lambda _: "gravity is subtracted, as an accelerometer does",
+        lambda r, _: r.values - r.scene.gravity,
+        (Channel.ACCELERATION,),
+        _only(PLACE),
+    ),
+    Misreading(
+        lambda joint: f"it is that of the point in joint '{joint}', not of the mass centre", _of_point, LEVELS, _anchors
+    ),
+    Misreading(
+        lambda _: "the crank's own inertia and weight are left out of it",
+        _without_crank,
+        (Channel.TORQUE,),
+        lambda r: [""] if r.scene.driver_kind is not DriverKind.CYLINDER else [],
+    ),
+)

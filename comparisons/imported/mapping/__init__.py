@@ -1,1 +1,0 @@
-"""The mapping: which column is which signal, in which unit, and the corrections that are agreed to."""

@@ -1,0 +1,99 @@
+"""``doctor``: what is installed, what of it works, and where files are written."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+import time
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from analytic.description.loading import catalogue
+from analytic.errors import LinkproofError
+from analytic.machine_code import compiling
+from analytic.machine_code.printing import Result
+from analytic.machine_code.tracing import OperationList
+from comparisons.campaign.campaign import compare
+from comparisons.campaign.project import FILE, find_project
+from comparisons.judging.records import Record, Verdict
+from engines.registry import engine_names
+from reports.requests.campaign import request
+from reports.requests.options.campaign import CompareOptions
+
+OPTIONAL: Final = re.compile(r"""^([\w.-]+).*;\s*extra\s*==\s*["']([\w-]+)["']""")
+NOT_FOR_USERS: Final = {"dev", "docs", "all"}  # extras
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A test of an engine or a package: whether it ``works``, None where it is not installed; ``detail`` says how."""
+
+    name: str
+    version: str
+    works: bool | None
+    detail: str
+
+
+def engine_trials() -> list[Trial]:
+    """A short run of every engine, the run-up of one of the catalogue's linkages, in worker processes."""
+    trial = request(CompareOptions(mechanisms=tuple(catalogue()[:1]), quantity=("Mkr",)))
+    return [_trial(record) for run in compare(trial) for record in run.records]
+
+
+def _trial(record: Record) -> Trial:
+    if record.outcome == Verdict.UNAVAILABLE:
+        return Trial(record.engine, "", None, record.detail)
+    if record.error_max is None:
+        return Trial(record.engine, record.engine_version, False, f"{record.outcome}: {record.detail}")
+    detail = f"simulates; error of the torque {record.error_max:.1e} of its peak, {record.total_seconds:.2g} s"
+    return Trial(record.engine, record.engine_version, True, detail)
+
+
+def machine_code_trial() -> Trial:
+    """A function of one operation, compiled: Numba works where this does."""
+    if not compiling.is_installed():
+        return Trial("machine code", "", None, "numba is not installed: pip install 'linkproof[compiled]'")
+    trace, begin = OperationList(), time.perf_counter()
+    number = trace.input("number")
+    line = trace.line(number + 1.0)
+    version = metadata.version("numba")
+    try:
+        function = compiling.StraightFunction(trace, [number.line], [], [Result(line)])
+        (result,) = function([1.0], np.zeros((1, 0)), 1)
+    except Exception as error:  # whatever a broken compiler raises
+        return Trial("machine code", version, False, " ".join(f"{type(error).__name__}: {error}".split()))
+    return Trial("machine code", version, bool(result == 2.0), f"compiles, {time.perf_counter() - begin:.2g} s")
+
+
+def optional_packages() -> list[Trial]:
+    """Packages of the extras, engines left out, each with its version, or with what installs it."""
+    matches = [match for each in metadata.requires("linkproof") or () if (match := OPTIONAL.match(each))]
+    named = {package: extra for package, extra in (match.groups() for match in matches) if extra not in NOT_FOR_USERS}
+    return [_package(package, extra) for package, extra in named.items() if extra not in engine_names()]
+
+
+def _package(package: str, extra: str) -> Trial:
+    try:
+        return Trial(package, metadata.version(package), True, f"extra '{extra}'")
+    except metadata.PackageNotFoundError:
+        return Trial(package, "", None, f"pip install 'linkproof[{extra}]' installs it")
+
+
+def places() -> dict[str, str]:
+    """Where files are read and written without being named on the command line."""
+    import matplotlib as mpl  # noqa: PLC0415 - slow to import
+
+    try:
+        project = find_project(Path.cwd())
+        here = str(project.folder / FILE) if project else "none in this folder or above it"
+    except LinkproofError as error:
+        here = str(error)
+    return {
+        "temporary files": tempfile.gettempdir(),
+        "matplotlib's cache": mpl.get_cachedir(),
+        FILE: here,
+    }

@@ -1,0 +1,76 @@
+"""Before a release: sdist and wheel, each installed in a new environment, with README's commands and a type checker.
+
+``python -m tests.linkproof.release FOLDER`` builds both into the folder; ``make release-check`` calls it.
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import venv
+from pathlib import Path
+
+from tests.docs.test_snippets import FILE, MEASURING, SETTING_UP, agrees, blocks, commands
+from tests.linkproof.test_wheel import SCRIPT
+
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+EXTRAS = "exudyn"  # what README's commands need
+CHECKER = "mypy"
+
+
+def checked(package: Path) -> list[str]:
+    """What fails of a package: of its installation, of README's commands, of a typed script."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        programs = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
+        venv.create(folder / "venv", with_pip=True)
+
+        def run(*words: str) -> subprocess.CompletedProcess[str]:
+            outside = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
+            return subprocess.run(
+                [str(programs / words[0]), *words[1:]], cwd=folder, env=outside, text=True, check=False,
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            )  # fmt: skip
+
+        done = run("python", "-m", "pip", "install", "--quiet", f"{package}[{EXTRAS}]", CHECKER)
+        if done.returncode:
+            return [f"pip install {package.name}: {done.stdout}"]
+        text = README.read_text(encoding="utf-8")
+        for file, content in FILE.findall(text):
+            (folder / file).write_text(content, encoding="utf-8")
+        (folder / "script.py").write_text(SCRIPT, encoding="utf-8")
+        told = [
+            _differences(command, shown, run(*shlex.split(command)))
+            for kind, block in blocks(README) if kind == "console"
+            for command, shown in commands(block)
+            if not SETTING_UP & set(command.split())
+        ]  # fmt: skip
+        for words in (("linkproof", "doctor"), ("mypy", "--strict", "script.py"), ("python", "script.py")):
+            told.append(_differences(shlex.join(words), "", run(*words)))
+        return [each for each in told if each]
+
+
+def _differences(command: str, shown: str, done: subprocess.CompletedProcess[str]) -> str:
+    measured = command.split()[1] in MEASURING
+    is_right = not done.returncode and (not shown or agrees(done.stdout, shown, measured))
+    return "" if is_right else f"{command}: exit code {done.returncode}, printed\n{done.stdout}"
+
+
+def main() -> int:
+    """Build and check both; returns 1 where anything fails."""
+    folder = Path(sys.argv[1]).resolve()
+    shutil.rmtree(folder, ignore_errors=True)
+    subprocess.run([sys.executable, "-m", "hatchling", "build", "-d", str(folder)], cwd=ROOT, check=True)
+    failures = {package.name: checked(package) for package in sorted(folder.iterdir())}
+    for name, told in failures.items():
+        print(f"{name}: {'passed' if not told else 'failed'}", *told, sep="\n")
+    return 1 if any(failures.values()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

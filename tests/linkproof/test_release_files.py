@@ -1,0 +1,35 @@
+"""What public software has beside its code: one version everywhere, workflows and templates that can be read."""
+
+import tomllib
+from pathlib import Path
+
+import jinja2
+import yaml
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def read(path):
+    return yaml.safe_load((ROOT / path).read_text(encoding="utf-8"))
+
+
+def test_the_citation_has_the_version_of_the_package():
+    assert read("CITATION.cff")["version"] == PROJECT["version"]
+
+
+def test_workflows_and_templates_can_be_read():
+    for path in (ROOT / ".github").rglob("*.yml"):
+        parts = read(path)
+        assert {"jobs"} <= parts.keys() or {"name", "description", "body"} <= parts.keys(), path
+    systems = read(".github/workflows/tests.yml")["jobs"]["test"]["strategy"]["matrix"]
+    assert systems == {"os": ["ubuntu-latest", "macos-latest", "windows-latest"], "python": ["3.11", "3.12", "3.13"]}
+
+
+def test_the_recipe_lists_every_dependency():
+    text = (ROOT / "conda" / "meta.yaml").read_text(encoding="utf-8")
+    rendered = jinja2.Template(text).render(PYTHON="python", load_file_data=lambda *_, **__: {"project": PROJECT})
+    recipe = yaml.safe_load(rendered)
+    assert recipe["package"] == {"name": "linkproof", "version": PROJECT["version"]}
+    needed = [each.partition(" ")[0].replace("matplotlib-base", "matplotlib") for each in recipe["requirements"]["run"]]
+    assert needed == ["python", *(each.partition(">")[0] for each in PROJECT["dependencies"])]

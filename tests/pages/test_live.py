@@ -1,0 +1,303 @@
+"""The page that can be pulled at, in a real browser: its numbers are those that linkproof says of the copied file."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.parse import urlencode
+
+import numpy as np
+import pytest
+
+from analytic.description.file_units import file_unit
+from analytic.description.loading import load
+from tests.commands import linkproof
+from tests.pages.browser import WIDTHS, executable, opened, started
+
+pytest.importorskip("playwright", reason="Playwright is not installed")
+pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(executable() is None, reason="no Chromium on this machine: pages were not looked at"),
+]
+
+FOUR_BAR = """
+title = "Crank-rocker with a coupler point"
+units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
+crank = "crank"
+ground = { O1 = [0, 0], O2 = [60, 0] }   # bolted to the frame
+output = { point = "B", along = [1, 0] }
+links.crank   = { points = { O1 = [0, 0], A = [20, 0] }, mass = 0.2, centre = [5, 0], inertia = 2e-5 }
+links.coupler = { points = { A = [0, 0], B = [60, 0], P = [28, 28] }, mass = 0.15, centre = [30, 5], inertia = 6e-5 }
+links.rocker  = { points = { O2 = [0, 0], B = [45, 0] }, mass = 0.12, inertia = 3e-5 }
+sketch = { angle = 60, points = { B = [60, 45] } }
+forces = [{ point = "P", link = "coupler", angle = [0, 90, 180, 270], force = [[0, 0], [9, 0], [0, 4], [0, -7]] }]
+"""
+SAME = 1e-13  # of the peak
+CHANGES = 20
+MOST_BYTES = 900_000
+NO_CLIPBOARD = "Object.defineProperty(navigator, 'clipboard', { value: undefined });"  # the text goes to a box
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    with started() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def page_of(tmp_path_factory):
+    """The page of a linkage by name, or of a text, written once."""
+    made: dict[str, Path] = {}
+
+    def write(name: str, text: str = "") -> Path:
+        if name not in made:
+            folder = tmp_path_factory.mktemp(name)
+            file = folder / f"{name}.toml"
+            file.write_text(text or load(name).text, encoding="utf-8")
+            done = linkproof("results", file, "--out", folder / "out", "--quiet")
+            assert done.returncode == 0, done.stderr
+            made[name] = folder / "out" / "index.html"
+        return made[name]
+
+    return write
+
+
+@contextmanager
+def at_work(chromium, page, design=None, **look):
+    """A page with its script at work, its curves still; a design is given by the address."""
+    with opened(chromium, page, **look) as seen:
+        seen.page.add_init_script(NO_CLIPBOARD)
+        seen.page.goto(f"{page.resolve().as_uri()}#{urlencode(design or {})}")
+        seen.page.reload()
+        seen.page.locator(".live-scheme").wait_for()
+        pause = seen.page.get_by_role("button", name="Pause")
+        if pause.count():
+            pause.click()
+        yield seen
+
+
+def click(page, name):
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def copied(page):
+    """The file with the page's numbers."""
+    click(page, "Copy as TOML")
+    return page.locator(".widget textarea").input_value()
+
+
+def curves(page):
+    """The saved curves by name, in the units of the file."""
+    with page.expect_download() as download:
+        click(page, "Save curves")
+    head, *rows = csv.reader(io.StringIO(Path(download.value.path()).read_text(encoding="utf-8")))
+    values = np.array(rows, dtype=float).T
+    return {name.partition(" [")[0]: row for name, row in zip(head, values, strict=True)}
+
+
+def figure(page, name):
+    """A key figure now, in the file, and its change, as they stand there."""
+    row = page.locator(".live-figures tbody tr").filter(has=page.get_by_role("rowheader", name=name, exact=True))
+    return row.locator("td").all_inner_texts()
+
+
+def of_results(tmp_path, text, *words):
+    """The JSON of ``linkproof results`` for a file."""
+    file = tmp_path / "copied.toml"
+    file.write_text(text, encoding="utf-8")
+    done = linkproof("results", file, "--json", tmp_path / "out.json", "--quiet", *words)
+    assert done.returncode == 0, done.stderr
+    return json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
+
+
+def grab(page, point):
+    """The middle of a handle on the screen."""
+    box = page.locator(f'.grip[aria-label^="Point {point}:"]').bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page, point, by):
+    x, y = grab(page, point)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + by[0] / 2, y + by[1] / 2)
+    page.mouse.move(x + by[0], y + by[1])
+    page.mouse.up()
+
+
+def number(text, name):
+    """A number of a link in a file, by the text before it."""
+    return float(re.search(name + r"\s*=?\s*\[?(-?[\d.e+-]+)", text)[1])
+
+
+@pytest.mark.parametrize("name", ["four-bar", "rimoldi-164", "slotted-lever"])
+def test_what_the_page_computes_is_what_results_says_of_the_copied_file(chromium, page_of, tmp_path, name):
+    page = page_of(name, FOUR_BAR if name == "four-bar" else "")
+    chance = np.random.default_rng(5)
+    with at_work(chromium, page) as seen:
+        data = json.loads(re.search(r'data-kind="live".*?json">(.*?)</script>', page.read_text("utf-8"), re.DOTALL)[1])
+        offered = [one for one in data["numbers"] if one["offered"]]
+        for _ in range(CHANGES):
+            some = chance.choice(len(offered), min(9, len(offered)), replace=False)
+            design = {offered[k]["name"]: float(offered[k]["value"] * chance.uniform(0.98, 1.02)) for k in some}
+            speed = design.get("speed", 1000.0)
+            seen.page.evaluate("hash => { location.hash = hash; }", urlencode(design))
+            text, found = copied(seen.page), curves(seen.page)
+            truth = of_results(tmp_path, text, "--speed", repr(speed))
+            linkage = load(str(tmp_path / "copied.toml"))
+            near = np.searchsorted(np.array(truth["values"]["phi"]) + 1e-9, found["phi"])
+            np.testing.assert_allclose(np.array(truth["values"]["phi"])[near], found["phi"], rtol=0.0, atol=1e-12)
+            scales: dict[tuple[str, str], float] = {}
+            for one, values in truth["values"].items():
+                kind = (one.partition(":")[0], truth["units"][one])
+                scales[kind] = max(scales.get(kind, 0.0), float(np.max(np.abs(values))))
+            for one in set(found) & set(truth["values"]) - {"phi"}:
+                scale, expected = (
+                    scales[one.partition(":")[0], truth["units"][one]],
+                    np.array(truth["values"][one])[near],
+                )
+                off = found[one] * file_unit(truth["units"][one], linkage).size - expected
+                if one.endswith(":angle"):
+                    off -= 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+                assert np.max(np.abs(off)) <= SAME * scale, (one, design)
+            peaks = {one["what"]: one for one in truth["figures"]["drive"] if one["signal"] == "Mkr"}
+            for what in ("peak torque", "RMS torque"):
+                shown = float(figure(seen.page, what)[0].split()[0].replace("−", "-"))
+                expected = peaks[what]["value"] / file_unit("N m", linkage).size
+                assert shown == pytest.approx(expected, rel=5.01e-4)
+        assert seen.faults == []
+
+
+@pytest.mark.parametrize(
+    ("point", "numbers"),
+    [  # what a pull at the point changes, and what it leaves as it is
+        ("P", ({r"P =": 28.0}, {r"B =": 60.0})),
+        ("B", ({r"A = \[0, 0\], B =": 60.0, r"O2 = \[0, 0\], B =": 45.0}, {r"P =": 28.0})),
+        ("A", ({r"O1 = \[0, 0\], A =": 20.0}, {r"B =": 60.0})),
+        ("O2", ({r"O1 = \[0, 0\], O2 =": 60.0}, {r"B =": 60.0})),
+    ],
+)
+def test_a_point_that_is_pulled_changes_its_lengths_in_steps_and_goes_where_it_is_pulled(
+    chromium, page_of, point, numbers
+):
+    with at_work(chromium, page_of("four-bar", FOUR_BAR)) as seen:
+        x, y = grab(seen.page, point)
+        drag(seen.page, point, (25.0, -15.0))
+        now, text = grab(seen.page, point), copied(seen.page)
+        if point in "PBA":
+            assert np.hypot(now[0] - x - 25.0, now[1] - y + 15.0) < 8.0  # px; a step is less
+        changed, same = numbers
+        for name, was in changed.items():
+            assert number(text, name) != was
+            assert (number(text, name) / 0.5) % 1.0 == pytest.approx(0.0, abs=1e-9)
+        assert [number(text, name) for name in same] == [*same.values()]
+        assert "# bolted to the frame" in text
+        assert seen.faults == []
+
+
+def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(chromium, page_of):
+    with at_work(chromium, page_of("four-bar", FOUR_BAR)) as seen:
+        page, name = seen.page, "crank mass, kg"
+        own, speaks = figure(page, "peak torque"), page.locator("[aria-live]")
+        assert own == [own[0], own[0], ""]
+        slider = page.get_by_role("slider", name=name)
+        slider.focus()
+        for _ in range(9):
+            slider.press("ArrowRight")
+        mass = page.get_by_role("spinbutton", name=f"{name}, exactly")
+        heavy, changed = mass.input_value(), figure(page, "force in O1")
+        assert float(heavy) > 0.2
+        assert changed[2].endswith("%")
+        assert "against the file" in speaks.inner_text()
+        for _ in range(9):
+            page.keyboard.press("Control+z")
+        assert (mass.input_value(), figure(page, "force in O1")[2]) == ("0.2", "")
+        for _ in range(9):
+            click(page, "Redo")
+        assert mass.input_value() == heavy
+        assert f"mass = {heavy}," in copied(page)
+        click(page, "Link")
+        address = page.locator(".widget textarea").input_value()
+        page.goto(address)
+        page.reload()
+        page.locator(".live-scheme").wait_for()
+        assert figure(page, "force in O1") == changed
+        click(page, "Reset")
+        assert copied(page) == FOUR_BAR
+        assert seen.faults == []
+
+
+def test_what_cannot_be_assembled_is_drawn_where_it_stops(chromium, page_of):
+    with at_work(chromium, page_of("four-bar", FOUR_BAR), {"ground.O2.x": 88.0}) as seen:
+        page = seen.page
+        place = page.get_by_role("slider", name="φ")
+        assert figure(page, "peak torque")[0] == "–"
+        place.evaluate("one => { one.value = 450; one.dispatchEvent(new Event('input')); }")
+        # the law of cosines where coupler and rocker are in line
+        stops = np.degrees(np.arccos((20.0**2 + 88.0**2 - 105.0**2) / (2.0 * 20.0 * 88.0)))
+        assert f"Stops at {stops:.1f}°" in page.locator(".live-status").inner_text()
+        assert page.locator(".pin.stopped").count() == 1
+        assert seen.faults == []
+
+
+def test_a_linkage_over_its_range_moves_over_the_range_that_it_has(chromium, page_of, tmp_path):
+    with at_work(
+        chromium, page_of("teaching-four-bar", FOUR_BAR.replace("A = [20", "A = [48")), {"crank.mass": 0.3}
+    ) as seen:
+        words = (copied(seen.page), seen.page.locator("[aria-live]").inner_text())
+        found = curves(seen.page)
+        truth = of_results(tmp_path, words[0])
+        assert found["phi"][[0, -1]] == pytest.approx([truth["values"]["phi"][0], truth["values"]["phi"][-1]], abs=1e-6)
+        peak = max(map(abs, truth["values"]["S"]))
+        assert np.max(found["S"]) * 1e-3 == pytest.approx(max(truth["values"]["S"]), abs=1e-6 * peak)
+        assert seen.faults == []
+
+
+@pytest.mark.parametrize(("width", "theme"), [*zip(WIDTHS, ("dark", "light"), strict=True)])
+@pytest.mark.parametrize("name", ["stephenson-six-bar", "four-bar"])
+def test_it_is_legible_and_can_be_worked_by_keys_on_a_screen_and_on_a_phone(chromium, page_of, name, width, theme):
+    with at_work(chromium, page_of(name, FOUR_BAR if name == "four-bar" else ""), width=width, theme=theme) as seen:
+        page = seen.page
+        before = copied(page)
+        page.locator('.grip[aria-label^="Point P:"]').focus()
+        page.keyboard.press("ArrowRight")
+        assert copied(page) != before
+        facts = seen.facts()
+        assert facts["overflow"] <= 0
+        assert facts["small"] == []
+        assert seen.grave() == []
+        assert seen.faults == []
+        assert seen.bytes_loaded <= MOST_BYTES
+
+
+def test_names_from_a_file_and_addresses_are_data(chromium, page_of):
+    hostile = "</script><img src=x onerror=alert(1)>"
+    text = FOUR_BAR.replace("Crank-rocker", hostile).replace("P =", f"'{hostile}' =").replace('"P"', f"'{hostile}'")
+    design = {"__proto__": 1, "crank.mass": "1e999", "sketch.B.x": 3, hostile: 2, "rocker.mass": "0.5"}
+    with at_work(chromium, page_of("hostile", text), design) as seen:
+        assert seen.page.locator("img[src=x]").count() == 0
+        assert copied(seen.page) == text.replace("mass = 0.12", "mass = 0.5")
+        assert seen.faults == []
+
+
+def test_a_number_that_the_file_leaves_out_is_written_into_it_and_a_variant_as_a_file_of_its_own(chromium, page_of):
+    with at_work(chromium, page_of("four-bar", FOUR_BAR), {"rocker.centre.x": 12.5, "gravity.y": -9.81}) as seen:
+        text = copied(seen.page)
+        assert number(text, r"centre = \[5, 0\].*?centre = \[30, 5\].*?centre".replace(".*?", r"[\s\S]*?")) == 12.5
+        assert "gravity = [0.0, -9.81]" in text
+        assert "# bolted to the frame" in text
+
+
+def test_one_file_to_mail_computes_as_well(chromium, page_of, tmp_path):
+    page = page_of("four-bar", FOUR_BAR)
+    mailed = tmp_path / "mine.html"
+    assert linkproof("report", page.parent, "--single-file", mailed).returncode == 0
+    with at_work(chromium, mailed, {"crank.mass": 0.4}) as seen:
+        assert figure(seen.page, "force in O1")[2].endswith("%")
+        assert set(seen.loaded) == {str(mailed)}
+        assert seen.faults == []

@@ -1,0 +1,63 @@
+"""linkproof doctor: everything installed is tried, and what does not work is told with its reason."""
+
+import json
+
+import pytest
+
+from analytic.machine_code import compiling
+from comparisons.judging.records import Record, Verdict
+from engines.registry import engine_names
+from reports.requests import doctor
+from tests.commands import linkproof
+
+FACTS = {"mechanism": "m", "variant": "base", "regime": "run-up", "conditions": "", "setting": "tuned"}
+
+
+def row(outcome, error=None, detail=""):
+    facts = {**FACTS, "engine": "barwork", "engine_version": "3"}
+    return Record(**facts, quantity="Mkr", outcome=outcome, error_max=error, detail=detail)
+
+
+def test_every_engine_is_tried(tmp_path):
+    done = linkproof("doctor", "--json", "doctor.json", cwd=tmp_path)
+    told = json.loads((tmp_path / "doctor.json").read_text())
+    assert done.returncode == 0, done.stdout
+    assert [trial["name"] for trial in told["trials"]] == [*engine_names(), "machine code"]
+    assert all(trial["works"] is not False for trial in told["trials"])
+    assert set(told["places"]) == {"temporary files", "matplotlib's cache", "linkproof.toml"}
+    for trial in (*told["trials"], *told["packages"]):
+        assert f"{trial['name']} " in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("record", "works", "word"),
+    [
+        (row(Verdict.UNAVAILABLE, detail="not installed"), None, "not installed"),
+        (row(Verdict.CRASHED, detail="exit code -11"), False, "crashed: exit code -11"),
+        (row(Verdict.MEASURED, 0.5), True, "error of the torque 5.0e-01"),
+    ],
+)
+def test_an_engine_works_if_it_simulates(monkeypatch, record, works, word):
+    run = type("Run", (), {"records": [record]})
+    monkeypatch.setattr(doctor, "compare", lambda _: [run])
+    (trial,) = doctor.engine_trials()
+    assert trial.works is works
+    assert word in trial.detail
+
+
+@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
+def test_a_compiler_that_does_not_work_is_exit_code_1(monkeypatch, tmp_path):
+    def broken(_):
+        raise OSError("no LLVM\nhere")
+
+    monkeypatch.setattr(compiling, "compiled", broken)
+    monkeypatch.setattr(doctor, "compare", lambda _: [])
+    done = linkproof("doctor", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "OSError: no LLVM here" in done.stdout
+
+
+def test_a_project_that_cannot_be_read_is_told(monkeypatch, tmp_path):
+    (tmp_path / "linkproof.toml").write_text("engine = 'direct'\n")
+    monkeypatch.chdir(tmp_path)
+    assert "'engine'" in doctor.places()["linkproof.toml"]
