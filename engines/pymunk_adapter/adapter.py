@@ -9,6 +9,7 @@ read-out at face value.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
@@ -22,6 +23,9 @@ from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.driver import UnsupportedError
 from engines.stepping.loop_engine import LoopEngine
 from engines.stepping.stepped_engine import Recipe
+
+# Steps after which a cold start has no effect on the forces any more, and samples without loads for it at most.
+SETTLED, MOST_LEAD = 10, 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,4 +116,5 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
             iterations = max(1, round(recipe.effort))
         elif recipe.centred:
             iterations = iterations_for(layout, recipe.remaining)
-        return described(scene, layout, centred=recipe.centred) | {"iterations": iterations}
+        lead = min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios))) if recipe.centred else 1
+        return described(scene, layout, centred=recipe.centred) | {"iterations": iterations, "lead": lead}

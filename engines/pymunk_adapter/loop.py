@@ -28,7 +28,6 @@ Load = Callable[[float], None]  # sets a load for the next step, which takes so 
 
 # Steps that have no good impulses to begin with, and how many times as many iterations they get.
 COLD_STEPS, COLD = 4, 10
-LEAD = 3  # samples at the start whose loads still show that
 MOTOR = "the motor"  # beside the names of joints
 STATE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE | batch.BodyFields.VELOCITY
 STATE |= batch.BodyFields.ANGULAR_VELOCITY
@@ -205,7 +204,7 @@ def follow(world: World, course: Data) -> Data:
     given, channels, ratio, (part,) = world.given, course["channels"], course["ratio"], course["parts"]
     centred, samples = given["centred"], ratio * np.arange(part["samples"] + 1)
     step = part["end"] / int(samples[-1])
-    middles, loaded = samples[1:-1] + (ratio - 1) // 2, samples[LEAD if centred else 1 :]
+    middles, loaded = samples[1:-1] + (ratio - 1) // 2, samples[given["lead"] :]
     for time, apart in given["kinks"] if centred else ():  # a step across one is not smooth
         middles, loaded = (at[np.abs(step * at - time) > apart * ratio * step] for at in (middles, loaded))
     rates = speeds(given["motion"], centred, step, samples[-1] + 1)
