@@ -6,8 +6,6 @@ value.
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -35,15 +33,6 @@ class TimeLaw:
     def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
         """The value at each time; shape of ``time``."""
         return np.asarray(np.interp(np.asarray(time, dtype=float), self.times, self.torque))
-
-    def at(self, time: float) -> float:
-        """The value at one time, for engines that ask in every step."""
-        piece = bisect_right(self.times, time)
-        if piece in (0, len(self.times)):
-            return self.torque[min(piece, len(self.times) - 1)]
-        start, end = self.times[piece - 1 : piece + 1]
-        low, high = self.torque[piece - 1 : piece + 1]
-        return low + (high - low) * (time - start) / (end - start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,25 +88,6 @@ class Law:
         """Of a law over φ, the knots, rad (or m), and the cubics from each on: by piece, component and power."""
         assert self.angles is not None
         return self.angles.tolist(), np.moveaxis(self._curve.c[::-1], 0, -1).tolist()
-
-    def of_float(self) -> Callable[[float], tuple[float, ...]]:
-        """The law as a plain function of one angle, which gives all components.
-
-        For solvers that ask for one value at a time: a call made for arrays costs more than a whole time step.
-        """
-        if self.angles is None:
-            constant = tuple(self.values.tolist())
-            return lambda _angle: constant
-        knots, pieces = self.pieces()
-        repeats, last = self.periodic, float(self.angles[-1])
-
-        def value(angle: float) -> tuple[float, ...]:
-            angle = knots[0] + (angle - knots[0]) % FULL_TURN if repeats else min(max(angle, knots[0]), last)
-            piece = min(bisect_right(knots, angle), len(pieces)) - 1
-            x = angle - knots[piece]
-            return tuple(a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece])
-
-        return value
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,13 +6,16 @@ A link is followed; what stands at a path and is no file, a pipe or a device, is
 from __future__ import annotations
 
 import os
-import tempfile
 import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Final
+from uuid import uuid4
 
 from analytic.errors import LinkproofError
+
+_OPEN_FILES: Final = Path("/proc/self/fd")  # a file without a name has one there
 
 
 class Claim:
@@ -72,15 +75,33 @@ def write_file(path: Path, write: Callable[[Path], object]) -> None:
     place = _place(path)
     with writing(path):
         place.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=place.parent, prefix=f".{path.name}.", suffix=path.suffix)
-        os.close(handle)
-        temporary = Path(name)
+        handle, temporary = _nameless(place.parent), _neighbour(place)
         try:
-            write(temporary)
-            temporary.chmod(0o644)
+            target = temporary if handle is None else _OPEN_FILES / str(handle)
+            write(target)
+            target.chmod(0o644)
+            if handle is not None:
+                os.link(target, temporary, src_dir_fd=handle)  # given a folder, it follows links
             os.replace(temporary, place)
         finally:
             temporary.unlink(missing_ok=True)
+            if handle is not None:
+                os.close(handle)
+
+
+def _nameless(folder: Path) -> int | None:
+    """A new file without a name, of which a kill leaves nothing; None where the system has none."""
+    if not _OPEN_FILES.is_dir() or not hasattr(os, "O_TMPFILE"):
+        return None
+    try:
+        return os.open(folder, os.O_TMPFILE | os.O_RDWR)
+    except OSError:  # a kind of disk that has none
+        return None
+
+
+def _neighbour(place: Path) -> Path:
+    """A name in the same folder that nothing has."""
+    return place.with_name(f".{place.name}.{uuid4().hex}{place.suffix}")
 
 
 @contextmanager

@@ -15,6 +15,7 @@ import tempfile
 import weakref
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from typing import IO, Any, Final
 
@@ -150,8 +151,8 @@ class RecordFile:
 
 
 def passing_records() -> RecordFile:
-    """Records in a temporary folder, which goes with them."""
-    folder = Path(tempfile.mkdtemp(prefix="linkproof-"))
+    """Records in a temporary folder, which goes with them, or with the workers if this process is killed."""
+    folder = Path(tempfile.mkdtemp(prefix="linkproof-", dir=get_temp_dir()))
     found = RecordFile(folder)
     weakref.finalize(found, shutil.rmtree, folder, ignore_errors=True)
     return found

@@ -21,6 +21,7 @@ from functools import partial
 from itertools import islice
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from multiprocessing.util import get_temp_dir
 from typing import Any, Final, NamedTuple
 
 from analytic.errors import LinkproofError
@@ -277,6 +278,7 @@ def _new_worker(pickled: bytes, function: Callable[..., Any], memory: int, host:
     try:
         start_server([function.__module__])
         context = multiprocessing.get_context(start_method())
+        get_temp_dir()  # of this process, and so of its workers
         channel, far_end = context.Pipe()
         output, far_output = context.Pipe(duplex=False) if os.name == "posix" else (None, None)
         process = context.Process(  # type: ignore[attr-defined]

@@ -14,10 +14,11 @@ import pickle
 import signal
 import struct
 import sys
+import tempfile
 import threading
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from multiprocessing import forkserver
+from multiprocessing import forkserver, util
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from types import ModuleType
@@ -101,7 +102,7 @@ def start_server(modules: Sequence[str]) -> None:
     Returns at once: if it is called early, the server imports while the caller does.
     """
     if start_method() == "forkserver":
-        forkserver.set_forkserver_preload(["comparisons.runs.worker_process", *modules])
+        forkserver.set_forkserver_preload(["comparisons.runs.fork_server", "comparisons.runs.worker_process", *modules])
         with cut_off(), same_path():
             forkserver.ensure_running()
 
@@ -174,6 +175,8 @@ def serve(channel: Connection, output: Connection | None, function: bytes, memor
     """Receive pickled tuples of arguments and send back the results of ``function``, until the channel is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ[HOST] = host
+    # Temporary files are in the folder of the command's own, which goes with the command however that ends.
+    tempfile.tempdir = os.environ["TMPDIR"] = util.get_temp_dir()
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)  # processes that an engine starts are in the worker's group, and are killed with it
     _die_with_parent()

@@ -384,14 +384,17 @@ def follow(world: World, course: Data) -> Data:
     """The samples of a course."""
     signals: dict[tuple[str, str | None], list[tuple[Array, Array]]] = {}
     parts = course["parts"]
-    with silent():
-        for part, later in zip(parts, [*parts[1:], None], strict=True):
-            if not world.given["as_shipped"]:
-                start(world, part, course["details"], first=part is parts[0])
-            solve(world, part, course)
-            before_jump = later is not None and later["after_jump"]
-            for channel, joint, time, values in read(world, first=part is parts[0], before_jump=before_jump):
-                signals.setdefault((channel, joint), []).append((time, values))
+    try:
+        with silent():
+            for part, later in zip(parts, [*parts[1:], None], strict=True):
+                if not world.given["as_shipped"]:
+                    start(world, part, course["details"], first=part is parts[0])
+                solve(world, part, course)
+                before_jump = later is not None and later["after_jump"]
+                for channel, joint, time, values in read(world, first=part is parts[0], before_jump=before_jump):
+                    signals.setdefault((channel, joint), []).append((time, values))
+    finally:
+        world.container.Reset()  # else exudyn keeps what its functions and sensors hold for as long as it lives
     samples: Data = {"joint_force": {}}
     for (channel, joint), pieces in signals.items():
         time, values = (np.concatenate([piece[n] for piece in pieces]) for n in range(2))

@@ -11,20 +11,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 from analytic.description.linkage import DriverKind
-from engines.contract import Abilities, History, Origin, ReadOut, Setting
+from engines.contract import Abilities, ReadOut, Setting
 from engines.pymunk_adapter.layout import exact_layout, plain_layout
-from engines.pymunk_adapter.solver import iterations_for, way
+from engines.pymunk_adapter.solver import iterations_for
 from engines.pymunk_adapter.space import described
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.driver import UnsupportedError
 from engines.stepping.loop_engine import LoopEngine
-from engines.stepping.stepped_engine import Course, Recipe
+from engines.stepping.stepped_engine import Recipe
 
-# Steps after which a cold start has no effect on the forces any more, and samples given up for it at most.
+# Steps after which a cold start has no effect on the forces any more, and samples without loads for it at most.
 SETTLED, MOST_LEAD = 10, 3
 
 
@@ -37,7 +37,7 @@ class PymunkRecipe(Recipe):
 
     centred: bool = True
     remaining: float = 0.1
-    even: int = 1000
+    restarted: bool = False
     orders: tuple[int, ...] = (2, 3, 4, 5, 6, 7, 8)  # the read-outs are centred, the closing of the joints is not
 
 
@@ -47,7 +47,7 @@ NAIVE: Final = PymunkRecipe(step=1e-4, least_steps=1, centred=False, in_own_unit
 #   2000, 5 %: 5.9e-5, 5.8e-5, 6.8e-5, 0.9 s    6000, 20 %: 5.0e-4, 4.2e-6, 9.5e-4, 1.9 s
 #   6000, 5 %: 6.6e-6, 4.2e-6, 7.6e-6, 2.5 s    6000, 1 %: 6.7e-6, 4.2e-6, 7.6e-6, 2.9 s
 #  10800, 5 %: 2.0e-6, 1.3e-6, 2.4e-6, 8.3 s    Some random linkages ask for more than 6000.
-TUNED: Final = PymunkRecipe(steps_per_turn=400, ratios=(21,), least_steps=100, remaining=0.05, even=100)
+TUNED: Final = PymunkRecipe(steps_per_turn=400, ratios=(21,), least_steps=100, remaining=0.05)
 BEST: Final = PymunkRecipe(steps_per_turn=240, ratios=(3, 5, 7, 9), least_steps=100, remaining=0.001)
 
 # A free crank adds its error of phase up over all turns. The slotted take-up driven for 160 turns, errors of angle and
@@ -76,7 +76,7 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
             Channel.ACCELERATION: ReadOut("difference of Body.velocity over the step"),
             Channel.TORQUE: ReadOut(
                 "SimpleMotor.impulse (linear: PinJoint.impulse) over the step, less an applied torque or force that "
-                "keeps its sign; of a driven crank, but in naive, less a share that is computed, its added flywheel's",
+                "keeps its sign",
                 drive="the drive's own",
             ),
             Channel.JOINT_FORCE: ReadOut(
@@ -113,17 +113,8 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
             )
         iterations = None  # pymunk's own
         if recipe.effort is not None:
-            iterations = [float(max(1, round(recipe.effort)))] * 2
+            iterations = max(1, round(recipe.effort))
         elif recipe.centred:
-            iterations = iterations_for(scene, layout, recipe.remaining, recipe.even).tolist()
-        return described(layout, centred=recipe.centred) | {
-            "iterations": iterations,  # at even angles over this way from the start on
-            "way": way(layout.scene),
-            "lead": min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios))),
-        }
-
-    def follow(self, world: Any, course: Course[PymunkRecipe]) -> History:  # noqa: ANN401 - the loop's
-        history = super().follow(world, course)
-        if history.torque is None or not world.given["flywheel"]:
-            return history
-        return replace(history, torque=replace(history.torque, origin=Origin.PARTLY))
+            iterations = iterations_for(layout, recipe.remaining)
+        lead = min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios))) if recipe.centred else 1
+        return described(scene, layout, centred=recipe.centred) | {"iterations": iterations, "lead": lead}

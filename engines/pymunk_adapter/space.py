@@ -1,7 +1,6 @@
 """From a layout to what the loop makes a pymunk space of: bodies, constraints and loads, in plain data.
 
-Bodies are numbers, the ground is -1. Where the run is not centred everything is as pymunk has it: its own springs damp,
-to first order; else dampers and dashpots are stepped beside them.
+Bodies are numbers, the ground is -1.
 """
 
 from __future__ import annotations
@@ -11,128 +10,105 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import GROUND, DriverKind
 from engines.mechanics.driver import driven
 from engines.mechanics.states import start_motion
-from engines.pymunk_adapter.layout import Gear, Hold, PartLayout, start_turn
-from engines.scene import Free, PinJoint, Prescribed, Scene
+from engines.pymunk_adapter.layout import PartLayout, reach
+from engines.scene import Prescribed, Scene
 from engines.stepping.loop_engine import plain_law
 
 SHORTEST: Final = 0.01  # of the scene's reach: the lever of a linear drive
+# Samples on either side, within which nothing is read: of a jump of the acceleration, and of its slope.
+JUMP, KINK = 1.5, 0.5
 BEHIND: Final = 4.0  # of the reach: how far behind a slider's line its far end begins
 
 
-def described(layout: PartLayout, *, centred: bool) -> dict[str, Any]:
-    """The space of a layout, without the iterations of its solver."""
-    scene, drive = layout.scene, layout.scene.drive
-    numbers = {GROUND: -1, **{body.name: number for number, body in enumerate(scene.bodies)}}
+def described(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, Any]:
+    """The space of a layout of a scene, without the iterations of its solver."""
+    parts, size = layout.scene, reach(scene)
+    numbers = {GROUND: -1, **{body.name: number for number, body in enumerate(parts.bodies)}}
     _, speed, gain = (float(value[0]) for value in driven(scene, *start_motion(scene)))
+    pins = [
+        ("PivotJoint", numbers[pin.first], numbers[pin.second], pin.first_anchor, pin.second_anchor)
+        for pin in parts.pins
+    ]
+    grooves = []
+    for groove in parts.guided:
+        (x, y), (along_x, along_y), length = groove.through, groove.along, 2.0 * size / math.hypot(*groove.along)
+        ends = (x - length * along_x, y - length * along_y), (x + length * along_x, y + length * along_y)
+        grooves.append(("GrooveJoint", numbers[groove.host], numbers[groove.body], *ends, groove.anchor))
+    angles = {GROUND: 0.0, **{body.name: body.angle for body in parts.bodies}}
+    gears = [
+        ("GearJoint", numbers[host], numbers[body], angles[body] - angles[host], 1.0) for body, host in layout.gears
+    ]
+    own = {joint.name for joint in (*scene.pins, *scene.guided)}
+    torques = [(numbers[load.body], (0.0, 0.0), plain_law(load.torque)) for load in parts.torques]
     return {
         "centred": centred,
-        "gravity": scene.gravity,
-        "bodies": [(body.mass, body.inertia, body.position, body.angle) for body in scene.bodies],
-        "velocity": [(*body.velocity, body.angular_velocity) for body in scene.bodies],
-        "acceleration": [(*body.acceleration, body.angular_acceleration) for body in scene.bodies],
+        "gravity": parts.gravity,
+        "bodies": [(body.mass, body.inertia, body.position, body.angle) for body in parts.bodies],
+        "offsets": [complex(-part.offset[0], -part.offset[1]) for part in layout.parts[: layout.carried]],
+        "tangent": layout.tangent(scene),
         "driver_rates": (speed, gain),
         "start": scene.crank_angle,
         "crank": numbers.get(scene.crank),
-        "holds": [_hold(numbers, layout, hold) for hold in layout.holds],
+        "constraints": [*pins, *grooves, *gears],
         "joints": {
-            hold.name: number for number, hold in enumerate(layout.holds)
-            if not isinstance(hold, Gear) and hold.name not in layout.inner
+            joint.name: number for number, joint in enumerate((*parts.pins, *parts.guided)) if joint.name in own
         },
-        "offsets": [(-part.offset[0], -part.offset[1]) for part in layout.parts[: layout.carried]],
-        "flywheel": layout.flywheel,
-        "is_driven": isinstance(drive, Prescribed),
-        **_loads(scene, numbers, centred=centred),
-        **_drive(scene, numbers, layout, centred=centred),
-    }  # fmt: skip
-
-
-def _hold(numbers: dict[str, int], layout: PartLayout, hold: Hold) -> tuple[Any, ...]:
-    """A constraint as pymunk calls it, its bodies, and what it takes besides."""
-    if isinstance(hold, PinJoint):
-        return "PivotJoint", numbers[hold.first], numbers[hold.second], hold.first_anchor, hold.second_anchor
-    ends = numbers[hold.host], numbers[hold.body]
-    if isinstance(hold, Gear):
-        return "GearJoint", *ends, start_turn(layout.scene, hold), 1.0
-    (x, y), (along_x, along_y), length = hold.through, hold.along, 2.0 * layout.reach
-    start, end = (x - length * along_x, y - length * along_y), (x + length * along_x, y + length * along_y)
-    return "GrooveJoint", *ends, start, end, hold.anchor
-
-
-def _loads(scene: Scene, numbers: dict[str, int], *, centred: bool) -> dict[str, Any]:
-    """Springs; constant forces, which pymunk carries by itself; loads over the angle; dampers and dashpots."""
-    springs, dashpots = [], []
-    for number, spring in enumerate(scene.springs):
-        # A dashpot alone is stepped as a change of rest length, which needs some stiffness to act on.
-        stiffness = spring.stiffness or spring.damping if centred else spring.stiffness
-        ends = numbers[spring.first], numbers[spring.second], spring.first_anchor, spring.second_anchor
-        springs.append((*ends, spring.length, stiffness, 0.0 if centred else spring.damping))
-        if centred and spring.damping:
-            dashpots.append((number, spring.damping / stiffness, spring.length if spring.stiffness else None))
-    over_angle = [
-        (numbers[load.body], load.anchor, plain_law(load.force))
-        for load in scene.forces if not load.force.is_constant
-    ] + [
-        (numbers[load.body], (0.0, 0.0), plain_law(load.torque))
-        for load in scene.torques if not load.torque.is_constant and load.body != GROUND
-    ]  # fmt: skip
-    constant = [load for load in scene.forces if load.force.is_constant]
-    return {
-        "springs": springs,
-        "dashpots": dashpots,
-        "dampers": [(numbers[each.first], numbers[each.second], each.coefficient) for each in scene.dampers],
-        "pushes": [(numbers[load.body], load.anchor, load.force.values) for load in constant],
-        "over_angle": over_angle,
+        "springs": [
+            (numbers[each.first], numbers[each.second], each.first_anchor, each.second_anchor, *rest)
+            for each in parts.springs
+            for rest in [(each.length, each.stiffness, each.damping)]
+        ],
+        "dampers": [(numbers[each.first], numbers[each.second], each.coefficient) for each in parts.dampers],
+        "loads": torques + [(numbers[load.body], load.anchor, plain_law(load.force)) for load in parts.forces],
+        "offset": torque_bound(scene, size) if centred else 0.0,
+        **_drive(parts, numbers, size),
     }
 
 
-def _drive(scene: Scene, numbers: dict[str, int], layout: PartLayout, *, centred: bool) -> dict[str, Any]:
-    """The drive: constant torques; ``line``, the ends of a linear driver, ``base`` farther apart than its travel.
+def _drive(scene: Scene, numbers: dict[str, int], size: float) -> dict[str, Any]:
+    """The drive: its motion, or its torque over time; ``line``, the ends of a linear driver.
 
-    A slider's far end is a point of the ground on its own line, behind all that it can reach. A motor works against a
-    torque, the ``offset``, which keeps the sign of what it exerts.
+    A slider's far end is a point of the ground on its own line, behind all that it can reach: ``base`` farther than
+    its travel.
     """
     drive, line, base = scene.drive, None, 0.0
     if scene.driver_kind is not DriverKind.CRANK:
         first, second, here, there = scene.driver_ends
         if scene.cylinder is None:
-            base, along = BEHIND * layout.reach, scene.driven_slider.along
+            base, along = BEHIND * size, scene.driven_slider.along
             there = there[0] - base * along[0], there[1] - base * along[1]
         line = (numbers[first], here), (numbers[second], there)
-    offset = torque_bound(scene, layout, drive.motion) if isinstance(drive, Prescribed) and centred else 0.0
-    constant = drive.torque if isinstance(drive, Free) else offset
-    torques = [
-        (numbers[load.body], load.torque.values[0])
-        for load in scene.torques if load.torque.is_constant and load.body != GROUND
-    ]  # fmt: skip
-    timed = drive.over_time if isinstance(drive, Free) else None
-    return {
-        "torques": torques if line else [*torques, (numbers[scene.crank], constant)],
-        "linear_push": constant if line else 0.0,
-        "over_time": timed and (timed.times, timed.torque),
-        "offset": offset,
-        "line": line,
-        "base": base,
-    }
+    given: dict[str, Any] = {"line": line, "base": base, "motion": None, "kinks": (), "push": (0.0, None)}
+    if isinstance(drive, Prescribed):
+        segments, jumps = drive.motion.segments, drive.motion.jumps
+        given["kinks"] = [(each.start, JUMP if each.start in jumps else KINK) for each in segments[1:]]
+        given["motion"] = [(each.start, each.coefficients) for each in segments]
+    else:
+        given["push"] = drive.torque, drive.over_time and (drive.over_time.times, drive.over_time.torque)
+    return given
 
 
-def torque_bound(scene: Scene, layout: PartLayout, motion: CrankMotion) -> float:
-    """A torque well above any that the drive can need, N m: all mass at the scene's size, at the peak of the motion.
+def torque_bound(scene: Scene, size: float) -> float:
+    """A torque well above any that a prescribed drive can need, N m: all mass at the scene's size, at its peak.
 
-    Of a linear drive it is a force, N, at a lever of a hundredth of that size.
+    A motor works against it, which keeps the sign of what it exerts. Of a linear drive it is a force, N, at a lever of
+    a hundredth of that size.
     """
-    times, turns = np.linspace(0.0, motion.duration, 101), scene.driver_kind is DriverKind.CRANK
-    size = layout.reach
-    arm = 1.0 if turns else SHORTEST * size
-    rate = float(np.max(np.abs(motion.acceleration(times)))) / arm + (motion.peak_speed / arm) ** 2
-    weight = sum(part.mass for part in layout.parts)
-    bound = rate * (weight * size**2 + sum(part.inertia or 0.0 for part in layout.parts))
+    if not isinstance(scene.drive, Prescribed):
+        return 0.0
+    motion = scene.drive.motion
+    times = np.linspace(0.0, motion.duration, 101)
+    arm = 1.0 if scene.driver_kind is DriverKind.CRANK else SHORTEST * size
+    speed = motion.peak_speed / arm
+    rate = float(np.max(np.abs(motion.acceleration(times)))) / arm + speed**2
+    weight = sum(body.mass for body in scene.bodies)
+    bound = rate * (weight * size**2 + sum(body.inertia or 0.0 for body in scene.bodies))
     bound += weight * math.hypot(*scene.gravity) * size
     bound += sum(float(np.max(np.abs(load.force.values))) for load in scene.forces) * size
     bound += sum(float(np.max(np.abs(load.torque.values))) for load in scene.torques)
-    bound += sum(damper.coefficient for damper in scene.dampers) * motion.peak_speed / arm
-    bound += sum(spring.stiffness + spring.damping * motion.peak_speed / arm for spring in scene.springs) * size**2
+    bound += sum(damper.coefficient for damper in scene.dampers) * speed
+    bound += sum(spring.stiffness + spring.damping * speed for spring in scene.springs) * size**2
     return bound / arm

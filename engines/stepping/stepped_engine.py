@@ -25,7 +25,7 @@ from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import check_step, run_stepping
 from engines.stepping.error_estimate import estimated_error
-from engines.stepping.intervals import Interval, Pace, intervals, released_intervals, whole_interval
+from engines.stepping.intervals import MANY, Interval, Pace, intervals, released_intervals, whole_interval
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
 from engines.stepping.richardson import Pass, extrapolate, weights
 
@@ -66,7 +66,7 @@ class Recipe(Pace):
         motion = drive.motion
         longest = pace._longest(motion.peak_speed)
         if not self.restarted:
-            return [whole_interval(motion.duration, longest, self.least_steps)]
+            return [whole_interval(motion.duration, longest, self.least_steps * min(len(motion.segments), MANY))]
         return intervals(motion, pace if self.graded else replace(pace, step=longest, steps_per_turn=0.0))
 
     def _longest(self, speed: float) -> float:

@@ -18,6 +18,7 @@ from analytic.turn import farthest, thread_feed, unit_functions
 from comparisons.judging import quantities
 from comparisons.reference.case import Case
 from engines.scene import Channel
+from engines.stepping.loop_engine import plain_law
 from tests.analytic.linkages import from_text
 
 TEXT = """
@@ -143,7 +144,10 @@ def _found():
     found = {name: float(quantities.QUANTITIES[name].reference(case, np.array([AT]))[0]) for name in _expected()}
     scene = case.scene([Channel.POSITION])  # what an engine is told
     (load,), end = scene.forces, math.radians(40.0) + RPM / 60.0 * 2.0 * math.pi * AT
-    return found | {"crank": float(case.motion.angle(AT)), "pull": load.force.of_float()(end)[0]}
+    knots, pieces, _ = plain_law(load.force)
+    piece = int(np.searchsorted(knots, end, side="right")) - 1
+    pull = np.polyval(pieces[piece][0][::-1], end - knots[piece])
+    return found | {"crank": float(case.motion.angle(AT)), "pull": float(pull)}
 
 
 def _wrong():
@@ -181,8 +185,8 @@ MUTANTS = {
     "angles in degrees": _unit("angle", "deg"),
     "loads over φ, a degree late": lambda monkeypatch: monkeypatch.setattr(
         Law, "__call__", lambda law, angle, order=0, call=Law.__call__: call(law, np.asarray(angle) - 0.0175, order)),
-    "loads over φ as engines ask for them": lambda monkeypatch: monkeypatch.setattr(
-        Law, "of_float", lambda law, true=Law.of_float: lambda angle: true(law)(angle - 0.0175)),
+    "loads over φ as engines have them": lambda monkeypatch: monkeypatch.setattr(
+        Law, "pieces", lambda law, true=Law.pieces: ((np.array(true(law)[0]) + 0.0175).tolist(), true(law)[1])),
     "loads over φ, their sign": lambda monkeypatch: monkeypatch.setattr(
         Law, "__call__", lambda law, angle, order=0, call=Law.__call__: -call(law, angle, order)),
     "zero of S": _top,

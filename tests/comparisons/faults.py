@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
@@ -176,6 +177,17 @@ def fork_and_sleep(path):
     time.sleep(LONG)
 
 
+def escape_and_sleep(path):
+    """Leave a process in a session of its own whose parent has ended, and a temporary folder, and hang."""
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork() == 0:
+            sign_and_sleep(path)
+        os._exit(0)
+    tempfile.mkdtemp()
+    time.sleep(LONG)
+
+
 JOBS = {
     function.__name__: function
     for function in (
@@ -199,6 +211,7 @@ JOBS = {
         sign,
         sign_and_sleep,
         fork_and_sleep,
+        escape_and_sleep,
         spoil,
         clocked,
     )

@@ -9,7 +9,6 @@ from tests.analytic.tolerances import DIFFERENCED, EPS, FEW_ROUNDINGS
 ANGLES = np.radians([-40.0, 15.0, 80.0, 170.0, 250.0])
 VALUES = np.array([[1.0, -3.0], [2.5, 0.0], [-1.0, 4.0], [0.5, 1.0], [2.0, -2.0]])
 LAW = Law(VALUES, ANGLES)
-LINES = Law(VALUES, ANGLES, linear=True)
 
 
 def test_a_constant_is_itself_everywhere():
@@ -18,13 +17,6 @@ def test_a_constant_is_itself_everywhere():
     assert np.array_equal(law(np.zeros((2, 3)))[:, 1, 2], [3.0, -1.0])
     assert np.all(law([0.1, 0.2], order=1) == 0.0)
     assert law(0.3).shape == (2,)
-
-
-@pytest.mark.parametrize("law", [LAW, LINES, Law(np.array([3.0, -1.0]))])
-def test_the_law_of_one_float_is_the_law(law):
-    value = law.of_float()
-    for angle in np.linspace(-9.0, 9.0, 37):
-        assert np.array(value(angle)) == pytest.approx(law(angle), abs=FEW_ROUNDINGS * FULL_TURN)
 
 
 def test_the_law_passes_through_its_points_on_every_turn():

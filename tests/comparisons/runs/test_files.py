@@ -1,11 +1,15 @@
 """Files appear whole or not at all."""
 
 import os
+import signal
 import stat
+import subprocess
+import sys
 
 import pytest
 
 from analytic.errors import LinkproofError
+from comparisons.runs import files
 from comparisons.runs.files import check_writable, write_file, write_text
 
 
@@ -29,6 +33,33 @@ def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
         write_file(path, fail)
     assert path.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["file.txt"]
+
+
+KILLED = """
+import os, pathlib, signal, sys
+from comparisons.runs import files
+from comparisons.runs.files import write_file
+def write(target):
+    target.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+write_file(pathlib.Path(sys.argv[1]), write)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "O_TMPFILE"), reason="files have names here")
+def test_a_kill_in_the_middle_leaves_the_old_file_and_no_litter(tmp_path):
+    path = tmp_path / "picture.svg"
+    write_text(path, "old")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run([sys.executable, "-c", KILLED, str(path)], env=environment, check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("picture.svg", "old")]
+
+
+def test_a_system_without_nameless_files_writes_too(tmp_path, monkeypatch):
+    monkeypatch.setattr(files, "_nameless", lambda _: None)
+    write_text(tmp_path / "file.txt", "text")
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("file.txt", "text")]
 
 
 def test_a_place_that_cannot_be_written_is_the_users_to_mend(tmp_path):

@@ -252,21 +252,28 @@ def test_what_a_job_has_started_dies_with_its_worker(tmp_path, clock, is_late):
 
 PARENT = """
 import sys
+from comparisons.runs.record_file import passing_records
 from comparisons.runs.workers import run_jobs
 from tests.comparisons.faults import job
-list(run_jobs(job, [("sign_and_sleep", sys.argv[1]), ("fork_and_sleep", sys.argv[2])], processes=2))
+records = passing_records()
+kinds = ["sign_and_sleep", "fork_and_sleep", "escape_and_sleep"]
+list(run_jobs(job, zip(kinds, sys.argv[1:]), processes=3))
 """
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 @pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
-def test_workers_and_what_they_started_die_with_their_parent(tmp_path, by):
-    paths = [tmp_path / "one", tmp_path / "two"]
-    command = [sys.executable, "-c", PARENT, *map(str, paths)]
-    with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.PIPE) as parent:
+@pytest.mark.parametrize("send", [os.kill, os.killpg])
+def test_nothing_that_runs_outlives_the_command_and_no_temporary_file(tmp_path, send, by):
+    paths, temporary = [tmp_path / name for name in ("one", "two", "three")], tmp_path / "temporary"
+    temporary.mkdir()
+    command, environment = [sys.executable, "-c", PARENT, *map(str, paths)], {**ENVIRONMENT, "TMPDIR": str(temporary)}
+    with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, start_new_session=True) as parent:
         assert wait_for(lambda: all(map(written, paths)))
-        workers = [int(path.read_text()) for path in paths]
-        assert all(map(runs, workers))
-        parent.send_signal(by)
+        started = [int(path.read_text()) for path in paths]
+        assert all(map(runs, started))
+        assert any(temporary.iterdir())
+        send(parent.pid, by)
         parent.wait(PATIENCE)
-    assert wait_for(lambda: not any(map(runs, workers)))
+    assert wait_for(lambda: not any(map(runs, started)))
+    assert wait_for(lambda: not any(temporary.iterdir()))

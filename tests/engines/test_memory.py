@@ -1,0 +1,40 @@
+"""What an engine's runs leave behind in their process: nothing that adds up."""
+
+import gc
+import sys
+from pathlib import Path
+
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from comparisons.reference.start_state import scene
+from comparisons.runs.workers import run_jobs
+from engines.registry import engine, engine_names
+from engines.scene import Channel, Prescribed
+from tests.analytic.linkages import mechanism
+
+FIRST, MORE, STEP = 40, 100, 2.5e-4
+ALLOWED = 20_000  # bytes a run; what the interpreter and the allocator keep comes to less
+
+
+def left_by(name):
+    """Bytes that a run leaves resident, on average over MORE runs after the FIRST."""
+    motion = crank_motion("run-up-quintic", ramp_time=0.002, hold_time=0.001)
+    adapter, model = engine(name), scene(mechanism("juki-mf7923d"), Prescribed(motion), frozenset(Channel))
+    method = adapter.methods(model)[:2][-1]
+    sizes = []
+    for count in (FIRST, MORE):
+        for _ in range(count):
+            assert adapter.run_method(model, method, STEP).history is not None
+        gc.collect()
+        sizes.append(int(Path("/proc/self/statm").read_text().split()[1]) * 4096)
+    return (sizes[1] - sizes[0]) / MORE
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("name", engine_names())
+def test_a_process_does_not_grow_with_the_runs_it_has_made(name):
+    if engine(name).version() is None:
+        pytest.skip(f"{name} is not installed")
+    ((_, left),) = run_jobs(left_by, [(name,)], processes=1)
+    assert left < ALLOWED
