@@ -73,7 +73,6 @@ def _rate(equations: Equations, path: Path, drive: Free) -> Callable[[float, Arr
     table = _table(equations, path)
     laws = [load.force for load in scene.forces if not load.force.is_constant]
     laws += [load.torque for load in scene.torques if not load.torque.is_constant]
-    over_angle = [law.of_float() for law in laws]
     low, high, repeats = path.low, path.high, path.turns is not None
 
     def rate(time: float, state: Array) -> tuple[float, float]:
@@ -82,8 +81,8 @@ def _rate(equations: Equations, path: Path, drive: Free) -> Callable[[float, Arr
         if not low <= place <= high:
             return np.nan, np.nan
         inertia, bend, at_rest, drag, *levers = table(place).tolist()
-        torque = drive.torque + (0.0 if drive.over_time is None else drive.over_time.at(time))
-        loads = [part for law in over_angle for part in law(angle * scale)]
+        torque = drive.torque + (0.0 if drive.over_time is None else float(drive.over_time(time)))
+        loads = [float(part) for law in laws for part in law(angle * scale)]
         moment = torque * scale + at_rest - drag * speed - bend * speed * speed
         return speed, (moment + sum(map(float.__mul__, loads, levers))) / inertia
 
