@@ -23,7 +23,6 @@ POLICY: Final = (
     "default-src 'none'; script-src 'self' file:; style-src 'self' file: 'unsafe-inline'; "
     "img-src 'self' file: data: blob:; base-uri 'none'; form-action 'none'"
 )
-FOLLOWING: Final = f"{POLICY}; connect-src 'self'"  # of a page that follows a file: its own server
 PIXELS: Final = 96  # of a style sheet, an inch
 UNBROKEN: Final = re.compile(r"(?<=\d) (?=[A-Za-z%°])|(?<=\bN) (?=mm?\b)|(?<=g) (?=mm?²)")  # a value and its unit
 POWER: Final = re.compile(r"\d[\d.]*e-\d+")  # a number that a line may not end in
@@ -54,7 +53,7 @@ def write_all(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool 
     figure as a picture of dots too.
     """
     beside = _Beside(folder, page, png)
-    policy = Markup(FOLLOWING if page.state else POLICY)
+    policy = Markup(f"{POLICY}; connect-src 'self'" if page.state else POLICY)  # a page that follows a file
     write_text(folder / page.file, render("page.html", page=page, pages=pages, beside=beside, policy=policy))
     return [page.file, *beside.names]
 

@@ -13,7 +13,6 @@ from analytic.description.file_units import file_unit
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import Linkage
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Revolute
 from analytic.machine_code.javascript import javascript_source
 from analytic.machine_code.linkage_trace import ACCELERATION, PHI, LinkageTrace, is_traceable, linkage_trace
 from comparisons.datasheet.building import MARGIN, OVER_RANGE
@@ -57,9 +56,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
         "motion": _motion(motion, is_linear=mechanism.linkage.is_linear),
         "results": [_result(name, mechanism) for name in results(mechanism)],
         "groups": [
-            {"name": dyad.name, "point": joint.point if isinstance(joint, Revolute) else ""}
-            for dyad in mechanism.structure.dyads
-            for joint in [dyad.inner_joint]
+            {"name": dyad.name, "point": getattr(dyad.inner_joint, "point", "")} for dyad in mechanism.structure.dyads
         ],
     }
     return Model(mechanism, source, numbers, data)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from mimetypes import guess_type
-from typing import Final, NamedTuple
+from typing import Final
 
 from analytic.errors import LinkproofError
 
@@ -26,20 +26,15 @@ HEADERS: Final = {
 }
 
 
-class ServedPage(NamedTuple):
-    """The ``files`` of a page by name, index.html among them, and the ``state`` of what it shows."""
-
-    state: str
-    files: Mapping[str, bytes]
-
-
 class PageServer(ThreadingHTTPServer):
-    """Serves what ``page`` gives at ``address``, on a port of this machine, 0 for any free one; raises LinkproofError.
+    """Serves the files that ``page`` gives by name, on a port of this machine, 0 for any free one.
 
+    Among them are index.html and "state", by which a page notices that it has changed. ``address`` leads to it.
     ``save`` gets a text and the state of the page that it comes from; what it raises is shown on that page.
+    Raises LinkproofError where it cannot serve there.
     """
 
-    def __init__(self, page: Callable[[], ServedPage], save: Callable[[str, str], None], port: int) -> None:
+    def __init__(self, page: Callable[[], Mapping[str, bytes]], save: Callable[[str, str], None], port: int) -> None:
         self.page, self.save = page, save
         try:
             super().__init__((HOST, port), _Request)
@@ -59,16 +54,14 @@ class PageServer(ThreadingHTTPServer):
 
 class _Request(BaseHTTPRequestHandler):
     server: PageServer
-    timeout = 60
 
     def do_GET(self) -> None:
-        """A file of the page, or the state by which it notices a change."""
+        """A file of the page."""
         name = self._name()
         if name is not None:
-            page = self.server.page()
-            files = {"": page.files["index.html"], "state": page.state.encode(), **page.files}
-            kind = guess_type(name or "index.html")[0] or "text/plain"
-            self._send(HTTPStatus.OK if name in files else HTTPStatus.NOT_FOUND, files.get(name, b""), kind)
+            content = self.server.page().get(name or "index.html")
+            status = HTTPStatus.NOT_FOUND if content is None else HTTPStatus.OK
+            self._send(status, content or b"", guess_type(name or "index.html")[0] or "text/plain")
 
     def do_POST(self) -> None:
         """The text that a click on the page saves."""
@@ -87,21 +80,17 @@ class _Request(BaseHTTPRequestHandler):
 
     def _name(self) -> str | None:
         """The file that is requested; None where the request is refused: it is not this page's, nor a reader's own."""
-        given, folder, site = self.path[: len(self.server.folder)], self.server.folder, self.server.site
-        is_own = [f"http://{host}" for host in self.headers.get_all("Host", ())] == [site]
-        if (
-            is_own
-            and self.headers.get("Origin", site) == site
-            and secrets.compare_digest(given.encode(), folder.encode())
-        ):
+        folder, site, headers = self.server.folder, self.server.site, self.headers
+        is_known = secrets.compare_digest(self.path[: len(folder)].encode(), folder.encode())
+        if is_known and (headers.get_all("Host"), headers.get("Origin", site)) == ([site[len("http://") :]], site):
             return self.path.partition("?")[0].removeprefix(folder)
         self._send(HTTPStatus.FORBIDDEN)
         return None
 
     def _send(self, status: HTTPStatus, content: bytes = b"", kind: str = "text/plain") -> None:
         self.send_response(status)
-        headers = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content))}
-        for name, value in {**HEADERS, **headers}.items():
+        own = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content))}
+        for name, value in (HEADERS | own).items():
             self.send_header(name, value)
         self.end_headers()
         self.wfile.write(content)

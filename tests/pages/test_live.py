@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from analytic.description.file_units import file_unit
-from analytic.description.loading import load
+from analytic.description.loading import catalogue, literature, load
 from tests.commands import linkproof, watching
 from tests.pages.browser import NAMES, PATIENCE, WIDTHS, executable, opened, started
 
@@ -37,7 +37,9 @@ sketch = { angle = 60, points = { B = [60, 45] } }
 forces = [{ point = "P", link = "coupler", angle = [0, 90, 180, 270], force = [[0, 0], [9, 0], [0, 4], [0, -7]] }]
 """
 SAME = 1e-13  # of the peak
-CHANGES = 20
+ROUNDING = 8.0 * np.finfo(float).eps  # rad, of the angles that follow from one another
+CHANGES = 4
+SHIPPED = (*catalogue(), *literature())
 MOST_BYTES = 900_000
 ROCKER = '[aria-label="rocker mass, kg, exactly"]'
 SAVED = """() => [...document.querySelectorAll('.live-number.changed input[type=number]')]
@@ -53,6 +55,8 @@ AT_HAND = """
 def browser(request):
     """Chromium, or another one by its name."""
     name = getattr(request, "param", "chromium")
+    if executable(name) is None:
+        pytest.skip(f"no {name} on this machine")
     with started(name) as found:
         try:
             found.new_context(offline=True).close()
@@ -61,14 +65,7 @@ def browser(request):
         yield found
 
 
-in_every_browser = pytest.mark.parametrize(
-    "browser",
-    [
-        pytest.param(name, marks=pytest.mark.skipif(executable(name) is None, reason=f"no {name} on this machine"))
-        for name in NAMES
-    ],
-    indirect=True,
-)
+in_every_browser = pytest.mark.parametrize("browser", NAMES, indirect=True)
 
 
 @pytest.fixture(scope="module")
@@ -156,42 +153,56 @@ def number(text, name):
     return float(re.search(name + r"\s*=?\s*\[?(-?[\d.e+-]+)", text)[1])
 
 
-@in_every_browser
-@pytest.mark.parametrize("name", ["four-bar", "rimoldi-164", "slotted-lever"])
+def worst(page, copy):
+    """The largest difference of each signal from ``linkproof results`` of the copied file, as a share of the peak.
+
+    What the rounding of an angle changes does not count: near the end of a range forces change by hundreds of peaks a
+    radian, and neither side is the better one there.
+    """
+    text, words, found = copied(page), page.locator("[aria-live]").inner_text(), curves(page)
+    few = slice(None, None, max(1, len(found["phi"]) // 90))
+    motion = re.findall(r"--(?:speed \S+|from=\S+|to=\S+)", words)
+    time = ",".join(map(repr, found["time"][few].tolist()))
+    truth = of_results(copy, text, *" ".join(motion).split(), "--time", time)
+    linkage, off = load(str(copy / "copied.toml")), {}
+    sizes = {one: file_unit(unit, linkage).size for one, unit in truth["units"].items() if one in found}
+    scales: dict[tuple[str, str], float] = {}
+    for one, size in sizes.items():
+        kind = (one.partition(":")[0], truth["units"][one])
+        scales[kind] = max(scales.get(kind, 0.0), size * float(np.max(np.abs(found[one]))))
+    for one in {*sizes} - {"phi"}:
+        gap = found[one][few] * sizes[one] - np.array(truth["values"][one])
+        if one.endswith(":angle"):
+            gap -= 2.0 * np.pi * np.round(gap / (2.0 * np.pi))
+        turning = np.abs(np.gradient(found[one] * sizes[one], found["phi"]))[few]
+        gap = np.maximum(np.abs(gap) - ROUNDING * turning, 0.0)
+        off[one] = np.max(gap) / (scales[one.partition(":")[0], truth["units"][one]] or 1.0)
+    peak = next((one for one in truth["figures"]["drive"] if one["what"] == "peak torque"), None)
+    if peak:
+        shown = float(figure(page, "peak torque")[0].split()[0].replace("−", "-"))
+        assert shown == pytest.approx(peak["value"] / file_unit("N m", linkage).size, rel=5.01e-4)
+    return off
+
+
+@pytest.mark.parametrize(
+    ("browser", "name"), [*((one, "four-bar") for one in NAMES), *(("chromium", one) for one in SHIPPED)],
+    indirect=["browser"],
+)  # fmt: skip
 def test_what_the_page_computes_is_what_results_says_of_the_copied_file(browser, page_of, tmp_path, name):
     page = page_of(name, FOUR_BAR if name == "four-bar" else "")
+    live = re.search(r'data-kind="live".*?json">(.*?)</script>', page.read_text("utf-8"), re.DOTALL)
+    if not live:
+        assert "cannot be changed in it:" in page.read_text("utf-8")
+        return
     chance = np.random.default_rng(5)
     with at_work(browser, page) as seen:
-        data = json.loads(re.search(r'data-kind="live".*?json">(.*?)</script>', page.read_text("utf-8"), re.DOTALL)[1])
-        offered = [one for one in data["numbers"] if one["offered"]]
+        offered = [one for one in json.loads(live[1])["numbers"] if one["offered"]]
         for _ in range(CHANGES):
             some = chance.choice(len(offered), min(9, len(offered)), replace=False)
             design = {offered[k]["name"]: float(offered[k]["value"] * chance.uniform(0.98, 1.02)) for k in some}
-            speed = design.get("speed", 1000.0)
             seen.page.evaluate("hash => { location.hash = hash; }", urlencode(design))
-            text, found = copied(seen.page), curves(seen.page)
-            truth = of_results(tmp_path, text, "--speed", repr(speed))
-            linkage = load(str(tmp_path / "copied.toml"))
-            near = np.searchsorted(np.array(truth["values"]["phi"]) + 1e-9, found["phi"])
-            np.testing.assert_allclose(np.array(truth["values"]["phi"])[near], found["phi"], rtol=0.0, atol=1e-12)
-            scales: dict[tuple[str, str], float] = {}
-            for one, values in truth["values"].items():
-                kind = (one.partition(":")[0], truth["units"][one])
-                scales[kind] = max(scales.get(kind, 0.0), float(np.max(np.abs(values))))
-            for one in set(found) & set(truth["values"]) - {"phi"}:
-                scale, expected = (
-                    scales[one.partition(":")[0], truth["units"][one]],
-                    np.array(truth["values"][one])[near],
-                )
-                off = found[one] * file_unit(truth["units"][one], linkage).size - expected
-                if one.endswith(":angle"):
-                    off -= 2.0 * np.pi * np.round(off / (2.0 * np.pi))
-                assert np.max(np.abs(off)) <= SAME * scale, (one, design)
-            peaks = {one["what"]: one for one in truth["figures"]["drive"] if one["signal"] == "Mkr"}
-            for what in ("peak torque", "RMS torque"):
-                shown = float(figure(seen.page, what)[0].split()[0].replace("−", "-"))
-                expected = peaks[what]["value"] / file_unit("N m", linkage).size
-                assert shown == pytest.approx(expected, rel=5.01e-4)
+            off = worst(seen.page, tmp_path)
+            assert max(off.values()) <= SAME, (design, {one: value for one, value in off.items() if value > SAME})
         assert seen.faults == []
 
 
@@ -270,9 +281,7 @@ def test_what_cannot_be_assembled_is_drawn_where_it_stops(browser, page_of):
 
 
 def test_a_linkage_over_its_range_moves_over_the_range_that_it_has(browser, page_of, tmp_path):
-    with at_work(
-        browser, page_of("teaching-four-bar", FOUR_BAR.replace("A = [20", "A = [48")), {"crank.mass": 0.3}
-    ) as seen:
+    with at_work(browser, page_of("short-range", FOUR_BAR.replace("A = [20", "A = [48")), {"crank.mass": 0.3}) as seen:
         words = (copied(seen.page), seen.page.locator("[aria-live]").inner_text())
         found = curves(seen.page)
         truth = of_results(tmp_path, words[0])

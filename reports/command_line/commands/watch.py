@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import webbrowser
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -17,18 +18,19 @@ from comparisons.runs.files import write_bytes
 from reports.document import html
 from reports.document.parts import Page, Paragraph, Widget
 from reports.document.terminal import show
-from reports.live.server import PageServer, ServedPage
+from reports.live.server import PageServer
 from reports.mechanism.page import page
 from reports.requests.options.linkage import WatchOptions
 from reports.requests.results import requested_results
 
-PAGE = "index.html"
-
 
 def watch(options: WatchOptions) -> None:
     """Serve the page of a file until Ctrl-C."""
+    try:
+        browser = webbrowser.get() if options.opens else None
+    except webbrowser.Error as error:
+        raise LinkproofError("no browser on this machine: add --no-open, and open the printed address") from error
     file = _WatchedFile(options)
-    browser = _browser() if options.opens else None
     with PageServer(file.page, file.save, options.port) as server:
         show(f"page: {server.address}; Ctrl-C ends it", stderr=True)
         if browser:
@@ -37,31 +39,24 @@ def watch(options: WatchOptions) -> None:
             server.serve_forever()
 
 
-def _browser() -> webbrowser.BaseBrowser:
-    try:
-        return webbrowser.get()
-    except webbrowser.Error as error:
-        raise LinkproofError("no browser on this machine: add --no-open, and open the printed address") from error
-
-
 class _WatchedFile:
     """A linkage file; the state of a page is a digest of the file that it shows."""
 
     def __init__(self, options: WatchOptions) -> None:
-        file = loading.read(options.mechanism)
-        if file.is_known:
+        if loading.read(options.mechanism).is_known:
             raise LinkproofError(
                 f"expected a file of your own, got '{options.mechanism}', which is installed; copy it and name the copy"
             )
         self.options, self.path = options, Path(options.mechanism)
-        self._lock, self._served = Lock(), ServedPage("", {})
+        self._lock, self._files = Lock(), {"state": b""}
 
-    def page(self) -> ServedPage:
-        """The page of the file as it is now."""
+    def page(self) -> Mapping[str, bytes]:
+        """The files of the page of the file as it is now, and its state."""
         with self._lock:
-            if self._state() != self._served.state:
-                self._served = self._built(self._state())
-            return self._served
+            state = self._state()
+            if state.encode() != self._files["state"]:
+                self._files = self._built(state)
+            return self._files
 
     def save(self, text: str, state: str) -> None:
         """Replace the file that a page of ``state`` shows; its line ends stay. Raises LinkproofError."""
@@ -80,22 +75,20 @@ class _WatchedFile:
             return hashlib.sha256(self.path.read_bytes()).hexdigest()
         return "no file"
 
-    def _built(self, state: str) -> ServedPage:
+    def _built(self, state: str) -> dict[str, bytes]:
+        """The page of the linkage, or what is wrong with its file."""
+        name = self.path.name
         try:
-            shown = self._page()
+            case, _ = requested_results(loading.load(self.options.mechanism, self.options.variant), self.options)
+            shown = page(page_sheet(case))
         except LinkproofError as error:
-            name, reason = self.path.name, Paragraph(str(error), "verdict")
-            shown = Page(PAGE, name, name, "The page follows the file.", (reason,), ())
-        with TemporaryDirectory() as name:
-            folder = Path(name)
+            shown = Page("", name, name, "The page follows the file.", (Paragraph(str(error), "verdict"),), ())
+        if any(isinstance(part, Widget) for part in shown.parts):
+            shown = replace(shown, sections=())  # its figures would not follow
+        with TemporaryDirectory() as place:
+            folder = Path(place)
             html.write_assets(folder)
-            html.write(replace(shown, file=PAGE, state=state), folder, ())
+            html.write(replace(shown, file="index.html", state=state), folder, ())
             files = [one for one in folder.rglob("*") if one.is_file()]
-            return ServedPage(state, {one.relative_to(folder).as_posix(): one.read_bytes() for one in files})
-
-    def _page(self) -> Page:
-        """The page of the linkage; where it can be pulled at, without figures that do not follow."""
-        case, _ = requested_results(loading.load(self.options.mechanism, self.options.variant), self.options)
-        found = page(page_sheet(case))
-        is_live = any(isinstance(part, Widget) for part in found.parts)
-        return replace(found, sections=()) if is_live else found
+            found = {one.relative_to(folder).as_posix(): one.read_bytes() for one in files}
+        return {**found, "state": state.encode()}

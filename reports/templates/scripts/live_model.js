@@ -4,20 +4,13 @@
  * @typedef {{name: string, group: string, label: string, unit: string, value: number, si: number, size: number,
  *   role: "given"|"table"|"sketch"|"speed"|"scale", load: number|null, offered: boolean}} LiveNumber
  * @typedef {Object<string, number>} Design changed numbers by name, in the units of the file
- * @typedef {{name: string, value: number, unit: string, at: number|null}} Figure
+ * @typedef {{name: string, value: number, unit: string}} Figure
  */
 linkproof.liveModel = (formulas, data) => {
-  const STEP = Math.PI / 360,
-    FEWEST = 720,
-    MOST = 2880; // rad, and intervals of a motion
-  const NARROW = 4,
-    LOOKS = 9,
-    TOPS = 3,
-    SAME = 1e-12; // times a bracket shrinks to a quarter
-  const { motion, results } = data,
-    places = new Map(results.map((one, k) => [one.name, k]));
-  const moving = results.length,
-    width = results.length + 1 + data.groups.length;
+  const STEP = Math.PI / 360, FEWEST = 720, MOST = 2880; // rad, and intervals of a motion
+  const NARROW = 4, LOOKS = 9, TOPS = 3, SAME = 1e-12; // times a bracket shrinks to a quarter
+  const { motion, results } = data, places = new Map(results.map((one, k) => [one.name, k]));
+  const moving = results.length, width = results.length + 1 + data.groups.length;
   const given = data.numbers.filter((one) => one.role === "given");
   const byName = new Map(data.numbers.map((one) => [one.name, one]));
   const scales = data.numbers.filter((one) => one.role === "scale");
@@ -51,42 +44,31 @@ linkproof.liveModel = (formulas, data) => {
   /** The motion of a design: the file's, or one over the range that the design reaches, short of its limits. */
   function courseOf(design) {
     if (!motion.range || !Object.keys(design).length) return own;
-    const offsets = Float64Array.from({ length: FEWEST }, (_, i) => i * 2 * STEP),
-      reach = [-1, 1].map((way) => {
-        const flags = still(
-          design,
-          offsets.map((one) => data.sketch + way * one),
-        ).subarray(moving * FEWEST, (moving + 1) * FEWEST);
-        const end = flags.findIndex((flag) => !flag);
-        return end > 0
-          ? end_of(
-              (phi) => still(design, [phi])[moving],
-              data.sketch + way * offsets[end - 1],
-              data.sketch + way * offsets[end],
-            )
-          : null;
-      });
+    const reach = [-1, 1].map((way) => {
+      const angles = Float64Array.from({ length: FEWEST }, (_, i) => data.sketch + way * i * 2 * STEP);
+      const flags = still(design, angles).subarray(moving * FEWEST, (moving + 1) * FEWEST);
+      const end = flags.findIndex((flag) => !flag);
+      return end > 0 ? endOf(design, angles[end - 1], angles[end]) : null;
+    });
     if (reach.includes(null)) return own;
-    const margin = motion.range * (reach[1] - reach[0]),
-      speed = motion.segments[0][2][1];
+    const margin = motion.range * (reach[1] - reach[0]), speed = motion.segments[0][2][1];
     const [first, last] = speed < 0 ? [reach[1] - margin, reach[0] + margin] : [reach[0] + margin, reach[1] - margin];
     return course([[0, (last - first) / speed, [first, speed]]], (last - first) / speed);
   }
 
-  /** Where flags change between two places: by bisection, the last place where they are as at the first. */
-  function end_of(flag, good, bad) {
-    const was = !flag(good);
+  /** The last φ where the linkage moves, by bisection between one where it does and one where it does not. */
+  function endOf(design, good, bad) {
     for (let n = 0; n < 50; n += 1) {
       const middle = (good + bad) / 2;
-      if (!flag(middle) === was) good = middle;
+      if (still(design, [middle])[moving]) good = middle;
       else bad = middle;
     }
     return good;
   }
 
-  const value = (design, one) =>
-    one.load !== null ? one.value * factor(design, one.load) : (design[one.name] ?? one.value);
   const factor = (design, load) => design[scales[load].name] ?? 1;
+  const value = (design, { name, load, value: own_ }) =>
+    load === null ? (design[name] ?? own_) : own_ * factor(design, load);
   const inSI = (design, one) => (value(design, one) === one.value ? one.si : value(design, one) * one.size);
   const pace = (design) => (motion.speed ? (design.speed ?? motion.speed) / motion.speed : 1);
 
@@ -96,16 +78,14 @@ linkproof.liveModel = (formulas, data) => {
     const at = period ? phi - period * Math.floor((phi - knots[0]) / period) : Math.min(Math.max(phi, knots[0]), last);
     let piece = 0;
     while (piece + 1 < pieces.length && at >= knots[piece + 1]) piece += 1;
-    const [a, b, c, d] = pieces[piece][component],
-      x = at - knots[piece];
+    const [a, b, c, d] = pieces[piece][component], x = at - knots[piece];
     return (a + x * (b + x * (c + x * d))) * factor(design, load);
   }
 
   /** Results at values of φ, (results, count), with speeds and accelerations. */
   function compute(design, phi, speed, acceleration) {
-    const count = phi.length,
-      rows = new Float64Array((3 + data.rows.length) * count),
-      found = new Float64Array(width * count);
+    const count = phi.length, found = new Float64Array(width * count);
+    const rows = new Float64Array((3 + data.rows.length) * count);
     rows.set(phi);
     rows.set(speed, count);
     rows.set(acceleration, 2 * count);
@@ -113,40 +93,26 @@ linkproof.liveModel = (formulas, data) => {
       for (let i = 0; i < count; i += 1)
         rows[(3 + row) * count + i] = looked(data.laws[law], component, phi[i], design);
     });
-    formulas(
-      Float64Array.from(given, (one) => inSI(design, one)),
-      rows,
-      found,
-      count,
-    );
+    formulas(Float64Array.from(given, (one) => inSI(design, one)), rows, found, count);
     return found;
   }
 
   /** Results at times of a motion; a change of speed makes all of it faster. */
   function at(design, { segments, times, followed: known }, time) {
-    const k = pace(design),
-      [phi, speed, acceleration] = time === times ? known : followed(segments, time);
-    return compute(
-      design,
-      phi,
-      speed.map((one) => one * k),
-      acceleration.map((one) => one * k * k),
-    );
+    const k = pace(design), [phi, speed, acceleration] = time === times ? known : followed(segments, time);
+    return compute(design, phi, speed.map((one) => one * k), acceleration.map((one) => one * k * k));
   }
 
   /** Results at values of φ with the crank at rest. */
-  const still = (design, phi) =>
-    compute(design, Float64Array.from(phi), new Float64Array(phi.length), new Float64Array(phi.length));
+  const still = (design, phi) => compute(design, phi, new Float64Array(phi.length), new Float64Array(phi.length));
 
   /** Results at a crank angle with the crank at rest: where everything is. */
   const placed = (design, phi) => still(design, [phi]);
 
   /** The highest value of a measure of one result, and its time: sampled, or closed in between the samples. */
   function top(over, row, measure, isQuick = false) {
-    const count = over.times.length,
-      sampled = over.found.subarray(row * count, (row + 1) * count);
-    const height = (i) => measure(sampled[i]),
-      best = [];
+    const count = over.times.length, sampled = over.found.subarray(row * count, (row + 1) * count);
+    const height = (i) => measure(sampled[i]), best = [];
     if (isQuick) {
       let place = 0;
       for (let i = 1; i < count; i += 1) if (height(i) > height(place)) place = i;
@@ -155,22 +121,15 @@ linkproof.liveModel = (formulas, data) => {
     for (let i = 0; i < count; i += 1) {
       if ((i === 0 || height(i) > height(i - 1)) && (i === count - 1 || height(i) >= height(i + 1))) best.push(i);
     }
-    const highest = Math.max(...best.map(height)),
-      size = Math.abs(highest);
-    const near = best
-      .filter((i) => height(i) >= highest - 1e-3 * size)
-      .sort((i, j) => height(j) - height(i))
-      .slice(0, TOPS);
-    const climbed = near
-      .map((i) => climb(over.times[Math.max(i - 1, 0)], over.times[Math.min(i + 1, count - 1)]))
-      .sort((one, two) => one.time - two.time);
+    const highest = Math.max(...best.map(height)), size = Math.abs(highest);
+    const near = best.filter((i) => height(i) >= highest - 1e-3 * size).sort((i, j) => height(j) - height(i));
+    const between = (i) => climb(over.times[Math.max(i - 1, 0)], over.times[Math.min(i + 1, count - 1)]);
+    const climbed = near.slice(0, TOPS).map(between).sort((one, two) => one.time - two.time);
     const most = Math.max(...climbed.map((one) => one.height));
     return climbed.find((one) => one.height >= most - SAME * Math.abs(most)) ?? { height: NaN, time: 0 };
 
     function climb(low, high) {
-      let x = [],
-        y = [],
-        j = 0;
+      let x = [], y = [], j = 0;
       for (let n = 0; n < NARROW; n += 1) {
         x = Array.from({ length: LOOKS }, (_, i) => low + ((high - low) * i) / (LOOKS - 1));
         const seen = over.at(x);
@@ -179,10 +138,8 @@ linkproof.liveModel = (formulas, data) => {
         if (j < 0) return { height: NaN, time: low };
         [low, high] = [x[Math.max(j - 1, 0)], x[Math.min(j + 1, LOOKS - 1)]];
       }
-      const inner = Math.min(Math.max(j, 1), LOOKS - 2),
-        [before, here, after] = y.slice(inner - 1, inner + 2);
-      const bend = before - 2 * here + after,
-        rise = bend < 0 ? -((after - before) ** 2) / (8 * bend) : 0;
+      const inner = Math.min(Math.max(j, 1), LOOKS - 2), [before, here, after] = y.slice(inner - 1, inner + 2);
+      const bend = before - 2 * here + after, rise = bend < 0 ? -((after - before) ** 2) / (8 * bend) : 0;
       const isTop = j === inner && rise <= 1e-6 * Math.abs(here);
       return { height: isTop ? here + rise : y[j], time: x[j] };
     }
@@ -190,17 +147,13 @@ linkproof.liveModel = (formulas, data) => {
 
   /** The whole motion of a design: results, where S counts from, whether and between which angles it moves. */
   function whole(design) {
-    const way = courseOf(design),
-      { times } = way,
-      found = at(design, way, times),
-      count = times.length;
+    const way = courseOf(design), { times } = way, found = at(design, way, times), count = times.length;
     const moves = found.subarray(moving * count, (moving + 1) * count);
     const over = { ...way, found, moves, phi: way.followed[0], at: (time) => at(design, way, time), stops: [] };
     over.phiAt = (share) => along(way.segments, share * way.duration, 0);
     for (let i = 1; i < count; i += 1) {
       const [good, bad] = moves[i] ? [i, i - 1] : [i - 1, i];
-      if (!moves[i] !== !moves[i - 1])
-        over.stops.push(end_of((phi) => still(design, [phi])[moving], over.phi[good], over.phi[bad]));
+      if (!moves[i] !== !moves[i - 1]) over.stops.push(endOf(design, over.phi[good], over.phi[bad]));
     }
     over.isWhole = !over.stops.length && moves[0] > 0;
     if (places.has("S")) shift(design, over);
@@ -209,9 +162,7 @@ linkproof.liveModel = (formulas, data) => {
 
   /** S counts from the farthest place: of the turn where there is one, else of the motion. */
   function shift(design, over) {
-    const row = places.get("S"),
-      count = over.times.length,
-      raw = over.at;
+    const row = places.get("S"), count = over.times.length, raw = over.at;
     let wide = over;
     if (!motion.turns && !motion.linear) {
       const turn = Float64Array.from({ length: FEWEST + 1 }, (_, i) => (2 * Math.PI * i) / FEWEST);
@@ -228,30 +179,23 @@ linkproof.liveModel = (formulas, data) => {
     };
   }
 
-  /** @returns {Figure[]} key figures in the units of the file; not numbers where the linkage does not pass its motion */
+  /** @returns {Figure[]} key figures in the file's units; not numbers where the linkage does not pass its motion */
   function figures(over, isQuick = false) {
-    const list = [],
-      count = over.times.length,
-      row = (name) => over.found.subarray(places.get(name) * count, (places.get(name) + 1) * count);
+    const list = [], count = over.times.length;
+    const row = (name) => over.found.subarray(places.get(name) * count, (places.get(name) + 1) * count);
     const put = (name, signal, measure, sign = 1) => {
       const { unit, size } = results[places.get(signal)];
       const peak = over.isWhole ? top(over, places.get(signal), measure, isQuick) : { height: NaN, time: 0 };
       const there = over.isWhole && sign === 0 ? over.at([peak.time])[places.get(signal)] : 1;
-      list.push({
-        name,
-        signal,
-        unit,
-        value: ((sign === 0 ? Math.sign(there) : sign) * peak.height) / size,
-        at: over.isWhole ? peak.time : null,
-      });
+      list.push({ name, unit, value: ((sign === 0 ? Math.sign(there) : sign) * peak.height) / size });
     };
     const mean = (name, what, of) => {
       const { unit, size } = results[places.get(what)];
       const values = row(what).subarray(0, count - 1);
-      list.push({ name, signal: what, unit, at: null, value: over.isWhole ? of(values) / size : NaN });
+      list.push({ name, unit, value: over.isWhole ? of(values) / size : NaN });
     };
-    const force = motion.linear ? "force" : "torque",
-      average = (values) => values.reduce((a, b) => a + b, 0) / values.length;
+    const force = motion.linear ? "force" : "torque";
+    const average = (values) => values.reduce((a, b) => a + b, 0) / values.length;
     if (places.has("Mkr")) {
       put(`peak ${force}`, "Mkr", Math.abs, 0);
       put("peak power", "Peq", (power) => power);
@@ -263,19 +207,14 @@ linkproof.liveModel = (formulas, data) => {
     }
     if (places.has("S")) {
       put("stroke", "S", (s) => s);
-      if (over.isWhole)
-        list[list.length - 1].value -=
-          -top(over, places.get("S"), (s) => -s, isQuick).height / results[places.get("S")].size;
-      list[list.length - 1].at = null;
+      const least = top(over, places.get("S"), (s) => -s, isQuick).height;
+      if (over.isWhole) list.at(-1).value += least / results[places.get("S")].size;
       put("peak v", "v", Math.abs, 0);
       put("peak a", "a", Math.abs, 0);
     }
     for (const { name } of results) {
-      const words = name
-        .replace("joint_force:", "force in ")
-        .replace("shaking_force:", "shaking force:")
-        .replace(":magnitude", "");
-      if (name.endsWith(":magnitude")) put(words, name, (one) => one);
+      const words = name.replace("joint_force:", "force in ").replace("shaking_force:", "shaking force:");
+      if (name.endsWith(":magnitude")) put(words.replace(":magnitude", ""), name, (one) => one);
       if (name === "shaking_moment") put("shaking moment", name, Math.abs, 0);
       if (name.startsWith("transmission_angle:"))
         put(`least transmission angle, ${name.slice(19)}`, name, (angle) => -angle, -1);
