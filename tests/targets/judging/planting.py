@@ -82,7 +82,12 @@ def planted(random, plan, signals, by, unit):
         kind = str(pick(random, (*MODEL, "assembly")))
         if kind == "assembly":
             return replace(plan, kind=kind, names=("mode:",), branch=1)
-        return replace(plan, kind=kind, names=(), file=model_fault(random, plan.file, kind))
+        file = model_fault(random, plan.file, kind)
+        moved = [
+            (a["point"], b["point"]) for a, b in zip(plan.file.get("forces", ()), file.get("forces", ()), strict=False)
+        ]
+        names = tuple(f"forces.{old} at {new}" for old, new in moved if old != new)
+        return replace(plan, kind=kind, names=names, file=file)
     if place < 0.65 and not by:
         return replace(plan, **motion_fault(random, plan.motion))
     kinds = curve_faults(random, plan.motion, signals, by, unit)
