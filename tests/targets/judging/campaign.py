@@ -85,8 +85,8 @@ def outcome(export, judgement):
     if not export.plans:
         over = any(verdict.outcome is Verdict.OVER_LIMIT for verdict in judgement.verdicts)
         return "false alarm" if findings or over else "clean" if judgement.passed else "open"
-    if not findings:
-        return "within the limit" if judgement.passed else "no cause"
+    if not findings and judgement.passed:
+        return "within the limit"
     with tempfile.TemporaryDirectory() as folder:
         (path := Path(folder) / "planted.toml").write_text(export.faulty)
         planted = load(str(path))
@@ -98,6 +98,8 @@ def outcome(export, judgement):
                  if is_named(fit, p, judgement.model, planted)}  # fmt: skip
         several = judgement.explanation.unexplained or any(not finding.fully for finding in findings)
         return "both" if len(named) == len(export.plans) else "not one cause" if several else "misnamed"
+    if not findings:
+        return "no cause"
     if all(first for first, *_ in right):
         return "first, rest open" if judgement.explanation.unexplained else "first"
     return "tied" if all(map(any, right)) else "misnamed"

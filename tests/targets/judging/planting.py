@@ -119,7 +119,7 @@ MODEL = {
     "every mass": ("every mass", "unit"), "every inertia": ("every inertia", "mm²"),
     "no inertia": ("every inertia", "none"), "every length": ("lengths", ""), "gravity off": ("gravity", "none"),
     "gravity up": ("gravity", "other way"), "gravity doubled": ("gravity", "twice"),
-    "gravity turned": ("gravity", "turned"), "a load": ("load", "factor"), "load's sign": ("load", "other way"),
+    "gravity turned": ("gravity", "turned"), "a load": ("load", "factor"), "load's sign": ("push", "other way"),
     "load's unit": ("load", "unit"), "free length": ("spring", "tenth"), "no loads": ("part", "dropped"),
     "wrong point": ("forces", "elsewhere"),
 }  # fmt: skip
@@ -177,6 +177,7 @@ def _places(file, what):
         "ground": [("ground", point) for point, at in file["ground"].items() if any(at)],
         "gravity": [("gravity",)] if any(file.get("gravity", ())) else [],
         "load": [(part, n, key) for part, key in LOADS.items() for n in range(len(file.get(part, ())))],
+        "push": [(part, n, LOADS[part]) for part in ("forces", "torques") for n in range(len(file.get(part, ())))],
         "spring": [("springs", n, "length") for n in range(len(file.get("springs", ())))],
         "forces": [("forces", n) for n in range(len(file.get("forces", ())))],
     }  # fmt: skip
