@@ -22,7 +22,7 @@ from analytic.errors import LinkproofError
 from comparisons.imported.judge import judge
 from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
-from tests.targets.judging.exports import case
+from tests.targets.judging.exports import ENDINGS, case
 
 KINDS = {"clean": 0, "fault": 1, "pair": 2}
 CLOSE = 0.05  # of a number's change, within which it is named right
@@ -33,7 +33,9 @@ RIGHT = ("clean", "first")
 def judged(export):
     """The judgement of an export, by the files that a user has."""
     with tempfile.TemporaryDirectory() as folder:
-        model, file, agreed = (Path(folder) / name for name in ("model.toml", f"run.{export.ending}", "mapping.toml"))
+        model, file, agreed = (
+            Path(folder) / n for n in ("model.toml", f"run.{ENDINGS.get(export.layout, 'csv')}", "mapping.toml")
+        )
         model.write_text(export.linkage)
         agreed.write_text(export.mapping)
         file.write_bytes(export.text if isinstance(export.text, bytes) else export.text.encode())

@@ -37,6 +37,7 @@ PARTS = ("title", "units", "crank", "gravity", "output", "forces", "torques", "s
 VISIBLE = 0.02  # of a signal's peak: what a planted fault changes at least
 ATTEMPTS = 200
 LAYOUTS = ("csv", "german", "solidworks", "tab", "res", "modelica", "robotran", "tsv", "mat", "blanks")
+ENDINGS = {"tab": "tab", "res": "res", "robotran": "res", "mat": "mat", "tsv": "txt", "blanks": "txt"}  # else csv
 IN_SI = ("modelica", "robotran", "mat")  # layouts without units
 PRINTED = {  # of a signal's kind: header's unit and its SI value, in either style
     "angle": (("deg", DEGREE), ("rad", 1.0)), "omega": (("deg/s", DEGREE), ("rad/s", 1.0)),
@@ -68,12 +69,6 @@ class Exported:
     mapping: str
     layout: str
     back: Mapping[str, str]
-
-    @property
-    def ending(self) -> str:
-        """That of the file's name."""
-        other = {"tab": "tab", "res": "res", "robotran": "res", "mat": "mat", "tsv": "txt", "blanks": "txt"}
-        return other.get(self.layout, "csv")
 
 
 @cache
