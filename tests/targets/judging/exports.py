@@ -21,7 +21,8 @@ from tests.comparisons.imported.layouts import (
     trajectory,
 )
 from tests.targets.judging.multibody import AssemblyError, Multibody
-from tests.targets.judging.planting import DEGREE, RPM, Plan, Turning, pick, planted, unit_kind
+from tests.targets.judging.planting import Plan, pick, planted, unit_kind
+from tests.targets.judging.turning import DEGREE, RPM, Turning
 
 ROOT, OWN = Path(__file__).parents[3], Path(__file__).parent
 CATALOGUE, FOREIGN = ROOT / "analytic/catalogue", ROOT / "tests/comparisons/imported/foreign"
