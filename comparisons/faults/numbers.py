@@ -240,7 +240,7 @@ def _centre(linkage: Linkage, name: str, link: Link) -> Fault:
         return f"the mass centre of '{name}' is at ({new}) {unit} in place of ({old}), in the link's frame"
 
     return Fault(f"{name}.centre", fault.Kind.SEVERAL, apply, words, link.centre, (size, size),
-                 usual=tuple(dict.fromkeys(p for p in usual if p != link.centre)))  # fmt: skip
+                 guesses=(link.centre,), usual=tuple(dict.fromkeys(p for p in usual if p != link.centre)))  # fmt: skip
 
 
 def misplaced_loads(linkage: Linkage) -> Iterator[Fault]:

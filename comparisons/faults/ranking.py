@@ -42,8 +42,8 @@ NEAR_UNIT: Final = 0.35  # natural logarithm within which a factor is taken for 
 class FaultFinding:
     """Signals that one cause explains, by its names: the likeliest and the ``others`` that fit as well.
 
-    ``left`` is what it leaves of their error, over the signals' scales; ``fully`` whether that is within the rounding.
-    ``aligned`` are corrections of sign and unit without which it does not fit.
+    ``left`` is what it leaves of their error, over the peaks that they have with it; ``fully`` whether that is within
+    the rounding. ``aligned`` are corrections of sign and unit without which it does not fit.
     """
 
     signals: tuple[str, ...]
@@ -239,10 +239,19 @@ class _Search:
         bound = ALIKE * np.maximum(least.rms[places], self.floor[places])
         alike = [self.whole.rounded(fit) for fit in rivals if np.all(fit.rms[places] <= bound)]
         best, *others = sorted(alike, key=lambda fit: (fit.rank, round(self.left(fit, names), 1), fit.change))
-        scales = [float(np.max(self.evidence[p].tolerance)) / self.evidence[p].scale for p in places]
-        left = max(largest * scale for largest, scale in zip(best.largest[places], scales, strict=True))
+        left = max(
+            share * largest for share, largest in zip(self._tolerances(best, places), best.largest[places], strict=True)
+        )
         fully = bool(np.all(best.largest[places] <= NOTICED))
         return FaultFinding(names, best, tuple(_worth_a_word(best, others)), left, fully)
+
+    def _tolerances(self, fit: Fit, places: Sequence[int]) -> Iterator[float]:
+        """The tolerances of some signals, over the peaks that they have with a fault."""
+        evidence = [self.evidence[place] for place in places]
+        curves = fit.fault.apply(self.simulation, fit.numbers).predicted(evidence)
+        for one, curve in zip(evidence, curves, strict=True):
+            peak, right = (float(np.nanmax(np.abs(y), initial=0.0)) for y in (curve, one.truth))
+            yield float(np.max(one.tolerance)) / (one.scale * (peak / right if peak and right else 1.0))
 
 
 def _worth_a_word(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:

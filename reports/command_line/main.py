@@ -42,7 +42,7 @@ def _run() -> None:
         _discard_output()
         sys.exit(0)
     except MemoryError:
-        raise
+        _end("expected more memory, got none that is free; give less at once, or allow more", FAILED)
     except Exception as error:
         _end_badly(error)
 

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -23,14 +23,9 @@ from comparisons.imported.judge import judge
 from comparisons.imported.reading import read_results
 from tests.comparisons.imported.engine_curves import curves
 from tests.comparisons.imported.exported import with_link
-from tests.comparisons.imported.layouts import Channel, adams_results, adams_table, csv, robotran, solidworks
+from tests.targets.judging.exports import ENDINGS, written
 
-UNIT = {"Mkr": ("N*m", 1.0), "Peq": ("W", 1.0), "S": ("mm", 1e3), "v": ("mm/s", 1e3), "a": ("mm/s^2", 1e3),
-        "phi": ("deg", 180.0 / np.pi), "omega": ("deg/s", 180.0 / np.pi)}  # fmt: skip
-SOLIDWORKS = {"N*m": "newton-meter", "W": "watt", "mm": "mm", "mm/s": "mm/sec", "mm/s^2": "mm/sec**2", "deg": "deg",
-              "deg/s": "deg/sec", "N": "newton"}  # fmt: skip
 DIGITS = 6
-GERMAN = {"delimiter": ";", "decimal": ","}
 
 
 def _unchanged(linkage):
@@ -53,26 +48,6 @@ class Export:
     digits: int = DIGITS
     engine: str = "direct"
     every: int = 2
-    style: dict = field(default_factory=dict)
-
-
-def columns(time, values, signals):
-    """Channels of a table, time first."""
-    found = [Channel("time", "s", time)]
-    for name in signals:
-        unit, factor = UNIT.get(name, ("N", 1.0))
-        found.append(Channel(name, unit, factor * values[name]))
-    return found
-
-
-# What tools call a signal; Adams' tables and Robotran's files leave the rest to the mapping.
-TITLES = {
-    "solidworks": {"phi": "Angular Displacement1", "Mkr": "Motor Torque12", "omega": "Angular Velocity2"},
-    "modelica": {"phi": "crank.phi", "Mkr": "motor.tau", "omega": "crank.w", "S": "S", "v": "v"},
-    "tab": {"time": "Time", "phi": "MOTION_1.ANG", "Mkr": "MOTION_1.TZ", "S": "BAR_1.Y", "v": "BAR_1.VY"},
-    "res": {"phi": "crank.ANGLE", "Mkr": "MOTION_1.TZ", "S": "needle_bar.DISPLACEMENT", "v": "needle_bar.VELOCITY"},
-}
-ENDS = {"tab": "tab", "res": "res", "robotran": "res"}
 
 
 @cache
@@ -81,55 +56,23 @@ def simulated(mechanism, change, motion, engine, every):
     return curves(change(load(mechanism)), motion, engine, every)
 
 
-def written(export):
-    """The text of a file."""
+def file_of(export):
+    """The text of a file, and a mapping where its layout says no names."""
     time, values = export.curves(
         *simulated(export.mechanism, export.linkage, export.motion or QUINTIC, export.engine, export.every)
     )
-    table = columns(time, values, export.signals)
-    titles = TITLES.get(export.layout, {})
-    si = [Channel("time", "", time), *(Channel(titles.get(name, name), "", values[name]) for name in export.signals)]
-    if export.layout == "solidworks":
-        plots = [
-            (title, [Channel("Time", "sec", time), Channel(title, SOLIDWORKS[c.unit], c.values)])
-            for c in table[1:]
-            for title in [titles.get(c.header, c.header)]
-        ]
-        return solidworks(plots, digits=export.digits)
-    if export.layout == "tab":
-        return adams_table([replace(c, header=titles[c.header]) for c in table], decimals=export.digits)
-    if export.layout == "res":
-        units = {"s": "sec", "N*m": "newton-mm", "deg": "deg", "mm": "mm", "mm/s": "mm/sec"}
-        own = [replace(c, header=titles.get(c.header, "TIME"), unit=units[c.unit]) for c in table]
-        own = [replace(c, values=1e3 * c.values) if c.unit == "newton-mm" else c for c in own]
-        return adams_results(own, digits=export.digits)
-    if export.layout == "robotran":
-        return robotran(si, digits=export.digits)
-    return csv(si if export.layout == "modelica" else table, digits=export.digits, **export.style)
-
-
-def mapping(export):
-    """The mapping that a user fills in where a layout tells neither units nor names; "" for other layouts."""
-    if export.layout == "tab":
-        named = {TITLES["tab"][name]: (name, UNIT.get(name, ("s",))[0]) for name in ("time", *export.signals)}
-    elif export.layout == "robotran":
-        units = {"time": "s", "Mkr": "N*m", "S": "m", "v": "m/s", "phi": "rad"}
-        signals = enumerate(("time", *export.signals), start=1)
-        named = {f"column {n}": (name, units[name]) for n, name in signals}
-    else:
-        return ""
-    entries = (f'[[column]]\nheader = "{header}"\nsignal = "{n}"\nunit = "{u}"\n' for header, (n, u) in named.items())
-    return "\n".join(entries)
+    return written(export.layout, export.digits, {"time": time, **{n: values[n] for n in export.signals}}, 0)
 
 
 def judged(export, limit=0.01):
     """The judgement of an export."""
+    text, mapping = file_of(export)
     with tempfile.TemporaryDirectory() as folder:
-        file, agreed = Path(folder) / f"run.{ENDS.get(export.layout, 'csv')}", Path(folder) / "mapping.toml"
-        file.write_text(written(export))
-        agreed.write_text(mapping(export))
+        file, agreed = Path(folder) / f"run.{ENDINGS.get(export.layout, 'csv')}", Path(folder) / "mapping.toml"
+        file.write_text(text)
+        agreed.write_text(mapping)
         linkage = load(export.mechanism)
-        results = read_results([file], linkage, agreed if mapping(export) else None)
+        results = read_results([file], linkage, agreed if mapping else None)
         return judge(linkage, results, export.true_motion, limit=limit)
 
 
@@ -199,7 +142,7 @@ PLANTED = (
     Export("a mass", ("coupler.mass",), linkage=_mass("coupler", 1.3), digits=5, layout="res", engine="mujoco"),
     Export("a mass centre", ("coupler.centre.x",), linkage=_shifted_centre("coupler", 2e-3), layout="tab",
            engine="simbody"),
-    Export("a length", ("coupler.D.x",), linkage=_longer("coupler", "D", 1.02), digits=5, style=GERMAN,
+    Export("a length", ("coupler.D.x",), linkage=_longer("coupler", "D", 1.02), digits=5, layout="german",
            engine="exudyn"),
     Export("sample rate too low", ("sample rate, joined by straight lines",), curves=_coarse, layout="modelica",
            engine="exudyn"),
@@ -222,7 +165,7 @@ PLANTED = (
 CLEAN = (
     Export("csv, 6 digits, exudyn", engine="exudyn"),
     Export("csv, 4 digits, mujoco", digits=4, engine="mujoco"),
-    Export("semicolons and decimal commas, simbody", style=GERMAN, digits=5, engine="simbody"),
+    Export("semicolons and decimal commas, simbody", layout="german", digits=5, engine="simbody"),
     Export("SolidWorks, exudyn", layout="solidworks", engine="exudyn"),
     Export("SolidWorks, 4 digits, linear run-up", layout="solidworks", digits=4, motion=LINEAR, engine="simbody"),
     Export("Modelica, mujoco", layout="modelica", signals=("phi", "Mkr", "omega"), engine="mujoco"),
@@ -236,7 +179,7 @@ CLEAN = (
            engine="simbody"),
     Export("csv, 4 digits", digits=4),
     Export("six-bar", mechanism="rimoldi-164", digits=5),
-    Export("six-bar, cubic run-up", mechanism="rimoldi-164", motion=CUBIC, digits=4, style={"delimiter": "\t"}),
+    Export("six-bar, cubic run-up", mechanism="rimoldi-164", motion=CUBIC, digits=4, layout="tsv"),
     Export("slotted take-up", mechanism="slotted-takeup", signals=("phi", "Mkr"), digits=5),
     Export("constant speed", motion=STEADY, digits=5),
     Export("clockwise", motion=crank_motion("run-up-quintic", clockwise=True), digits=6),

@@ -265,3 +265,12 @@ def test_a_late_column_may_have_anything_where_the_run_has_no_instants(regime, l
     (finding,) = judge(JUKI, results).explanation.findings
     assert (finding.likeliest.fault.name, finding.fully) == ("delay:Mkr", True)
     assert finding.likeliest.numbers == pytest.approx([-late], abs=1e-6)
+
+
+def test_a_mass_centre_measured_the_other_way_is_among_the_causes_that_fit_alike():
+    linkage, steady = load("fork-takeup"), crank_motion("constant-speed")
+    x, y = linkage.links["rocker"].centre
+    turned = with_link(linkage, "rocker", centre=(-x, -y))  # as if its pin 'P3' were on the other side
+    results = exported(linkage, steady, ("Mkr", "joint_force:P2:y"), TIME, model=Simulation(turned, steady))
+    (finding,) = judge(linkage, results, steady).explanation.findings
+    assert {fit.fault.name for fit in finding.every} == {"rocker.P3.x", "rocker.centre"}

@@ -408,6 +408,14 @@ def test_a_full_stdout_is_one_sentence():
     assert re.fullmatch("linkproof: cannot write to stdout: .*\n", done.stderr)
 
 
+def test_memory_at_its_limit_is_one_sentence():
+    script = "import typer; typer.Typer.__call__ = lambda *_, **__: bytearray(1 << 62)"
+    command = [sys.executable, "-c", f"{script}; from reports.command_line.main import main; main()"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "linkproof: expected more memory, got none that is free; give less at once, or allow more\n"
+
+
 @pytest.mark.skipif(os.name != "posix", reason="a folder in use cannot be deleted")
 def test_a_deleted_working_folder_matters_only_where_it_is_needed(tmp_path):
     script = "import os, sys; os.rmdir(os.getcwd()); from reports.command_line.main import main; main()"

@@ -22,7 +22,7 @@ from analytic.errors import LinkproofError
 from comparisons.imported.judge import judge
 from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
-from tests.targets.judging.exports import case
+from tests.targets.judging.exports import ENDINGS, case
 
 KINDS = {"clean": 0, "fault": 1, "pair": 2}
 CLOSE = 0.05  # of a number's change, within which it is named right
@@ -33,7 +33,9 @@ RIGHT = ("clean", "first")
 def judged(export):
     """The judgement of an export, by the files that a user has."""
     with tempfile.TemporaryDirectory() as folder:
-        model, file, agreed = (Path(folder) / name for name in ("model.toml", f"run.{export.ending}", "mapping.toml"))
+        model, file, agreed = (
+            Path(folder) / n for n in ("model.toml", f"run.{ENDINGS.get(export.layout, 'csv')}", "mapping.toml")
+        )
         model.write_text(export.linkage)
         agreed.write_text(export.mapping)
         file.write_bytes(export.text if isinstance(export.text, bytes) else export.text.encode())
@@ -85,8 +87,8 @@ def outcome(export, judgement):
     if not export.plans:
         over = any(verdict.outcome is Verdict.OVER_LIMIT for verdict in judgement.verdicts)
         return "false alarm" if findings or over else "clean" if judgement.passed else "open"
-    if not findings:
-        return "within the limit" if judgement.passed else "no cause"
+    if not findings and judgement.passed:
+        return "within the limit"
     with tempfile.TemporaryDirectory() as folder:
         (path := Path(folder) / "planted.toml").write_text(export.faulty)
         planted = load(str(path))
@@ -98,6 +100,8 @@ def outcome(export, judgement):
                  if is_named(fit, p, judgement.model, planted)}  # fmt: skip
         several = judgement.explanation.unexplained or any(not finding.fully for finding in findings)
         return "both" if len(named) == len(export.plans) else "not one cause" if several else "misnamed"
+    if not findings:
+        return "no cause"
     if all(first for first, *_ in right):
         return "first, rest open" if judgement.explanation.unexplained else "first"
     return "tied" if all(map(any, right)) else "misnamed"

@@ -21,7 +21,8 @@ from tests.comparisons.imported.layouts import (
     trajectory,
 )
 from tests.targets.judging.multibody import AssemblyError, Multibody
-from tests.targets.judging.planting import DEGREE, RPM, Plan, Turning, pick, planted, unit_kind
+from tests.targets.judging.planting import Plan, pick, planted, unit_kind
+from tests.targets.judging.turning import DEGREE, RPM, Turning
 
 ROOT, OWN = Path(__file__).parents[3], Path(__file__).parent
 CATALOGUE, FOREIGN = ROOT / "analytic/catalogue", ROOT / "tests/comparisons/imported/foreign"
@@ -37,6 +38,7 @@ PARTS = ("title", "units", "crank", "gravity", "output", "forces", "torques", "s
 VISIBLE = 0.02  # of a signal's peak: what a planted fault changes at least
 ATTEMPTS = 200
 LAYOUTS = ("csv", "german", "solidworks", "tab", "res", "modelica", "robotran", "tsv", "mat", "blanks")
+ENDINGS = {"tab": "tab", "res": "res", "robotran": "res", "mat": "mat", "tsv": "txt", "blanks": "txt"}  # else csv
 IN_SI = ("modelica", "robotran", "mat")  # layouts without units
 PRINTED = {  # of a signal's kind: header's unit and its SI value, in either style
     "angle": (("deg", DEGREE), ("rad", 1.0)), "omega": (("deg/s", DEGREE), ("rad/s", 1.0)),
@@ -68,12 +70,6 @@ class Exported:
     mapping: str
     layout: str
     back: Mapping[str, str]
-
-    @property
-    def ending(self) -> str:
-        """That of the file's name."""
-        other = {"tab": "tab", "res": "res", "robotran": "res", "mat": "mat", "tsv": "txt", "blanks": "txt"}
-        return other.get(self.layout, "csv")
 
 
 @cache

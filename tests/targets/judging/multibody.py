@@ -218,7 +218,7 @@ class Multibody:
         return q
 
     def curves(self, time: Array, motion: Motion) -> dict[str, Array]:
-        """Every signal (n,), SI, by the names that linkproof has for them."""
+        """Signals (n,), SI, by the names that linkproof has for them."""
         phi, speed, acceleration = motion(time)
         q = self.positions(phi)
         _, slopes = self.equations(q, phi)
@@ -232,24 +232,15 @@ class Multibody:
         a = np.linalg.solve(slopes, right[..., None])[..., 0]
         loads = self._loads(q, v, a, phi)
         multipliers = np.linalg.solve(np.swapaxes(slopes, 1, 2), -loads[..., None])[..., 0]
-        found = {"phi": phi, "omega": speed, "epsilon": acceleration, "Mkr": multipliers[:, -1]}
-        found["Peq"] = found["Mkr"] * speed
-        for name in self.names:
-            row = self.rows[name] + 2
-            found |= {f"link:{name}:{part}": x[:, row] for part, x in (("angle", q), ("omega", v), ("alpha", a))}
-        for body in self.names:
-            for point, local in self.points[body].items():
-                for parts, values in zip(
-                    (("x", "y"), ("vx", "vy"), ("ax", "ay")), self._moving(q, v, a, body, local), strict=True
-                ):
-                    found |= {f"point:{point}:{part}": values[:, k] for k, part in enumerate(parts)}
-        row, shaking = 0, np.zeros((len(q), 2))
-        for name, kind, body, host, _ in self.joints:
+        found = {"phi": phi, "omega": speed, "Mkr": multipliers[:, -1]}
+        for name, row in self.rows.items():
+            found |= {f"link:{name}:angle": q[:, row + 2], f"link:{name}:omega": v[:, row + 2]}
+        row = 0
+        for name, kind, body, *_ in self.joints:
             count = {"pin": 2, "slide": 2, "slot": 1}[kind]
             lines = slopes[:, row : row + count, self.rows[body] : self.rows[body] + 2]
             force = np.einsum("nk,nkj->nj", multipliers[:, row : row + count], lines)
             found |= {f"joint_force:{name}:x": force[:, 0], f"joint_force:{name}:y": force[:, 1]}
-            shaking -= force if host == GROUND else 0.0
             row += count
         if (output := self.file.get("output")) is not None:
             found |= self._output(output, q, v, a)

@@ -10,38 +10,13 @@ from typing import Any
 import numpy as np
 
 from tests.targets.judging.multibody import AssemblyError
+from tests.targets.judging.turning import DEGREE, LAWS, RPM, Turning
 
-RPM, DEGREE = np.pi / 30.0, np.pi / 180.0
-LAWS = ("run-up", "run-up-cubic", "run-up-quintic")
 UNITS = {  # SI values of the units that a column of a kind may be in, whatever its header says
     "angle": (1.0, DEGREE), "omega": (1.0, DEGREE, RPM, 2.0 * np.pi), "Mkr": (1.0, 1e-3, 0.1129848290276),
     "force": (1.0, 1e3, 1e-3, 9.80665, 4.4482216153), "length": (1.0, 1e-3, 0.0254),
 }  # fmt: skip
 INERTIA = {"kg*m^2": 1.0, "kg*mm^2": 1e-6, "g*mm^2": 1e-9, "kg": 1.0, "g": 1e-3, "m": 1.0, "mm": 1e-3}
-
-
-@dataclass(frozen=True)
-class Turning:
-    """The crank from a start angle to a speed in a ramp's time, or at once: rad, s."""
-
-    law: str
-    speed: float
-    start: float
-    ramp: float
-    duration: float
-
-    def __call__(self, time):
-        """Angle, speed and acceleration (n,), rad, s."""
-        if self.law == "constant-speed":
-            return self.start + self.speed * time, np.full(len(time), self.speed), np.zeros(len(time))
-        x, late = np.clip(time / self.ramp, 0.0, 1.0), np.maximum(time - self.ramp, 0.0)
-        angle, speed, acceleration = {
-            "run-up": (x**2 / 2, x, np.where((x < 1.0) & (time >= 0.0), 1.0, 0.0)),
-            "run-up-cubic": (x**3 - x**4 / 2, 3 * x**2 - 2 * x**3, 6 * x - 6 * x**2),
-            "run-up-quintic": (2.5 * x**4 - 3 * x**5 + x**6, 10 * x**3 - 15 * x**4 + 6 * x**5, 30 * (x - x**2) ** 2),
-        }[self.law]
-        turned = self.start + self.speed * (self.ramp * angle + late)
-        return turned, self.speed * speed, self.speed * acceleration / self.ramp
 
 
 @dataclass(frozen=True)
@@ -82,7 +57,12 @@ def planted(random, plan, signals, by, unit):
         kind = str(pick(random, (*MODEL, "assembly")))
         if kind == "assembly":
             return replace(plan, kind=kind, names=("mode:",), branch=1)
-        return replace(plan, kind=kind, names=(), file=model_fault(random, plan.file, kind))
+        file = model_fault(random, plan.file, kind)
+        moved = [
+            (a["point"], b["point"]) for a, b in zip(plan.file.get("forces", ()), file.get("forces", ()), strict=False)
+        ]
+        names = tuple(f"forces.{old} at {new}" for old, new in moved if old != new)
+        return replace(plan, kind=kind, names=names, file=file)
     if place < 0.65 and not by:
         return replace(plan, **motion_fault(random, plan.motion))
     kinds = curve_faults(random, plan.motion, signals, by, unit)
@@ -114,7 +94,7 @@ MODEL = {
     "every mass": ("every mass", "unit"), "every inertia": ("every inertia", "mm²"),
     "no inertia": ("every inertia", "none"), "every length": ("lengths", ""), "gravity off": ("gravity", "none"),
     "gravity up": ("gravity", "other way"), "gravity doubled": ("gravity", "twice"),
-    "gravity turned": ("gravity", "turned"), "a load": ("load", "factor"), "load's sign": ("load", "other way"),
+    "gravity turned": ("gravity", "turned"), "a load": ("load", "factor"), "load's sign": ("push", "other way"),
     "load's unit": ("load", "unit"), "free length": ("spring", "tenth"), "no loads": ("part", "dropped"),
     "wrong point": ("forces", "elsewhere"),
 }  # fmt: skip
@@ -124,7 +104,8 @@ def model_fault(random, file, kind):
     """The linkage's file with a fault; raises AssemblyError where it has nothing of the kind."""
     what, how = MODEL[kind]
     if what == "lengths":
-        return _longer(file, pick(random, (25.4, 10.0, 1e3)))
+        k, parts = pick(random, (25.4, 10.0, 1e3)), ("ground", "links", "sketch", "slots", "springs")
+        return {part: _longer(value, k) if part in parts else value for part, value in file.items()}
     if what == "part":
         part = pick(random, [part for part in LOADS if file.get(part)])
         return {key: value for key, value in file.items() if key != part}
@@ -172,6 +153,7 @@ def _places(file, what):
         "ground": [("ground", point) for point, at in file["ground"].items() if any(at)],
         "gravity": [("gravity",)] if any(file.get("gravity", ())) else [],
         "load": [(part, n, key) for part, key in LOADS.items() for n in range(len(file.get(part, ())))],
+        "push": [(part, n, LOADS[part]) for part in ("forces", "torques") for n in range(len(file.get(part, ())))],
         "spring": [("springs", n, "length") for n in range(len(file.get("springs", ())))],
         "forces": [("forces", n) for n in range(len(file.get("forces", ())))],
     }  # fmt: skip
@@ -190,15 +172,16 @@ def _shifted(random, at, file):
     return at
 
 
-def _longer(value, k, key=""):
+NO_LENGTHS = ("along", "angle", "mass", "inertia", "stiffness", "damping")
+
+
+def _longer(value, k):
     """A description with every length times a factor."""
     if isinstance(value, Mapping):
-        kept = ("units", "gravity", "forces", "torques", "dampers", "along", "angle", "mass", "inertia", "title")
-        return {name: v if name in kept or (name == "stiffness") else _longer(v, k, name) for name, v in value.items()}
+        return {name: v if name in NO_LENGTHS else _longer(v, k) for name, v in value.items()}
     if isinstance(value, list):
-        return [_longer(one, k, key) for one in value]
-    is_length = isinstance(value, float | int) and key not in ("damping",)
-    return k * value if is_length else value
+        return [_longer(one, k) for one in value]
+    return value if isinstance(value, str) else k * value
 
 
 def motion_fault(random, motion):
