@@ -12,8 +12,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from analytic.errors import LinkproofError
 from comparisons.datasheet.sheet import Sheet
-from comparisons.runs.damage import first_fault
 from comparisons.runs.files import write_text
+from comparisons.runs.study_folder import first_fault
 
 FILE: Final = "mechanisms.json"
 AGAIN: Final = "run compare with --out again"

@@ -188,7 +188,7 @@ class Case:
         return np.asarray(vectors @ np.asarray(self.output.along))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)  # a megabyte each, or tens where a crank is released for long
 def unpickled(case: bytes) -> Case:
     """The case of a worker's job, the same for all its jobs, so that they share what it has worked out.
 

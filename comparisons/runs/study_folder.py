@@ -15,10 +15,9 @@ from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
 from analytic.errors import LinkproofError
-from comparisons.runs.damage import fault_words
 from comparisons.runs.files import claim, writing
 from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile
 
@@ -126,3 +125,14 @@ def _replace(place: Path, new: Path) -> None:
         place.rename(old)
     new.rename(place)
     shutil.rmtree(old, ignore_errors=True)
+
+
+def first_fault(error: ValidationError) -> tuple[str, str]:
+    """The key of the first part that is wrong, "cells.3.value", empty for the whole, and what is wrong with it."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    return ".".join(map(str, first["loc"])), first["msg"]
+
+
+def fault_words(error: Exception) -> str:
+    """What is wrong with a file, in a line: of its checked parts the first, by its key."""
+    return ": ".join(first_fault(error)) if isinstance(error, ValidationError) else str(error)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
 from analytic.errors import LinkproofError
-from comparisons.runs.study_folder import DOCUMENT, SUMS, has_study, load_study, save_study
+from comparisons.runs.study_folder import DOCUMENT, SUMS, fault_words, first_fault, has_study, load_study, save_study
 
 
 class Form(TypedDict):
@@ -22,6 +22,7 @@ class Form(TypedDict):
 
 
 FORM = TypeAdapter[Any](Form)
+CELLS = TypeAdapter(dict[str, list[int]])
 TOLD = {"command": "linkproof bench", "sizes": [1, 2]}
 RECORDS = [(f"run {n}", {"error": n / 7.0}, {"Mkr": np.linspace(0.0, n, 5)}) for n in range(4)]
 
@@ -130,3 +131,19 @@ def test_a_folder_of_an_earlier_version_is_refused_with_the_cure(tmp_path, kind,
 def test_a_folder_with_nothing_is_refused_with_the_cure(tmp_path):
     with pytest.raises(LinkproofError, match="expected the folder given to bench --out"):
         load_study(tmp_path, "bench", FORM, dict)
+
+
+@pytest.mark.parametrize(
+    ("data", "key"), [({"cells": [1, 2, "x"], "more": ["y"]}, "cells.2"), ({"cells": 3}, "cells"), ([], "")]
+)
+def test_the_first_part_that_is_wrong_has_its_key(data, key):
+    with pytest.raises(ValidationError) as caught:
+        CELLS.validate_python(data)
+    found, what = first_fault(caught.value)
+    assert found == key
+    assert what
+    assert fault_words(caught.value) == f"{key}: {what}"
+
+
+def test_another_fault_has_its_own_words():
+    assert fault_words(ValueError("it has no cell")) == "it has no cell"
