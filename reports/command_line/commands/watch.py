@@ -26,11 +26,11 @@ from reports.requests.results import requested_results
 
 def watch(options: WatchOptions) -> None:
     """Serve the page of a file until Ctrl-C."""
+    file = _WatchedFile(options)
     try:
         browser = webbrowser.get() if options.opens else None
     except webbrowser.Error as error:
         raise LinkproofError("no browser on this machine: add --no-open, and open the printed address") from error
-    file = _WatchedFile(options)
     with PageServer(file.page, file.save, options.port) as server:
         show(f"page: {server.address}; Ctrl-C ends it", stderr=True)
         if browser:
