@@ -1,4 +1,4 @@
-"""Result files that are no text: workbooks, MATLAB files and trajectories of Modelica.
+"""Result files that are no text: workbooks, MATLAB files, trajectories of Modelica, and FMUs, which are run.
 
 OpenModelica and Dymola write matrices ``Aclass``, ``name``, ``dataInfo``, ``data_1`` (what is constant), ``data_2``, as
 they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each name the matrix and the row, with a sign.
@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import io
 import math
+import os
 import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError, printable
 from comparisons.imported.columns import Column
@@ -23,16 +27,11 @@ from comparisons.imported.files.tables import GREATEST
 from comparisons.imported.files.text import LARGEST, MOST_NUMBERS, ResultText
 
 TRAJECTORY: Final = ("Aclass", "name", "dataInfo", "data_2")
-# SciPy's reader, in a process of its own: a damaged file may crash it. An archive of NumPy's arrays goes to stdout.
-READER: Final = """
-import math, sys, numpy
-from scipy.io import loadmat, whosmat
-if sum(math.prod(shape) for _, shape, _ in whosmat(sys.argv[1])) > int(sys.argv[2]):
-    raise ValueError("more numbers than can be read")
-arrays = {k: v for k, v in loadmat(sys.argv[1], chars_as_strings=False).items() if isinstance(v, numpy.ndarray)}
-numpy.savez(sys.stdout.buffer, **{f"_{k}": v for k, v in arrays.items() if v.ndim == 2 and v.dtype.kind in "fiuU"})
-"""
+# Scripts that write the arrays of a file to arrays.npz, each in a process of its own: a damaged MATLAB file may crash
+# its reader, and an FMU is code of its author.
+MATLAB, FMU = (Path(__file__).with_name(name) for name in ("read_matlab.py", "run_fmu.py"))
 LONGEST: Final = 60.0  # seconds that it may take
+MOST_WORDS: Final = 500  # characters of what is wrong
 
 
 def sheets(path: Path) -> Iterator[ResultText]:
@@ -62,10 +61,56 @@ def sheets(path: Path) -> Iterator[ResultText]:
 
 
 def _unreadable(path: Path, kind: str, error: Exception) -> LinkproofError:
+    reason = str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"
     return LinkproofError(
-        f"{path}: expected a file of results, got {kind} that cannot be read ({type(error).__name__}: {error}); export "
-        "the results as CSV"
+        f"{path}: expected a file of results, got {kind} that cannot be read ({reason}); export the results as CSV"
     )
+
+
+def _arrays(path: Path, script: Path) -> dict[str, Any]:
+    """The arrays that a script makes of a file; raises ValueError with its last words."""
+    with TemporaryDirectory() as folder:  # what the script leaves behind goes with it
+        command = [sys.executable, "-P", str(script), str(path.resolve()), str(MOST_NUMBERS)]
+        try:
+            done = subprocess.run(
+                command, cwd=folder, env={**os.environ, "TMPDIR": folder}, timeout=LONGEST, check=False,
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            raise ValueError(f"it takes more than {LONGEST:.0f} s") from None
+        words = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+        result = Path(folder, "arrays.npz")
+        if done.returncode or not result.exists():
+            raise ValueError(printable(words[-MOST_WORDS:]) if done.returncode > 0 and words else "it crashes")
+        with np.load(result) as arrays:
+            return dict(arrays)
+
+
+def _column(path: Path, name: str, unit: str, array: NDArray[Any]) -> Column:
+    """A column as sharp as its numbers are; raises LinkproofError for numbers that are not finite."""
+    values = array.astype(float)
+    if not (np.abs(values) < GREATEST).all():
+        raise LinkproofError(f"{path}: expected finite numbers of '{printable(name)}', got others; export it again")
+    sharp = np.finfo(array.dtype if array.dtype.kind == "f" else float).eps * np.abs(values)
+    return Column(name, unit, values, sharp, f"{path} ({printable(name)})")
+
+
+def fmu_columns(path: Path) -> list[Column]:
+    """The time and the outputs of an FMU over its default experiment, in the units that it declares, "" for none.
+
+    Raises LinkproofError for one that cannot be run.
+    """
+    if find_spec("fmpy") is None:
+        raise LinkproofError(
+            f"{path}: expected FMPy to run an FMU, got none installed; pip install 'linkproof[fmi]', or export the "
+            "results as CSV"
+        )
+    try:
+        data = _arrays(path, FMU)
+    except Exception as error:  # an archive that is damaged has no common class
+        raise _unreadable(path, "an FMU", error) from error
+    curves = zip(data["names"].tolist(), data["units"].tolist(), data["values"].T, strict=True)
+    return [_column(path, *curve) for curve in curves]
 
 
 def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
@@ -74,22 +119,14 @@ def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
     Raises LinkproofError for one that cannot be read.
     """
     try:
-        command = [sys.executable, "-c", READER, str(path), str(MOST_NUMBERS)]
-        read = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False)
-        if read.returncode:
-            raise ValueError(read.stderr.decode(errors="replace").strip().rpartition("\n")[2] or "it is damaged")
-        data = {name[1:]: array for name, array in np.load(io.BytesIO(read.stdout)).items()}
+        data = {name[1:]: array for name, array in _arrays(path, MATLAB).items()}
         is_trajectory = all(name in data for name in TRAJECTORY)
         arrays = dict(_trajectory(data) if is_trajectory else _vectors(data))
     except Exception as error:  # what damaged files raise in decompression and matrices has no common class
         raise _unreadable(path, "a MATLAB file", error) from error
     tables: dict[int, list[Column]] = {}
     for name, array in arrays.items():
-        values = array.astype(float)
-        if not (np.abs(values) < GREATEST).all():
-            raise LinkproofError(f"{path}: expected finite numbers of '{printable(name)}', got others; export it again")
-        sharp = np.finfo(array.dtype if array.dtype.kind == "f" else float).eps * np.abs(values)
-        tables.setdefault(len(values), []).append(Column(name, "", values, sharp, f"{path} ({printable(name)})"))
+        tables.setdefault(len(array), []).append(_column(path, name, "", array))
     return is_trajectory, list(tables.values())
 
 

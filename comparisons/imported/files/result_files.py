@@ -14,7 +14,7 @@ import numpy as np
 from analytic.errors import LinkproofError, printable
 from comparisons.imported.columns import Column, ResultTable
 from comparisons.imported.files import adams_results
-from comparisons.imported.files.binary_files import matlab_columns, sheets
+from comparisons.imported.files.binary_files import fmu_columns, matlab_columns, sheets
 from comparisons.imported.files.tables import tables
 from comparisons.imported.files.text import ResultText, check_file, read_text
 
@@ -31,6 +31,9 @@ def result_tables(path: Path) -> list[ResultTable]:
     if kind == ".mat":
         is_trajectory, parts = matlab_columns(path)
         every = [ResultTable(name, 1, is_trajectory, tuple(part)) for part in parts if len(part) > 1]
+    elif kind == ".fmu":
+        time, *outputs = fmu_columns(path)
+        every = [ResultTable(name, 1, not any(one.unit for one in outputs), (time, *outputs))] if outputs else []
     else:
         for file in sheets(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
             for table in _tables_of(file):
