@@ -77,12 +77,12 @@ def _nearest(name: str, choices: Sequence[str]) -> list[str]:
     by_spelling = {choice.lower(): choice for choice in choices if len(choice) <= LONGEST_NAME}
     near = difflib.get_close_matches(name.lower(), by_spelling, n=NEAREST, cutoff=SIMILAR)
     near = near or [choice for choice in by_spelling if _differ_by_a_letter(name.lower(), choice)]
-    return [by_spelling[one] for one in near]
+    return [by_spelling[key] for key in near]
 
 
-def _differ_by_a_letter(one: str, other: str) -> bool:
-    same = sum(a == b for a, b in zip(one, other, strict=False))
-    return len(one) == len(other) == same + 1 > 1
+def _differ_by_a_letter(name: str, other: str) -> bool:
+    same = sum(a == b for a, b in zip(name, other, strict=False))
+    return len(name) == len(other) == same + 1 > 1
 
 
 def listed(names: Iterable[str]) -> str:

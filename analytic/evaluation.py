@@ -57,9 +57,9 @@ def evaluate(
         values = _by_numpy(mechanism, chosen, angle.ravel(), motion)
     if "S" in chosen:
         values[chosen.index("S")] += farthest_between(mechanism, angle)
-    found = {name: row.reshape(angle.shape) for name, row in zip(chosen, values, strict=True)}
-    wrapped = [name for name in found if angle.ndim and is_wrapped(name, mechanism.linkage)]
-    return found | {name: np.unwrap(found[name]) for name in wrapped}
+    table = {name: row.reshape(angle.shape) for name, row in zip(chosen, values, strict=True)}
+    wrapped = [name for name in table if angle.ndim and is_wrapped(name, mechanism.linkage)]
+    return table | {name: np.unwrap(table[name]) for name in wrapped}
 
 
 def _like(angle: Array, value: ArrayLike, name: str) -> Array:

@@ -21,17 +21,17 @@ def announced() -> dict[str, tuple[Path, str]]:
 
     Raises LinkproofError where a folder does not exist or is empty, and where two packages have files of one name.
     """
-    found: dict[str, tuple[Path, str]] = {}
+    files: dict[str, tuple[Path, str]] = {}
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: (_package(entry), entry.value)):
         package = _package(entry)
         for path in _files(entry, package):
-            other, owner = found.setdefault(path.stem, (path, package))
+            other, owner = files.setdefault(path.stem, (path, package))
             if other.resolve() != path.resolve():
                 raise LinkproofError(
                     f"mechanism '{path.stem}': expected one package that announces it, got {owner} and {package}; "
                     "uninstall one of them, or have one rename its file"
                 )
-    return dict(sorted(found.items()))
+    return dict(sorted(files.items()))
 
 
 def _package(entry: EntryPoint) -> str:
@@ -42,10 +42,10 @@ def _files(entry: EntryPoint, package: str) -> list[Path]:
     first, *below = entry.value.split(".")
     spec = find_spec(first)
     places = (spec.submodule_search_locations if spec else None) or ()
-    found = [path for place in places for path in sorted(Path(place, *below).glob("*.toml"))]
-    if not found:
+    paths = [path for place in places for path in sorted(Path(place, *below).glob("*.toml"))]
+    if not paths:
         raise LinkproofError(
             f"{package}: expected linkage files in the folder '{entry.value}' that it announces under {GROUP}, got "
             "none; correct its entry point or uninstall it"
         )
-    return found
+    return paths

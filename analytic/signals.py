@@ -113,12 +113,12 @@ def names(mechanism: Mechanism) -> tuple[str, ...]:
 
 def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
     """The same, and after the components of a vector its magnitude."""
-    found = []
+    texts = []
     for name in names(mechanism):
-        found.append(name)
+        texts.append(name)
         if name.startswith(VECTORS) and name.endswith(":y"):
-            found.append(name.removesuffix(":y") + MAGNITUDE)
-    return tuple(found)
+            texts.append(name.removesuffix(":y") + MAGNITUDE)
+    return tuple(texts)
 
 
 def unit(name: str, linkage: Linkage) -> str:
@@ -190,24 +190,24 @@ def moving_points(linkage: Linkage) -> tuple[str, ...]:
 @lru_cache(maxsize=64)
 def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
     """Every signal of a mechanism by name."""
-    linkage, found = mechanism.linkage, dict(DRIVE)
+    linkage, signals = mechanism.linkage, dict(DRIVE)
     loaded = not linkage.is_idle
     if loaded:
-        found |= LOADS
+        signals |= LOADS
     if linkage.output is not None:
-        found |= OUTPUT
-    found |= _each("point", moving_points(linkage), _point)
-    found |= _each("link", linkage.links, _link)
+        signals |= OUTPUT
+    signals |= _each("point", moving_points(linkage), _point)
+    signals |= _each("link", linkage.links, _link)
     if loaded:
-        found |= _each("joint_force", linkage.joint_names, _joint_force)
-        found |= SHAKING
+        signals |= _each("joint_force", linkage.joint_names, _joint_force)
+        signals |= SHAKING
         for link in linkage.links:
             formula = partial(_inertia, link=link)
-            found[f"Jeq:{link}"] = NamedSignal("kg m²", formula, is_still=True, is_listed=False)
+            signals[f"Jeq:{link}"] = NamedSignal("kg m²", formula, is_still=True, is_listed=False)
     for dyad in mechanism.structure.dyads:
         formula = partial(_transmission, group=dyad.name)
-        found[f"transmission_angle:{dyad.name}"] = NamedSignal("rad", formula, is_still=True)
-    return {**found, **EQUATION}
+        signals[f"transmission_angle:{dyad.name}"] = NamedSignal("rad", formula, is_still=True)
+    return {**signals, **EQUATION}
 
 
 def _each(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, NamedSignal]:

@@ -157,7 +157,7 @@ class Abilities:
     drivers: frozenset[DriverKind] = frozenset({DriverKind.CRANK})
     settings: frozenset[Setting] = frozenset(Setting)
 
-    def told(self) -> dict[str, dict[str, str]]:
+    def as_dict(self) -> dict[str, dict[str, str]]:
         """The read-outs as JSON has them, by channel."""
         return {channel.value: asdict(readout) for channel, readout in self.readouts.items()}
 

@@ -69,14 +69,14 @@ def flush() -> None:
 def silenced(into: str = os.devnull) -> Iterator[None]:
     """Send what the process writes to its standard output and error nowhere, or to a file, C code's included."""
     flush()  # what was written before is not lost
-    kept = [(stream, os.dup(stream)) for stream in (1, 2)]
+    streams = [(stream, os.dup(stream)) for stream in (1, 2)]
     try:
         with open(into, "a") as file:
-            for stream, _ in kept:
+            for stream, _ in streams:
                 os.dup2(file.fileno(), stream)
         yield
     finally:
         flush()  # what is still held back is not written later
-        for stream, copy in kept:
+        for stream, copy in streams:
             os.dup2(copy, stream)
             os.close(copy)

@@ -108,14 +108,14 @@ class MujocoModel:
 
         A slot has become the pin of its block; of a driven slider's force, the drive's share is along its guide.
         """
-        found: dict[str, tuple[str, str, float, tuple[float, float] | None]] = {}
+        rows: dict[str, tuple[str, str, float, tuple[float, float] | None]] = {}
         for branch in self.tree.branches:
-            found[branch.name] = ("body", branch.body.name, -1.0 if branch.reverse else 1.0, None)
-        found |= {cut.name: ("equality", cut.name, 1.0, None) for cut in self.tree.cuts}
+            rows[branch.name] = ("body", branch.body.name, -1.0 if branch.reverse else 1.0, None)
+        rows |= {cut.name: ("equality", cut.name, 1.0, None) for cut in self.tree.cuts}
         if self.scene.driver_kind is DriverKind.SLIDER:
             guide = self.scene.driven_slider
-            found[guide.name] = (*found[guide.name][:3], (-guide.along[1], guide.along[0]))
-        return {joint.name: found[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
+            rows[guide.name] = (*rows[guide.name][:3], (-guide.along[1], guide.along[0]))
+        return {joint.name: rows[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
 
     def written(self, recipe: MujocoRecipe) -> Element:
         """The scene as MuJoCo's XML."""

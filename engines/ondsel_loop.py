@@ -64,9 +64,9 @@ def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
     samples: Data = {name: ([], []) for name in course["channels"] if name != "joint_force"}
     forces: Data = {name: ([], []) for name in given["forces"]} if "joint_force" in course["channels"] else {}
     for part in parts:
-        rows, kept = solved(model, part), slice(0, part["samples"] + (part is parts[-1]))
+        rows, selected = solved(model, part), slice(0, part["samples"] + (part is parts[-1]))
         # Ondsel adds its steps up: its times differ from whole steps in their last digits, which shows in the torque.
-        time = (rows["", "Time"] - rows["", "Time"][0] + part["start"])[kept]
+        time = (rows["", "Time"] - rows["", "Time"][0] + part["start"])[selected]
         values = {
             name: np.array([[rows[f"/{NAME}/{each.name}", label] for label in labels] for each in model.parts])
             for name, labels in KINEMATICS.items()
@@ -77,11 +77,11 @@ def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
         read = {name: np.moveaxis(values[name], 2, 0)[:, : len(given["angles"])] for name in values}
         read["torque"] = torque(given["line"], rows)
         for name, signal in samples.items():
-            keep(signal, time, read[name][kept])
+            keep(signal, time, read[name][selected])
         for name, signal in forces.items():
             source, sign = given["forces"][name]
             x, y = (rows[f"/{NAME}/{source}", label] for label in ("FXonI", "FYonI"))
-            keep(signal, time, sign * np.stack([x, y], axis=1)[kept])
+            keep(signal, time, sign * np.stack([x, y], axis=1)[selected])
     if "position" in samples:
         places = np.array(samples["position"][1])
         places[:, :, 2] = np.unwrap([given["angles"], *places[:, :, 2]], axis=0)[1:]

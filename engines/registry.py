@@ -71,12 +71,12 @@ def announced() -> dict[str, list[EntryPoint]]:
 @cache
 def _announced(_: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
     """Read once for a search path: reading takes longer than many a run."""
-    found: dict[str, list[EntryPoint]] = {}
+    groups: dict[str, list[EntryPoint]] = {}
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value)):
-        same = found.setdefault(entry.name, [])
+        same = groups.setdefault(entry.name, [])
         if entry.value not in [other.value for other in same]:
             same.append(entry)
-    return found
+    return groups
 
 
 def module_of(entry: EntryPoint) -> str:
@@ -92,9 +92,9 @@ def engine_names() -> tuple[str, ...]:
 def plugins() -> dict[str, str]:
     """Engines whose adapters are not ours, each with the packages that announce it; nothing is imported."""
     return {
-        name: " and ".join(sorted(map(_package, found)))
-        for name, found in announced().items()
-        if not all(_is_ours(each.value) for each in found)
+        name: " and ".join(sorted(map(_package, points)))
+        for name, points in announced().items()
+        if not all(_is_ours(each.value) for each in points)
     }
 
 
@@ -103,10 +103,10 @@ def entry_point(name: str) -> EntryPoint | Unusable:
 
     Raises UnknownNameError for a name that nobody announces.
     """
-    found = announced()
-    if name not in found:
-        raise UnknownNameError("engine", name, found)
-    entry, *others = found[name]
+    groups = announced()
+    if name not in groups:
+        raise UnknownNameError("engine", name, groups)
+    entry, *others = groups[name]
     if not others:
         return entry
     reason = f"engine '{name}' is announced by {plugins()[name]}: uninstall all of them but one"
@@ -134,9 +134,9 @@ def engine(name: str) -> Engine:
 
 def why_unavailable(adapter: Engine) -> str | None:
     """Why an engine cannot be used here, in one sentence with the cure, None where it can; nothing is imported."""
-    told = getattr(adapter, "why_unavailable", None)
-    if told is not None:
-        reason: str | None = told()
+    words = getattr(adapter, "why_unavailable", None)
+    if words is not None:
+        reason: str | None = words()
         if not isinstance(reason, str | None):
             raise PluginError(f"expected why_unavailable as text or None, got a {type(reason).__name__}")
         return reason
@@ -184,7 +184,7 @@ def _are_plain(abilities: object) -> bool:
     return (
         all(isinstance(each, type) and each.__module__ == Scene.__module__ for each in types)
         and all(isinstance(channel, Channel) and type(readout) is ReadOut for channel, readout in readouts)
-        and all(isinstance(word, str) for words in abilities.told().values() for word in words.values())
+        and all(isinstance(word, str) for words in abilities.as_dict().values() for word in words.values())
         and all(isinstance(each, Setting) for each in abilities.settings)
         and all(isinstance(each, DriverKind) for each in abilities.drivers)
     )

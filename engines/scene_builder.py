@@ -30,14 +30,14 @@ def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, chann
         for pin in linkage.pins
         for name, link in pin.joints.items()
     )
-    held = [slider for slider in linkage.sliders if slider.link not in merged]
+    sliders = [slider for slider in linkage.sliders if slider.link not in merged]
     slots: list[tuple[Slider | Slot, str]] = [(slot, _slot_body(linkage, slot)) for slot in linkage.slots]
     slots += [(slider, slider.link) for slider in merged.values()]
     return Scene(
         crank=linkage.crank,
         bodies=tuple(_body(linkage, start[name], merged) for name in linkage.links),
         pins=pins,
-        sliders=tuple(SliderJoint(*_line(linkage, slider, slider.link)) for slider in held),
+        sliders=tuple(SliderJoint(*_line(linkage, slider, slider.link)) for slider in sliders),
         slots=tuple(SlotJoint(*_line(linkage, joint, body)) for joint, body in slots),
         gravity=linkage.gravity,
         drive=drive,

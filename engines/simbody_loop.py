@@ -48,9 +48,9 @@ class World:
         for cut in given["cuts"]:
             self.close(cut)
         for first, here, second, there, law in given["springs"]:
-            one, other = self.frames[first].getName(), self.frames[second].getName()
+            entry, other = self.frames[first].getName(), self.frames[second].getName()
             points = vector(*here), vector(*there)
-            self.model.addForce(opensim.ExpressionBasedPointToPointForce(one, points[0], other, points[1], law))
+            self.model.addForce(opensim.ExpressionBasedPointToPointForce(entry, points[0], other, points[1], law))
         for number, (first, second, coefficient) in enumerate(given["dampers"]):
             ends, drag = (self.frames[first], self.frames[second]), vector(0.0, 0.0, coefficient)
             still = vector(), vector(), vector()

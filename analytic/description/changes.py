@@ -89,7 +89,7 @@ def _as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
 
     The length is the sum of the points' distances from the frame's origin; a link without one stays as it is.
     """
-    was, now = (sum(np.hypot(x, y) for x, y in one.points.values()) for one in (old, link))
+    was, now = (sum(np.hypot(x, y) for x, y in body.points.values()) for body in (old, link))
     if not was:
         return link
     scale = now / was
@@ -107,14 +107,14 @@ def _as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
 
 def named_numbers(linkage: Linkage) -> dict[str, Number]:
     """Every number of a linkage by its name."""
-    found: dict[str, Number] = {}
+    result: dict[str, Number] = {}
 
     def note(name: str, number: Number) -> float:
-        found[name] = number
+        result[name] = number
         return number.value
 
     _Walk(note, unit).linkage(linkage)
-    return found
+    return result
 
 
 def numbers(linkage: Linkage) -> dict[str, float]:
@@ -199,7 +199,7 @@ class _Walk:
 
     def direction(self, name: str, old: Vector, *place: str | int) -> Vector:
         new = self.vector(name, old, *place, kind="direction")
-        same = all(isinstance(one, float) and one == other for one, other in zip(new, old, strict=True))
+        same = all(isinstance(value, float) and value == other for value, other in zip(new, old, strict=True))
         return old if same else self.unit(new)
 
     def points(self, body: str, points: Mapping[str, Vector], *place: str | int) -> dict[str, Vector]:
@@ -257,10 +257,10 @@ class _Walk:
         """A law with other values: of a table the row's number stands before the component."""
         ends = ("",) if law.values.shape[-1] == 1 else (".x", ".y")
         rows = [name] if law.angles is None else [f"{name}.{row}" for row in range(len(law.values))]
-        names = [(f"{one}{end}", row, k) for row, one in enumerate(rows) for k, end in enumerate(ends)]
+        names = [(f"{key}{end}", row, k) for row, key in enumerate(rows) for k, end in enumerate(ends)]
         flat = [
-            self.number(one, kind, float(value), *place, kind, row, k)
-            for (one, row, k), value in zip(names, law.values.flat, strict=True)
+            self.number(key, kind, float(value), *place, kind, row, k)
+            for (key, row, k), value in zip(names, law.values.flat, strict=True)
         ]
         if not all(isinstance(value, float | int) for value in flat):
             return LawOfNumbers(law.values, law.angles, law.periodic, law.linear, tuple(flat))

@@ -75,8 +75,8 @@ class Law:
             values, shape = self.values if order == 0 else np.zeros_like(self.values), np.shape(angle)
             return np.broadcast_to(values.reshape(-1, *([1] * len(shape))), (len(values), *shape))
         if hasattr(angle, "looked_up"):  # an angle that carries derivatives, or is traced
-            found: NDArray[np.float64] = angle.looked_up(self, order)
-            return found
+            array: NDArray[np.float64] = angle.looked_up(self, order)
+            return array
         angle = np.asarray(angle, dtype=float)
         if self.periodic:
             return np.moveaxis(np.asarray(self._curve(angle, order)), -1, 0)

@@ -251,7 +251,7 @@ def _slip(fault: str, line: str) -> str:
     name = BARE_NAME.match(line)
     if name and not name[1].isascii():
         return f'a name with letters other than a to z; put it in quotes: "{name[1].strip().rpartition(".")[2]}"'
-    return next((words for said, seen, words in SLIPS if said.search(fault) and seen.search(line)), "")
+    return next((words for pattern, seen, words in SLIPS if pattern.search(fault) and seen.search(line)), "")
 
 
 def check_characters(raw: Mapping[str, Any], source: Source) -> None:

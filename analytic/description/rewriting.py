@@ -31,7 +31,7 @@ LOADS: Final[Mapping[str, Callable[[Reader], Sequence[Load]]]] = {
     "dampers": load_tables.dampers,
 }
 LOST: Final = 4 * 2.0**-52  # relative; what a number may lose on its way through the file's units and unit vectors
-MOST_TOLD: Final = 12  # changed numbers in the first line
+MOST_NAMED: Final = 12  # changed numbers in the first line
 
 
 def spelt_out(text: str, name: str, variant: str | None) -> str:
@@ -90,16 +90,16 @@ def rewritten(
         target = with_numbers(old, wanted)
     except ZeroDivisionError:
         raise LinkproofError(
-            f"{', '.join(one for one in wanted if '.along.' in one)}: expected a direction, got [0, 0]; give another"
+            f"{', '.join(key for key in wanted if '.along.' in key)}: expected a direction, got [0, 0]; give another"
         ) from None
     raw, _, source = loading.document(text, name, name, variant)
     raw = {"variant": new_variant} | {key: part for key, part in raw.items() if key not in OF_THE_ORIGINAL}
     raw["variant"] = new_variant
     file = WrittenNumbers(raw, reader_of(loading.validated(raw, source), source), old)
-    told = [file.set(number, value) for number, value in wanted.items()]
+    sentences = [file.set(number, value) for number, value in wanted.items()]
     if target.output and any(".along." in number for number in wanted):
         raw["output"]["along"] = list(target.output.along)  # where it followed a guide, S stays what it was
-    result = f"{_first_line(name, old.variant, told)}\n{_text(text, raw)}"
+    result = f"{_first_line(name, old.variant, sentences)}\n{_text(text, raw)}"
     _check(result, name, target)
     return result
 
@@ -137,7 +137,7 @@ class WrittenNumbers:
         value, size = self.values[place], self.scale.get(self.kinds[place], 1.0)
         near = value / size
         tried = (float(f"{near:.15g}"), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
-        return next((one for one in tried if one * size == value), near)
+        return next((number for number in tried if number * size == value), near)
 
 
 def _indices(linkage: Linkage, reader: Reader) -> dict[str, list[int]]:
@@ -170,9 +170,9 @@ def _order(kind: str, reader: Reader) -> list[int]:
     return [index for _, index in sorted(placed)]
 
 
-def _first_line(name: str, variant: str, told: list[str]) -> str:
-    more = [f"{len(told) - MOST_TOLD} more numbers"] if len(told) > MOST_TOLD else []
-    numbers = ", ".join([*told[:MOST_TOLD], *more]) or "no number changed"
+def _first_line(name: str, variant: str, sentences: list[str]) -> str:
+    more = [f"{len(sentences) - MOST_NAMED} more numbers"] if len(sentences) > MOST_NAMED else []
+    numbers = ", ".join([*sentences[:MOST_NAMED], *more]) or "no number changed"
     return f"{MARK}{printable(name)}, variant {shortened(printable(variant))}: {printable(numbers)}"
 
 

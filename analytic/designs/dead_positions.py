@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 # A dyad's determinant is zero in a dead position and goes there as the distance or faster: of the two samples on one of
 # its sides the nearer has no more than half of the farther one's.
-KEPT: Final = 0.6
+LEAST_RATIO: Final = 0.6
 PARTS: Final = 8  # of a step that is looked into
 FINEST: Final = 1e-8  # of all crank angles: two assembly modes that are not apart there meet
 
@@ -23,8 +23,8 @@ def are_steep(determinants: Array) -> Booleans:
 
     Of the dyads' ``determinants`` (dyads, designs, angles), magnitudes.
     """
-    one, two = determinants[..., 1:], determinants[..., :-1]
-    return np.asarray(np.any(~(np.minimum(one, two) >= KEPT * np.maximum(one, two)), axis=0))
+    first, two = determinants[..., 1:], determinants[..., :-1]
+    return np.asarray(np.any(~(np.minimum(first, two) >= LEAST_RATIO * np.maximum(first, two)), axis=0))
 
 
 def beside(steps: Booleans) -> Booleans:

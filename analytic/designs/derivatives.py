@@ -126,24 +126,24 @@ def figure_gradients(
         return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
     design.check(places)
-    far = design.farthest(places, refine) if any(one.signal == "S" for one in figures) else 0.0
-    wanted = tuple(dict.fromkeys(end for one in figures for end in one.extremes))
-    found = dict(zip(wanted, design.extremes(wanted, places, far, refine), strict=True))
-    there = design.varied(np.array([one.angle for one in figures if one.reduction is Reduction.AT]), far)
-    averaged = [one for one in figures if one.is_mean]
-    top = design.farthest(places, refine=True) if any(one.signal == "S" for one in averaged) else far
+    far = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else 0.0
+    wanted = tuple(dict.fromkeys(end for quantity in figures for end in quantity.extremes))
+    top_of = dict(zip(wanted, design.extremes(wanted, places, far, refine), strict=True))
+    there = design.varied(np.array([quantity.angle for quantity in figures if quantity.reduction is Reduction.AT]), far)
+    averaged = [quantity for quantity in figures if quantity.is_mean]
+    top = design.farthest(places, refine=True) if any(quantity.signal == "S" for quantity in averaged) else far
     means = design.means(averaged, places, top)
     values, gradients, row = np.empty(len(figures)), np.empty((len(figures), len(parameters))), 0
-    for number, one in enumerate(figures):
-        if one.reduction is Reduction.AT:
-            value, slopes = (part[..., row] for part in _parts(signal(there, one.signal), len(parameters)))
+    for number, figure in enumerate(figures):
+        if figure.reduction is Reduction.AT:
+            value, slopes = (part[..., row] for part in _parts(signal(there, figure.signal), len(parameters)))
             row += 1
-        elif one.extremes:
-            tops = [found[end] for end in one.extremes]
+        elif figure.extremes:
+            tops = [top_of[end] for end in figure.extremes]
             value, slopes = tops[0] if len(tops) == 1 else tuple(a - b for a, b in zip(*tops, strict=True))
         else:
-            value, slopes = means[one]
-        sign = -1.0 if one.is_magnitude and value < 0.0 else 1.0
+            value, slopes = means[figure]
+        sign = -1.0 if figure.is_magnitude and value < 0.0 else 1.0
         values[number], gradients[number] = sign * value, sign * slopes
     return values, gradients
 
@@ -205,38 +205,40 @@ class _Design:
         grid = _closed(places) if refine else places
         top = far.value if isinstance(far, Dual) else far
         plain = self._at(self.plain, grid, top)
-        sampled = np.stack([one.height(signal(plain, one.signal)) for one in wanted])
+        sampled = np.stack([signal_extreme.height(signal(plain, signal_extreme.signal)) for signal_extreme in wanted])
         curve, places = self._tops(wanted, grid, sampled, top, refine)
         at = self.varied(places, far)
-        found = []
-        for row, one in enumerate(wanted):
-            values, slopes = _parts(signal(at, one.signal), len(self.parameters))
+        tops = []
+        for row, extreme in enumerate(wanted):
+            values, slopes = _parts(signal(at, extreme.signal), len(self.parameters))
             own = curve == row
-            found.append(_best(one, values[own], slopes[:, own], places[own], float(np.max(np.abs(sampled[row])))))
-        return found
+            tops.append(_best(extreme, values[own], slopes[:, own], places[own], float(np.max(np.abs(sampled[row])))))
+        return tops
 
     def means(self, figures: Sequence[Figure], places: Array, far: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
         """Value of every mean and its derivatives (parameters,): the integrals of both, in one."""
         known, count = self._at(self.plain, places, 0.0), len(self.parameters)
-        near = {one.signal: signal(known, one.signal) for one in figures if is_angle(one.signal)}
+        near = {quantity.signal: signal(known, quantity.signal) for quantity in figures if is_angle(quantity.signal)}
 
         def integrands(_: object, phi: Array) -> Array:
             at = self.varied(phi, far)
-            curves = [(one, signal(at, one.signal)) for one in figures]
-            turned = [one.integrand(on_branch(row, phi, places, near.get(one.signal))) for one, row in curves]
+            curves = [(quantity, signal(at, quantity.signal)) for quantity in figures]
+            turned = [
+                quantity.integrand(on_branch(row, phi, places, near.get(quantity.signal))) for quantity, row in curves
+            ]
             pairs = [_parts(row, count) for row in turned]
             sizes = [_parts(abs(at.sweep.determinant(dyad)), 0)[0] for dyad in at.sweep.structure.dyads]
             spikes = [1.0 / np.broadcast_to(size, phi.shape) for size in sizes]
             return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *spikes])
 
         means = averages(integrands, edges_of(_closed(places)))[:, 0].tolist() if figures else []
-        found = {}  # behind the figures are the determinants
-        for one, first in zip(figures, range(0, len(means), count + 1), strict=False):
-            value, slopes = one.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
-            if one.reduction is Reduction.RMS:  # none is below zero, where it is level or has a kink
+        result = {}  # behind the figures are the determinants
+        for figure, first in zip(figures, range(0, len(means), count + 1), strict=False):
+            value, slopes = figure.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
+            if figure.reduction is Reduction.RMS:  # none is below zero, where it is level or has a kink
                 slopes = 0.5 * slopes / value if value else np.zeros(count)
-            found[one] = value, slopes
-        return found
+            result[figure] = value, slopes
+        return result
 
     def _tops(
         self, wanted: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float, refine: bool
@@ -244,19 +246,19 @@ class _Design:
         """Tops of the heights: whose each is, and its place, a root of the slope; without ``refine`` the sample's."""
         if not refine:
             return np.arange(len(wanted)), grid[np.argmax(sampled, axis=1)]
-        found = tops(sampled)
+        sampled_tops = tops(sampled)
 
         def slope(angle: Array) -> Array:
             at = self._at(self.plain, Dual(angle, np.ones((1, len(angle)))), top)
             rises = np.empty(angle.shape)
-            for number, one in enumerate(wanted):
-                values, slopes = _parts(signal(at, one.signal), 1)
-                own = found.curve == number
-                rises[own] = (one.side(values) * slopes[0])[own]
+            for number, extreme in enumerate(wanted):
+                values, slopes = _parts(signal(at, extreme.signal), 1)
+                own = sampled_tops.curve == number
+                rises[own] = (extreme.side(values) * slopes[0])[own]
             return rises
 
-        left, right = found.bounds(len(grid) - 1)
-        return found.curve, roots(slope, grid[left], grid[found.best], grid[right])
+        left, right = sampled_tops.bounds(len(grid) - 1)
+        return sampled_tops.curve, roots(slope, grid[left], grid[sampled_tops.best], grid[right])
 
 
 def differences(
@@ -287,11 +289,11 @@ def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, f
     return {name: STEP * (abs(value) or sizes.get(kind, 1.0)) for name, (kind, value) in own.items()}
 
 
-def _best(one: SignalExtreme, values: Array, slopes: Array, places: Array, largest: float) -> tuple[Array, Array]:
+def _best(extreme: SignalExtreme, values: Array, slopes: Array, places: Array, largest: float) -> tuple[Array, Array]:
     """Of several tops the highest, of equal ones the first; without derivatives that differ between equal ones."""
-    heights, rises = one.height(values), one.side(values) * slopes
+    heights, rises = extreme.height(values), extreme.side(values) * slopes
     highest = np.max(heights)
-    if one.is_kink(highest):
+    if extreme.is_kink(highest):
         return np.asarray(SQUARE), np.zeros(len(slopes))
     first = int(np.argmin(np.where(heights >= highest - ROUNDING * largest, places, np.inf)))
     tied = rises[:, heights >= highest - TIE * largest]

@@ -29,7 +29,7 @@ from analytic.signals import MAGNITUDE, names_with_magnitudes, table
 STROKE: Final = "stroke"
 ANGLES: Final = "transmission_angle"
 FAMILIES: Final = ("joint_force", ANGLES)
-REDUCTIONS: Final = tuple(one.value for one in Reduction if one is not Reduction.AT)
+REDUCTIONS: Final = tuple(reduction.value for reduction in Reduction if reduction is not Reduction.AT)
 NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signals, in words
     **dict.fromkeys(("S", "v", "a"), "an output point"),
     **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
@@ -45,18 +45,18 @@ def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> 
     Raises LinkproofError for a signal or a reduction that there is not, and for a wrong angle or time.
     """
     listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
-    known = listed | {one: one for one, on_request in table(mechanism).items() if not on_request.is_listed}
+    known = listed | {key: key for key, on_request in table(mechanism).items() if not on_request.is_listed}
     signal, mark, where = name.rpartition("@")
     if mark:
         members = _members(mechanism, known, signal, name)
         angle, time = _instant(mechanism.linkage, name, where, in_time=in_time)
-        return {f"{one}@{where}": Figure(known[one], Reduction.AT, angle, time) for one in members}
+        return {f"{member}@{where}": Figure(known[member], Reduction.AT, angle, time) for member in members}
     signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
     if word not in REDUCTIONS:
         raise _unknown(name, listed)
     how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(ANGLES) else Reduction(word)
     members = _members(mechanism, known, signal, name)
-    return {STROKE if name == STROKE else f"{one}.{word}": Figure(known[one], how) for one in members}
+    return {STROKE if name == STROKE else f"{member}.{word}": Figure(known[member], how) for member in members}
 
 
 def figure_names(mechanism: Mechanism) -> list[str]:
@@ -72,15 +72,15 @@ def _signals(mechanism: Mechanism, without: Collection[str] = NOT_OF_A_DESIGN) -
 
 def _examples(known: Mapping[str, str]) -> list[str]:
     """Every figure, the peaks first."""
-    families = [kind for kind in FAMILIES if any(one.startswith(f"{kind}:") for one in known)]
+    families = [kind for kind in FAMILIES if any(name.startswith(f"{kind}:") for name in known)]
     stroke = [STROKE] if "S" in known else []
-    return [*stroke, *(f"{one}.{word}" for word in REDUCTIONS for one in (*known, *families))]
+    return [*stroke, *(f"{name}.{word}" for word in REDUCTIONS for name in (*known, *families))]
 
 
 def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
     """The signal, or every member of the family: the magnitudes of all forces, the angles of all groups."""
     ending = MAGNITUDE if signal == "joint_force" else ""
-    members = [one for one, told in known.items() if told == f"{one}{ending}" and one.startswith(f"{signal}:")]
+    members = [key for key, words in known.items() if words == f"{key}{ending}" and key.startswith(f"{signal}:")]
     if signal in NEEDS and signal not in known and not members:
         raise LinkproofError(
             f"{STROKE if signal == 'S' else signal}: expected a linkage with {NEEDS[signal]}, got "
@@ -97,13 +97,14 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
     """What to say of a figure that there is not: the nearest few."""
     examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
     symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
-    by_case = {one.lower(): one for one in examples}
+    by_case = {example.lower(): example for example in examples}
     near = get_close_matches(name.lower(), by_case, n=NEAREST, cutoff=SIMILAR)
-    meant = dict.fromkeys([*([symbol] if symbol in examples else []), *(by_case[one] for one in near)])
-    hint = f"did you mean {' or '.join(repr(one) for one in [*meant][:NEAREST])}? " if meant else ""
+    meant = dict.fromkeys([*([symbol] if symbol in examples else []), *(by_case[key] for key in near)])
+    hint = f"did you mean {' or '.join(repr(key) for key in [*meant][:NEAREST])}? " if meant else ""
     return LinkproofError(
         f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "
-        f"{', '.join(f'.{one}' for one in REDUCTIONS)} or @ANGLE behind its name; `linkproof list --figures` shows all"
+        f"{', '.join(f'.{reduction}' for reduction in REDUCTIONS)} or @ANGLE behind its name; "
+        "`linkproof list --figures` shows all"
     )
 
 

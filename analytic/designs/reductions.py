@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.designs.checking import speed_of
-from analytic.designs.dead_positions import KEPT
+from analytic.designs.dead_positions import LEAST_RATIO
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.means import is_settled
 from analytic.designs.samples import Booleans
@@ -31,7 +31,10 @@ LOWEST: Final = ("{value} if {value} < {so_far} else {so_far}", np.inf)
 SUM: Final = ("{so_far} + {value}", 0.0)
 ALL: Final = ("{so_far} if {value} else 0.0", 1.0)
 # Of a magnitude, which the next result has of the row before: nothing is less than nan, the first one's.
-STEEP: Final = (f"1.0 if ({{value}} < {KEPT} * {{next}}) | ({{next}} < {KEPT} * {{value}}) else {{so_far}}", 0.0)
+STEEP: Final = (
+    f"1.0 if ({{value}} < {LEAST_RATIO} * {{next}}) | ({{next}} < {LEAST_RATIO} * {{value}}) else {{so_far}}",
+    0.0,
+)
 LAST: Final = ("{value}", np.nan)
 
 
@@ -39,10 +42,10 @@ def can_reduce(request: FigureRequest) -> bool:
     """Whether the figures are peaks and means of samples, which need no curve."""
     linkage = request.mechanism.linkage
     return not request.refine and not any(
-        one.reduction is Reduction.AT
-        or is_wrapped(one.signal, linkage)
-        or (one.is_mean and not request.may_sample(one))
-        for one in request.figures
+        figure.reduction is Reduction.AT
+        or is_wrapped(figure.signal, linkage)
+        or (figure.is_mean and not request.may_sample(figure))
+        for figure in request.figures
     )
 
 
@@ -54,9 +57,9 @@ class _Gathered:
         self.results: list[Result] = []
         self.places: dict[str, int] = {}
         lines = dict(zip(request.signals, listed.signals, strict=True))
-        for one in request.figures:
-            name = sampled(one.signal)
-            if one.is_mean:
+        for quantity in request.figures:
+            name = sampled(quantity.signal)
+            if quantity.is_mean:
                 self._add_mean(name, Traced(listed.trace, lines[name]))
             else:
                 self._add(f"{name} highest", lines[name], HIGHEST)
@@ -77,23 +80,23 @@ class _Gathered:
             for share in (SHARE, HALF_SHARE):
                 self._add(f"{name} {power} {share}", trace.line(number * trace.input(share)), SUM)
 
-    def figure(self, one: Figure, found: Array) -> tuple[Array, Booleans]:
+    def figure(self, quantity: Figure, values: Array) -> tuple[Array, Booleans]:
         """The figure from results (results, n), and where it is doubtful."""
 
         def of(name: str) -> Array:
-            return np.asarray(found[self.places[name]])
+            return np.asarray(values[self.places[name]])
 
-        name = sampled(one.signal)
-        if one.is_mean:
-            power = "square" if one.reduction is Reduction.RMS else "mean"
-            whole, half = (one.of_mean(of(f"{name} {power} {share}")) for share in (SHARE, HALF_SHARE))
+        name = sampled(quantity.signal)
+        if quantity.is_mean:
+            power = "square" if quantity.reduction is Reduction.RMS else "mean"
+            whole, half = (quantity.of_mean(of(f"{name} {power} {share}")) for share in (SHARE, HALF_SHARE))
             return whole, ~is_settled(whole, half, np.sqrt(of(f"{name} square {SHARE}")))
         high, low = of(f"{name} highest"), of(f"{name} lowest")
-        if one.signal == "S":  # counts from the highest
+        if quantity.signal == "S":  # counts from the highest
             high, low = high - low, np.zeros(low.shape)
         ends = {Reduction.PEAK: (np.maximum(np.abs(high), np.abs(low)),), Reduction.RANGE: (high, low)}
         ends |= {Reduction.MAX: (high,), Reduction.MIN: (low,)}
-        return one.of(ends[one.reduction]), np.zeros(high.shape, dtype=bool)
+        return quantity.of(ends[quantity.reduction]), np.zeros(high.shape, dtype=bool)
 
 
 def reduced_figures(
@@ -116,11 +119,11 @@ def reduced_figures(
         here = slice(start, min(start + CHUNK, count))
         own = {name: numbers[here] for name, numbers in arrays.items()}
         lanes = listed.trace.computed(given, listed.values(own, speed=speed_of(own, request.speed)))
-        found = function(lanes, rows, here.stop - start)
-        doubtful[here] = found[steep].any(axis=0)
-        moves = found[gathered.places["moves"]] > 0.0
-        for row, one in enumerate(request.figures):
-            figure, unsettled = gathered.figure(one, found)
+        reduced = function(lanes, rows, here.stop - start)
+        doubtful[here] = reduced[steep].any(axis=0)
+        moves = reduced[gathered.places["moves"]] > 0.0
+        for row, quantity in enumerate(request.figures):
+            figure, unsettled = gathered.figure(quantity, reduced)
             values[row, here] = np.where(moves, figure, np.nan)
             doubtful[here] |= unsettled
         doubtful[here] &= moves

@@ -66,11 +66,11 @@ def design_figures(
     designs = request.designs(arrays)
     if designs.listed is None or not can_reduce(request) or not designs.is_compiled:
         return request.of(arrays, cores)
-    found, doubtful = reduced_figures(request, arrays, designs.listed, cores)
+    reduced, doubtful = reduced_figures(request, arrays, designs.listed, cores)
     if np.any(doubtful):
         some = {name: values[doubtful] for name, values in arrays.items()}
-        found[:, doubtful] = replace(request, path="auto").of(some, cores)  # few: another function rarely pays
-    return found
+        reduced[:, doubtful] = replace(request, path="auto").of(some, cores)  # few: another function rarely pays
+    return reduced
 
 
 def turn_figures(mechanism: Mechanism, figures: Sequence[Figure], speed: float) -> Array:
@@ -107,9 +107,9 @@ def period_of(mechanism: Mechanism, places: Array) -> float | None:
 def _check_names(mechanism: Mechanism, figures: Sequence[Figure]) -> None:
     """Raise UnknownNameError for a figure of a signal that the mechanism does not have."""
     known = {*table(mechanism), *names_with_magnitudes(mechanism)}
-    for one in figures:
-        if one.signal not in known:
-            raise UnknownNameError("signal", one.signal, known)
+    for figure in figures:
+        if figure.signal not in known:
+            raise UnknownNameError("signal", figure.signal, known)
 
 
 def is_turn(places: Array) -> bool:

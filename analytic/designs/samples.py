@@ -117,13 +117,16 @@ class Designs:
             *values, moves = of.trace.computed([*wanted, *of.determinants, of.moves], known)
         else:
             given = of.trace.computed(function.lanes, known)
-            lanes = [np.broadcast_to(one, phi.shape).reshape(-1) for one in given]
-            found = function(lanes, ONE_ROW, phi.size).reshape(-1, *phi.shape)
+            lanes = [np.broadcast_to(entry, phi.shape).reshape(-1) for entry in given]
+            computed = function(lanes, ONE_ROW, phi.size).reshape(-1, *phi.shape)
             count = len(self.signals)
-            values, moves = [found[self.signals.index(name)] for name in names] + [*found[count + 1 :]], found[count]
-        full = [np.broadcast_to(one, phi.shape) for one in values]
+            values, moves = (
+                [computed[self.signals.index(name)] for name in names] + [*computed[count + 1 :]],
+                computed[count],
+            )
+        full = [np.broadcast_to(value, phi.shape) for value in values]
         return DesignSamples(
-            {name: self._unwrapped(name, one) for name, one in zip(names, full, strict=False)},
+            {name: self._unwrapped(name, entry) for name, entry in zip(names, full, strict=False)},
             np.broadcast_to(np.asarray(moves, dtype=bool), phi.shape),
             np.reshape(full[len(names) :], (-1, *phi.shape)),
         )

@@ -54,16 +54,16 @@ class FigureRequest:
     @property
     def signals(self) -> tuple[str, ...]:
         """What is sampled: for S the output's coordinate."""
-        return tuple(dict.fromkeys(sampled(one.signal) for one in self.figures))
+        return tuple(dict.fromkeys(sampled(figure.signal) for figure in self.figures))
 
     def designs(self, arrays: Mapping[str, Array]) -> Designs:
         """The designs that differ in ``arrays`` (designs,) of numbers by name."""
         poses = len(next(iter(arrays.values()))) * len(self.places)
         return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
-    def may_sample(self, one: Figure) -> bool:
+    def may_sample(self, figure: Figure) -> bool:
         """Whether a mean may be that of the samples: they divide a turn evenly, and it counts from none of them."""
-        counts_from_one = is_angle(one.signal) or (one.signal == "S" and not self.refine)
+        counts_from_one = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
         return self.period is not None and len(self.places) % 2 == 0 and not counts_from_one
 
     def of(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
@@ -71,13 +71,13 @@ class FigureRequest:
 
         They are nan where a design has no motion at one of the places; numbers are taken as they are.
         """
-        found = np.full((len(self.figures), len(next(iter(arrays.values())))), np.nan)
+        values = np.full((len(self.figures), len(next(iter(arrays.values())))), np.nan)
 
         def work(rows: Integers, sampler: Sampler) -> None:
-            found[:, rows] = _Chunk(self, sampler, rows).all(self.figures)
+            values[:, rows] = _Chunk(self, sampler, rows).all(self.figures)
 
         self.designs(arrays).in_blocks(CHUNK, work, cores)
-        return found
+        return values
 
 
 def sampled(name: str) -> str:
@@ -92,7 +92,7 @@ class _Marked(NamedTuple):
     sides: Array
 
 
-Found = dict[SignalExtreme, list[_Marked]]
+MarkedExtremes = dict[SignalExtreme, list[_Marked]]
 
 
 class _Chunk:
@@ -106,10 +106,10 @@ class _Chunk:
 
     def all(self, figures: Sequence[Figure]) -> Array:
         """The figures, (figures, rows)."""
-        if self.request.refine and any(one.signal == "S" for one in figures):
+        if self.request.refine and any(figure.signal == "S" for figure in figures):
             self.farthest = self._tops()
         result = self._figures(figures)
-        means = {row: one for row, one in enumerate(figures) if one.is_mean}
+        means = {row: figure for row, figure in enumerate(figures) if figure.is_mean}
         if means:
             self._integrate(means, result)
         doubtful = np.flatnonzero(self.doubtful & ~self.faulty)
@@ -119,43 +119,45 @@ class _Chunk:
 
     def _figures(self, figures: Sequence[Figure]) -> Array:
         result = np.full((len(figures), len(self.rows)), np.nan)
-        found: Found = {end: [] for one in figures for end in one.extremes} if self.request.refine else {}
+        groups: MarkedExtremes = (
+            {end: [] for quantity in figures for end in quantity.extremes} if self.request.refine else {}
+        )
         places = self.request.places
         size = max(1, BLOCK // len(places))
         for start in range(0, len(self.rows), size):
             here = np.arange(start, min(start + size, len(self.rows)))
             phi = np.broadcast_to(places, (len(here), len(places)))
-            sampled, coarse = self._sampled(here, phi, dict.fromkeys(one.signal for one in figures))
-            for row, one in enumerate(figures):
-                if one.reduction is Reduction.AT:
-                    result[row, here] = sampled[one.signal][:, np.argmin(np.abs(places - one.angle))]
-                elif one.is_mean:
-                    result[row, here] = self._mean(one, sampled[one.signal])
-                elif not found:
-                    result[row, here] = _reduced(one, sampled[one.signal])
-            if found:
+            sampled, coarse = self._sampled(here, phi, dict.fromkeys(quantity.signal for quantity in figures))
+            for row, figure in enumerate(figures):
+                if figure.reduction is Reduction.AT:
+                    result[row, here] = sampled[figure.signal][:, np.argmin(np.abs(places - figure.angle))]
+                elif figure.is_mean:
+                    result[row, here] = self._mean(figure, sampled[figure.signal])
+                elif not groups:
+                    result[row, here] = _reduced(figure, sampled[figure.signal])
+            if groups:
                 grid, sampled = self._closed(sampled, len(here))
-                self._mark(found, sampled, here, grid)
-                self._look_closer(found, here, grid, coarse)
-        heights = {extreme: self._highest(extreme, parts) for extreme, parts in found.items()}
+                self._mark(groups, sampled, here, grid)
+                self._look_closer(groups, here, grid, coarse)
+        heights = {extreme: self._highest(extreme, parts) for extreme, parts in groups.items()}
         every = np.arange(len(self.rows))
-        for row, one in enumerate(figures):
-            if one.reduction is Reduction.AT:
-                angle = np.full((len(every), 1), one.angle)
-                result[row] = self._seen(one.signal, every, angle, result[row])[:, 0]
-            elif found and one.extremes:
-                result[row] = one.of([heights[end] for end in one.extremes])
+        for row, figure in enumerate(figures):
+            if figure.reduction is Reduction.AT:
+                angle = np.full((len(every), 1), figure.angle)
+                result[row] = self._seen(figure.signal, every, angle, result[row])[:, 0]
+            elif groups and figure.extremes:
+                result[row] = figure.of([heights[end] for end in figure.extremes])
         return result
 
     def _tops(self) -> Array:
         """The output's highest coordinate, between the samples too."""
         return np.asarray(_Chunk(replace(self.request, refine=True), self.sampler, self.rows)._figures([TOP])[0])
 
-    def _mean(self, one: Figure, values: Array) -> Array:
+    def _mean(self, figure: Figure, values: Array) -> Array:
         """A mean of samples (designs, angles), nan where they are too few for it."""
-        if not self.request.may_sample(one):
+        if not self.request.may_sample(figure):
             return np.full(len(values), np.nan)
-        whole, half = (one.of_mean(np.mean(one.integrand(part), axis=1)) for part in (values, values[:, ::2]))
+        whole, half = (figure.of_mean(np.mean(figure.integrand(part), axis=1)) for part in (values, values[:, ::2]))
         size = np.sqrt(np.mean(np.square(values), axis=1))
         return np.asarray(np.where(is_settled(whole, half, size), whole, np.nan))
 
@@ -166,7 +168,7 @@ class _Chunk:
         integrated with the signals, for such a spike to be closed in on.
         """
         few = np.isnan(result[[*figures]]).any(axis=0) | self.doubtful
-        left, names = np.flatnonzero(few & ~self.faulty), {one.signal for one in figures.values()}
+        left, names = np.flatnonzero(few & ~self.faulty), {quantity.signal for quantity in figures.values()}
         if len(left) and "S" in names and not self.request.refine:
             self.farthest = self._tops()
         places = self.request.places
@@ -180,13 +182,16 @@ class _Chunk:
                 for name, values in near.items():
                     curves[name] = on_branch(curves[name], phi, places, values[design])
                 return np.stack(
-                    [*(one.integrand(curves[one.signal]) for one in figures.values()), *np.divide(1.0, determinants)]
+                    [
+                        *(quantity.integrand(curves[quantity.signal]) for quantity in figures.values()),
+                        *np.divide(1.0, determinants),
+                    ]
                 )
 
-            for (row, one), mean in zip(
+            for (row, figure), mean in zip(
                 figures.items(), averages(integrands, edges_of(self.request.grid), len(here)), strict=False
             ):
-                result[row, here] = one.of_mean(mean)
+                result[row, here] = figure.of_mean(mean)
 
     def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
         """Signals of some of the designs at crank angles, (designs, angles), and where these are too far apart."""
@@ -210,13 +215,13 @@ class _Chunk:
                 sampled[name] = np.concatenate([values, values[:, :1] + period * turns], axis=1)
         return np.broadcast_to(grid, (count, len(grid))), sampled
 
-    def _look_closer(self, found: Found, here: Integers, phi: Array, coarse: Booleans) -> None:
+    def _look_closer(self, groups: MarkedExtremes, here: Integers, phi: Array, coarse: Booleans) -> None:
         """Sample the steps of crank angles (designs, angles) that are too long, as next to dead positions.
 
         Not for the angles of links, which know no forces.
         """
-        found = {extreme: parts for extreme, parts in found.items() if not is_angle(extreme.signal)}
-        names = dict.fromkeys(extreme.signal for extreme in found)
+        groups = {extreme: parts for extreme, parts in groups.items() if not is_angle(extreme.signal)}
+        names = dict.fromkeys(extreme.signal for extreme in groups)
         if coarse.shape[1] < phi.shape[1] - 1:  # the step that ends the period is like those beside it
             coarse = np.concatenate([coarse, coarse[:, :1] | coarse[:, -1:]], axis=1)
         for _ in range(LEVELS if names else 0):
@@ -228,7 +233,7 @@ class _Chunk:
             for start in range(0, len(row), BLOCK // PARTS):
                 some = slice(start, start + BLOCK // PARTS)
                 sampled, coarse[some] = self._sampled(here[some], phi[some], names)
-                self._mark(found, sampled, here[some], phi[some])
+                self._mark(groups, sampled, here[some], phi[some])
 
     def _curves(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Array]:
         """Signals of some of the designs at crank angles, (designs, angles), and determinants; faults are noted."""
@@ -252,9 +257,9 @@ class _Chunk:
             values += FULL_TURN * np.round((near[:, None] - values) / FULL_TURN)
         return values
 
-    def _mark(self, found: Found, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
+    def _mark(self, groups: MarkedExtremes, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
         """Enter the sampled tops of some designs that may be higher than what is known of them."""
-        for extreme, parts in found.items():
+        for extreme, parts in groups.items():
             values = sampled[extreme.signal]
             all_heights = extreme.height(values)
             known = self.known.setdefault(extreme, np.full(len(self.rows), -np.inf))
@@ -266,15 +271,15 @@ class _Chunk:
 
     def _highest(self, extreme: SignalExtreme, parts: Sequence[_Marked]) -> Array:
         """The true extreme of a signal of every design, (designs,)."""
-        found = Tops(*(np.concatenate(columns) for columns in zip(*(part.tops for part in parts), strict=True)))
+        result = Tops(*(np.concatenate(columns) for columns in zip(*(part.tops for part in parts), strict=True)))
         sides = np.concatenate([part.sides for part in parts])
-        near = extreme.value(np.max(found.heights, axis=1), sides)
+        near = extreme.value(np.max(result.heights, axis=1), sides)
 
         def heights(top: Integers, phi: Array) -> Array:
-            seen = self._seen(extreme.signal, found.curve[top], phi, near[top])
+            seen = self._seen(extreme.signal, result.curve[top], phi, near[top])
             return extreme.height(seen, sides[top, None])
 
-        highest = extreme.value(*summits(found, sides, heights, len(self.rows)))
+        highest = extreme.value(*summits(result, sides, heights, len(self.rows)))
         return np.where(extreme.is_kink(highest), SQUARE, highest)
 
 

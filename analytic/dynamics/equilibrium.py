@@ -53,7 +53,7 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     if is_linear:
         after[-1] = np.nan
     changes = np.flatnonzero((np.signbit(before) != np.signbit(after)) & np.isfinite(before) & np.isfinite(after))
-    found = []
+    equilibria = []
     for change in changes:
         left = float(start[change])
         right = float(start[change + 1]) if is_linear else left + FULL_TURN / len(start)
@@ -61,8 +61,8 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
         ends = max(abs(before[change]), abs(after[change]))
         if abs(float(moment(np.asarray(angle)))) <= ends:  # else it passes through infinity, at a dead position
             place = angle if is_linear else float(in_turn(angle))
-            found.append(Equilibrium(place, bool(after[change] < before[change])))
-    return tuple(sorted(found))
+            equilibria.append(Equilibrium(place, bool(after[change] < before[change])))
+    return tuple(sorted(equilibria))
 
 
 def _weight(mechanism: Mechanism) -> float:

@@ -32,51 +32,51 @@ def group_wrenches(balance: LinkBalance, group: AnyGroup) -> list[tuple[GroupJoi
     return _higher_wrenches(balance, group)
 
 
-def _rrr(balance: LinkBalance, dyad: Dyad, one: Wrench, two: Wrench) -> JointWrenches:
+def _rrr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
     """By r × N = M₁ and −q × N = M₂ about the outer pins, r and q from them to the inner one, N is its force."""
     r, q = _inner_arms(balance, dyad)
     scale = 1.0 / cross(r, q)
-    n = ((one[2] * q[0] + two[2] * r[0]) * scale, (one[2] * q[1] + two[2] * r[1]) * scale)
-    return (one[0] - n[0], one[1] - n[1], 0.0), (n[0], n[1], 0.0), (two[0] + n[0], two[1] + n[1], 0.0)
+    n = ((first[2] * q[0] + two[2] * r[0]) * scale, (first[2] * q[1] + two[2] * r[1]) * scale)
+    return (first[0] - n[0], first[1] - n[1], 0.0), (n[0], n[1], 0.0), (two[0] + n[0], two[1] + n[1], 0.0)
 
 
-def _rrp(balance: LinkBalance, dyad: Dyad, one: Wrench, two: Wrench) -> JointWrenches:
+def _rrp(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
     """By r × N = M₁ about the outer pin and −N·e = F₂·e along the slide the inner force is N = a e + b e⊥."""
     (r, _), e = _inner_arms(balance, dyad), _line(balance, dyad.second_joint)
     f = (two[0], two[1])
     a = -dot(e, f)
-    b = (one[2] - a * cross(r, e)) / dot(r, e)
+    b = (first[2] - a * cross(r, e)) / dot(r, e)
     n = (a * e[0] - b * e[1], a * e[1] + b * e[0])
-    return (one[0] - n[0], one[1] - n[1], 0.0), (n[0], n[1], 0.0), _across(e, cross(e, f) + b, two[2])
+    return (first[0] - n[0], first[1] - n[1], 0.0), (n[0], n[1], 0.0), _across(e, cross(e, f) + b, two[2])
 
 
-def _rpr(balance: LinkBalance, dyad: Dyad, one: Wrench, two: Wrench) -> JointWrenches:
+def _rpr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
     """The moments about both outer pins, M₁ + M₂ = −n d·e with d from the second to the first, give n e⊥."""
     e, d = _line(balance, dyad.inner_joint), balance.gap(dyad.second, dyad.first)
-    n = _across(e, -(one[2] + two[2]) / dot(d, e), one[2])
-    return (one[0] - n[0], one[1] - n[1], 0.0), n, (two[0] + n[0], two[1] + n[1], 0.0)
+    n = _across(e, -(first[2] + two[2]) / dot(d, e), first[2])
+    return (first[0] - n[0], first[1] - n[1], 0.0), n, (two[0] + n[0], two[1] + n[1], 0.0)
 
 
-def _rpp(balance: LinkBalance, dyad: Dyad, one: Wrench, two: Wrench) -> JointWrenches:
+def _rpp(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
     """F₂ = n e⊥ − k f⊥ across the outer and the inner slide; the moments are passed on."""
     e, f = _line(balance, dyad.second_joint), _line(balance, dyad.inner_joint)
     scale = 1.0 / cross(e, f)
     force = (two[0], two[1])
-    inner = _across(f, dot(force, e) * scale, one[2])
-    moment = two[2] + (one[2] + cross(balance.gap(dyad.second, dyad.first), (inner[0], inner[1])))
-    return (one[0] - inner[0], one[1] - inner[1], 0.0), inner, _across(e, dot(force, f) * scale, moment)
+    inner = _across(f, dot(force, e) * scale, first[2])
+    moment = two[2] + (first[2] + cross(balance.gap(dyad.second, dyad.first), (inner[0], inner[1])))
+    return (first[0] - inner[0], first[1] - inner[1], 0.0), inner, _across(e, dot(force, f) * scale, moment)
 
 
-def _prp(balance: LinkBalance, dyad: Dyad, one: Wrench, two: Wrench) -> JointWrenches:
+def _prp(balance: LinkBalance, dyad: Dyad, row: Wrench, two: Wrench) -> JointWrenches:
     """N·e = F₁·e and −N·f = F₂·f along the slides give the inner force N = a e⊥ + b f⊥."""
     e, f = _line(balance, dyad.first_joint), _line(balance, dyad.second_joint)
     scale = 1.0 / cross(e, f)
-    first, second = (one[0], one[1]), (two[0], two[1])
+    first, second = (row[0], row[1]), (two[0], two[1])
     a, b = -dot(second, f) * scale, -dot(first, e) * scale
     both = dot(e, f)
     n = (-a * e[1] - b * f[1], a * e[0] + b * f[0], 0.0)
     return (
-        _across(e, cross(e, first) - a - b * both, one[2]),
+        _across(e, cross(e, first) - a - b * both, row[2]),
         n,
         _across(f, cross(f, second) + a * both + b, two[2]),
     )

@@ -71,7 +71,7 @@ class LoadedSweep:
         if self.is_static:
             return Load(link.name, link.centre, (link.mass * x, link.mass * y))
         first, second = (self.sweep.centre(link.name, order) for order in (1, 2))
-        moves = [self.square * two + self.acceleration * one for one, two in zip(first, second, strict=True)]
+        moves = [self.square * two + self.acceleration * squared for squared, two in zip(first, second, strict=True)]
         force = (link.mass * (x - moves[0]), link.mass * (y - moves[1]))
         if link.inertia is None:
             return Load(link.name, link.centre, force)
@@ -81,15 +81,15 @@ class LoadedSweep:
 
     def _of_spring(self, spring: Spring) -> tuple[Load, Load]:
         """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
-        (one, two), (here, there) = spring.links, self._ends(spring)
-        span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((one, here), (two, there))))
+        (first, two), (here, there) = spring.links, self._ends(spring)
+        span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((first, here), (two, there))))
         over_length = _over_length(span)
         per_length = spring.stiffness * (1.0 - spring.length * over_length)
         if self.turns and not frames.is_zero(spring.damping):
-            rate = frames.minus(*(self.sweep.local_point(body, at, 1) for body, at in ((one, here), (two, there))))
+            rate = frames.minus(*(self.sweep.local_point(body, at, 1) for body, at in ((first, here), (two, there))))
             per_length = per_length + spring.damping * self.speed * frames.dot(span, rate) * over_length * over_length
         force = (per_length * span[0], per_length * span[1])
-        return Load(one, here, (-force[0], -force[1])), Load(two, there, force)
+        return Load(first, here, (-force[0], -force[1])), Load(two, there, force)
 
     def _ends(self, spring: Spring) -> tuple[Vector, Vector]:
         here, there = (self.linkage.local(p, body) for p, body in zip(spring.points, spring.links, strict=True))

@@ -159,8 +159,8 @@ class _Search:
             if touch is None:
                 continue
             far = np.asarray(touch.angle + np.multiply.outer([NEAR, 2.0 * NEAR], SIDES))
-            one, two = self._margin(number, _Chain(self.pivot, far))[0].sum(axis=1)
-            if two < QUARTIC * one:
+            first, two = self._margin(number, _Chain(self.pivot, far))[0].sum(axis=1)
+            if two < QUARTIC * first:
                 yield touch._replace(angle=np.mod(touch.angle, self.period))
             elif np.isfinite(two):
                 self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))

@@ -38,8 +38,8 @@ class DyadSolver:
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, Pose]:
         """Poses of the first and the second link; nan where the links do not meet."""
-        one, two = self.hosts
-        self.near = (poses[one], poses[two])
+        first, two = self.hosts
+        self.near = (poses[first], poses[two])
         with np.errstate(divide="ignore", invalid="ignore"):
             self.own, self.closure = self.formulas.poses(self.constants, self.near)
             self.moves = self._moves()
@@ -61,8 +61,8 @@ class DyadSolver:
 
     def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, Rate]:
         """First derivatives over φ; the poses must be known."""
-        one, two = self.hosts
-        self.near_rates = (rates[one], rates[two])
+        first, two = self.hosts
+        self.near_rates = (rates[first], rates[two])
         with np.errstate(divide="ignore", invalid="ignore"):
             own, self.travel = self.formulas.rates(self.constants, self.near, self.near_rates, self.own, self.closure)
         self.own_rates = self._followed(1, own)
@@ -70,11 +70,11 @@ class DyadSolver:
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, Rate]:
         """Second derivatives over φ; the rates must be known."""
-        one, two = self.hosts
+        first, two = self.hosts
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.formulas.accelerations(
                 self.constants,
-                (self.near, self.near_rates, (accelerations[one], accelerations[two])),
+                (self.near, self.near_rates, (accelerations[first], accelerations[two])),
                 (self.own, self.own_rates),
                 self.closure,
                 self.travel,

@@ -41,10 +41,10 @@ def mobility(linkage: Linkage) -> Mobility:
 
 def loose_points(linkage: Linkage) -> tuple[str, ...]:
     """Points of links that are on no joint, sorted."""
-    held = {pin.point for pin in linkage.pins} | {slot.point for slot in linkage.slots}
-    held |= {slider.point for slider in linkage.sliders} | {*(linkage.cylinder.points if linkage.cylinder else ())}
+    shared = {pin.point for pin in linkage.pins} | {slot.point for slot in linkage.slots}
+    shared |= {slider.point for slider in linkage.sliders} | {*(linkage.cylinder.points if linkage.cylinder else ())}
     counts = Counter(point for link in linkage.links.values() for point in link.points)
-    return tuple(sorted(point for point in counts if point not in held))
+    return tuple(sorted(point for point in counts if point not in shared))
 
 
 def grashof(linkage: Linkage, structure: Structure) -> str | None:

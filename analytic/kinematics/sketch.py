@@ -31,12 +31,12 @@ def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
 def meant(linkage: Linkage, places: Sequence[Mapping[str, Vector]]) -> tuple[int, list[str] | None]:
     """The number of the configuration nearest to the sketch; and where that leaves it open, which points would tell."""
     distances = [
-        math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in one.items() if p in linkage.sketch))
-        for one in places
+        math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in configuration.items() if p in linkage.sketch))
+        for configuration in places
     ]
     order = sorted(range(len(places)), key=lambda number: distances[number])
     if len(order) == 1 or distances[order[0]] < AMBIGUITY * distances[order[1]]:
         return order[0], None
-    one, other = places[order[0]], places[order[1]]
+    nearest, other = places[order[0]], places[order[1]]
     least = TELLING * linkage.extent()
-    return order[0], sorted(point for point in one if math.dist(one[point], other[point]) > least)
+    return order[0], sorted(point for point in nearest if math.dist(nearest[point], other[point]) > least)

@@ -26,9 +26,9 @@ def transmission_angle(sweep: Sweep, dyad: Dyad) -> Array:
     return np.copy(np.broadcast_to(angle, sweep.angle.shape))
 
 
-def between(one: Pair, other: Pair) -> Scalar:
+def between(pair: Pair, other: Pair) -> Scalar:
     """Acute angle of two lines, rad, in [0, π/2]."""
-    return np.arctan2(np.abs(frames.cross(one, other)), np.abs(frames.dot(one, other)))
+    return np.arctan2(np.abs(frames.cross(pair, other)), np.abs(frames.dot(pair, other)))
 
 
 def _sides(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:

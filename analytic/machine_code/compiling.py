@@ -87,10 +87,10 @@ class StraightFunction:
 
     def _memory(self, chunks: int) -> tuple[Array, Array]:
         """Memory of a thread for so many chunks, the same as before: new memory costs more than the computation."""
-        kept: tuple[Array, Array] | None = getattr(self._scratch, "kept", None)
-        if kept is None or len(kept[0]) < chunks:
-            kept = self._scratch.kept = tuple(np.empty((chunks, width, LANES)) for width in self._widths)
-        return kept[0][:chunks], kept[1][:chunks]
+        values: tuple[Array, Array] | None = getattr(self._scratch, "arrays", None)
+        if values is None or len(values[0]) < chunks:
+            values = self._scratch.arrays = tuple(np.empty((chunks, width, LANES)) for width in self._widths)
+        return values[0][:chunks], values[1][:chunks]
 
 
 @lru_cache(maxsize=32)

@@ -62,14 +62,14 @@ class LinkageTrace:
     ) -> dict[int, Any]:
         """Values of the inputs by line: of the ``numbers`` that are given, and of the crank's place and motion, SI."""
         known = {**numbers, PHI: phi, SPEED: speed, ACCELERATION: acceleration}
-        found: dict[int, Any] = {}
+        table: dict[int, Any] = {}
         for name, line in self.trace.inputs.items():
             if isinstance(name, tuple):
                 law, order, component = name
-                found[line] = law(phi, order)[component]
+                table[line] = law(phi, order)[component]
             elif name in known:
-                found[line] = known[name]
-        return found
+                table[line] = known[name]
+        return table
 
     def borders(self, outputs: Iterable[int]) -> tuple[list[int], list[int]]:
         """The lines of a design's numbers alone, and of the crank's place alone, from which outputs follow."""

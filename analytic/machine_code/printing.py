@@ -72,7 +72,7 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
         "    for chunk in range(len(results)):",
         "        given, out = lanes[chunk], results[chunk]",
         f"        {over_lanes}",
-        *(f"            {one}" for one in begun or ["pass"]),
+        *(f"            {name}" for name in begun or ["pass"]),
         "        for row in range(len(rows)):",
     ]
 

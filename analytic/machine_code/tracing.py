@@ -107,7 +107,7 @@ class OperationList:
         needed = self.leading_to(outputs, known)
         last = {other: line for line in needed if line not in known for other in self.operations[line].operands}
         values = {line: known[line] for line in needed if line in known}
-        kept = set(outputs)
+        numbers = set(outputs)
         with np.errstate(all="ignore"):
             for line in needed:
                 if line in values:
@@ -117,7 +117,7 @@ class OperationList:
                     values[line] = row.value
                     continue
                 values[line] = FUNCTIONS[row.name](*(values[other] for other in row.operands))
-                for other in set(row.operands) - kept:
+                for other in set(row.operands) - numbers:
                     if last[other] == line:
                         del values[other]  # memory that stays in the cache
         return [values[line] for line in outputs]
@@ -146,7 +146,7 @@ class Traced(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:  # noqa: ANN401
         # An ``out``, that of array += traced, is left as it was: what is returned takes its name.
-        if method != "__call__" or options or any(np.ndim(one) for one in inputs):
+        if method != "__call__" or options or any(np.ndim(entry) for entry in inputs):
             return NotImplemented
         if ufunc is np.square or (ufunc is np.power and inputs[1] == 2):
             return self.trace.apply("multiply", inputs[0], inputs[0])
@@ -157,7 +157,7 @@ class Traced(NDArrayOperatorsMixin):
 
 
 def _where(*numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
-    trace: OperationList = next(one.trace for one in numbers if isinstance(one, Traced))
+    trace: OperationList = next(number.trace for number in numbers if isinstance(number, Traced))
     return trace.apply("where", *numbers)
 
 

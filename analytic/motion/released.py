@@ -62,8 +62,8 @@ class FreeMotion:
     def acceleration(self, time: ArrayLike) -> Array:
         """ε(t), rad/s², from the equation of motion at φ(t) and ω(t)."""
         angle = self.angle(time)
-        found = self.equation.acceleration(angle, self.speed(time))
-        return found if self.equation.over_time is None else found + self.equation.push(time, angle)
+        values = self.equation.acceleration(angle, self.speed(time))
+        return values if self.equation.over_time is None else values + self.equation.push(time, angle)
 
     @property
     def jumps(self) -> tuple[float, ...]:

@@ -66,11 +66,11 @@ def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotat
     def speed(phase: Array) -> Array:
         return motion.speed(start + (end - start) * (phase % FULL_TURN) / FULL_TURN)
 
-    found, time = extremes(speed, SAMPLES * turns), end - start
+    result, time = extremes(speed, SAMPLES * turns), end - start
     travelled = float(motion.angle(end) - motion.angle(start))
     square = motion.speed(np.linspace(start, end, 8 * SAMPLES * turns + 1)) ** 2  # dφ = ω dt
     over_angle = float(np.mean(0.5 * (square[1:] + square[:-1]))) * time / travelled
-    return Rotation(travelled / time, over_angle, found.maximum, found.minimum)
+    return Rotation(travelled / time, over_angle, result.maximum, result.minimum)
 
 
 def _instant(motion: FreeMotion, angle: float) -> float | None:
@@ -100,9 +100,9 @@ def steady_state(mechanism: Mechanism, torque: float | Law, half_slope: str = "e
         )
     equation = equation.tabulated()
     for guess in GUESSES:
-        found = _repeating(equation, guess * moment / damping)
-        if found is not None:
-            return found
+        rotation = _repeating(equation, guess * moment / damping)
+        if rotation is not None:
+            return rotation
     raise LinkproofError(
         f"steady rotation of '{mechanism.linkage.name}': expected a crank that keeps turning, got one that stalls "
         f"under a mean torque of {moment:g} N m; raise the torque"

@@ -66,4 +66,4 @@ def _weighed(integrands: Integrands, row: Integers, start: Array, width: Array, 
 
 def _sums(parts: Array, row: Integers, rows: int) -> Array:
     """Parts (k, n) of rows (n,) added up, (k, rows)."""
-    return np.array([np.bincount(row, one, rows) for one in parts])
+    return np.array([np.bincount(row, part, rows) for part in parts])

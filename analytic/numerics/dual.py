@@ -59,7 +59,7 @@ class Dual(NDArrayOperatorsMixin):
         # An ``out``, that of array += dual, is left as it was: what is returned takes its name.
         if method != "__call__" or options:
             return NotImplemented
-        values = [one.value if isinstance(one, Dual) else one for one in inputs]
+        values = [entry.value if isinstance(entry, Dual) else entry for entry in inputs]
         if ufunc in WITHOUT:
             return ufunc(*values)
         if ufunc not in RULES:
@@ -67,9 +67,9 @@ class Dual(NDArrayOperatorsMixin):
         result = ufunc(*values)
         partials = RULES[ufunc](result, *values)
         parts = [
-            partial * _padded(one.slopes, np.ndim(result))
-            for partial, one in zip(partials, inputs, strict=True)
-            if isinstance(one, Dual)
+            partial * _padded(entry.slopes, np.ndim(result))
+            for partial, entry in zip(partials, inputs, strict=True)
+            if isinstance(entry, Dual)
         ]
         return Dual(result, parts[0] if len(parts) == 1 else parts[0] + parts[1])
 
@@ -113,16 +113,16 @@ def _padded(slopes: Array, dimensions: int) -> Array:
 
 def _parts(numbers: Sequence[Any]) -> tuple[list[Any], list[Array]]:
     """Values and derivatives of several numbers, plain ones among them."""
-    count = next(len(one.slopes) for one in numbers if isinstance(one, Dual))
-    values = [one.value if isinstance(one, Dual) else np.asarray(one, dtype=float) for one in numbers]
-    slopes = [one.full if isinstance(one, Dual) else np.zeros((count, *np.shape(one))) for one in numbers]
+    count = next(len(number.slopes) for number in numbers if isinstance(number, Dual))
+    values = [number.value if isinstance(number, Dual) else np.asarray(number, dtype=float) for number in numbers]
+    slopes = [number.full if isinstance(number, Dual) else np.zeros((count, *np.shape(number))) for number in numbers]
     return values, slopes
 
 
 def _where(condition: ArrayLike, yes: Any, no: Any) -> Dual:  # noqa: ANN401 - duals or plain
     values, slopes = _parts((yes, no))
     result = np.where(condition, *values)
-    return Dual(result, np.where(condition, *(_padded(one, result.ndim) for one in slopes)))
+    return Dual(result, np.where(condition, *(_padded(slope, result.ndim) for slope in slopes)))
 
 
 def _stack(numbers: Sequence[Any]) -> Dual:

@@ -67,8 +67,8 @@ def extremes(quantity: Quantity, points: int = GRID) -> Extremes:
 
 def largest(quantity: Quantity, points: int = GRID) -> float:
     """Largest magnitude of a periodic quantity over a turn."""
-    found = extremes(quantity, points)
-    return max(found.maximum, -found.minimum)
+    result = extremes(quantity, points)
+    return max(result.maximum, -result.minimum)
 
 
 def zeros(quantity: Quantity, points: int = GRID, turns: int = 1) -> Array:
@@ -81,5 +81,5 @@ def zeros(quantity: Quantity, points: int = GRID, turns: int = 1) -> Array:
     following = np.roll(values, -1)
     changes = np.flatnonzero(np.signbit(values) != np.signbit(following))
     left, right = angle[changes], angle[changes] + FULL_TURN / points
-    found = roots(quantity, left, np.where(values[changes] == 0.0, left, right), right)
-    return np.sort(in_turn(found) if turns == 1 else np.mod(found, turns * FULL_TURN))
+    places = roots(quantity, left, np.where(values[changes] == 0.0, left, right), right)
+    return np.sort(in_turn(places) if turns == 1 else np.mod(places, turns * FULL_TURN))

@@ -93,16 +93,16 @@ def tabulate(
         true = np.moveaxis(_on(functions, left, right, between), 0, -1)
         deviation = np.abs(checked @ coefficients - true).max(axis=1)
         error = (deviation / np.where(peak > 0.0, peak, 1.0)).max(axis=1)
-        kept = (error <= TOLERANCE) | ((error < SMALL) & (error > PROGRESS * parents)) | last
-        done.append((left[kept], coefficients[kept], error[kept]))
-        if np.all(kept):
+        accepted = (error <= TOLERANCE) | ((error < SMALL) & (error > PROGRESS * parents)) | last
+        done.append((left[accepted], coefficients[accepted], error[accepted]))
+        if np.all(accepted):
             break
         middle = 0.5 * (left + right)
         left, right = (
-            np.concatenate([left[~kept], middle[~kept]]),
-            np.concatenate([middle[~kept], right[~kept]]),
+            np.concatenate([left[~accepted], middle[~accepted]]),
+            np.concatenate([middle[~accepted], right[~accepted]]),
         )
-        parents = np.tile(error[~kept], 2)
+        parents = np.tile(error[~accepted], 2)
     starts, coefficients, errors = (np.concatenate(parts) for parts in zip(*done, strict=True))
     order = np.argsort(starts)
     return PeriodicTable(

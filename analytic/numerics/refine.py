@@ -65,17 +65,17 @@ def highest(curves: Curves, grid: Array, values: Array) -> tuple[Array, Array]:
     (m,) as (k, m); ``values`` (k, n) are theirs on the ascending ``grid`` (n,).
     """
     sampled = tops(values)
-    found = Tops(sampled.curve, grid[sampled.near], values[sampled.curve[:, None], sampled.near])
+    result = Tops(sampled.curve, grid[sampled.near], values[sampled.curve[:, None], sampled.near])
 
     def heights(top: Integers, places: Array) -> Array:
         seen = curves(places.ravel()).reshape(len(values), *places.shape)
-        return seen[found.curve[top], np.arange(len(top))]
+        return seen[result.curve[top], np.arange(len(top))]
 
-    climbed, where = climb(found, heights)
-    first = firsts(found, climbed, len(values), np.max(np.abs(values), axis=1))
+    climbed, where = climb(result, heights)
+    first = firsts(result, climbed, len(values), np.max(np.abs(values), axis=1))
     best = np.argmax(values, axis=1)
     most, places = values[np.arange(len(values)), best], grid[best]
-    most[found.curve[first]], places[found.curve[first]] = climbed[first], where[first]
+    most[result.curve[first]], places[result.curve[first]] = climbed[first], where[first]
     return most, places
 
 
@@ -97,34 +97,34 @@ def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
     return SampledTops(curve, best, np.clip(best, 1, heights.shape[1] - 2)[:, None] + np.array([-1, 0, 1]))
 
 
-def summits(found: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:
+def summits(outcome: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:
     """The highest value of each of ``count`` curves, nan where it has no tops, and the sign of the top that has it.
 
     Of tops that are equal but for rounding it is the first.
     """
-    climbed, _ = climb(found, heights)
-    first, result = firsts(found, climbed, count), np.full((2, count), np.nan)
-    result[:, found.curve[first]] = climbed[first], signs[first]
+    climbed, _ = climb(outcome, heights)
+    first, result = firsts(outcome, climbed, count), np.full((2, count), np.nan)
+    result[:, outcome.curve[first]] = climbed[first], signs[first]
     return result[0], result[1]
 
 
-def firsts(found: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
+def firsts(result: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
     """Of each of ``count`` curves that has tops the highest of them, the first of those that are equal.
 
     They are equal where they differ by the rounding of their height, or of a curve's size (count,).
     """
     most = np.full(count, -np.inf)
-    np.maximum.at(most, found.curve, climbed)
+    np.maximum.at(most, result.curve, climbed)
     least = most - ROUNDING * np.maximum(np.abs(most), sizes)
-    order = np.lexsort((found.places[:, 1], found.curve))
-    order = order[~(climbed[order] < least[found.curve[order]])]
-    return np.asarray(order[np.unique(found.curve[order], return_index=True)[1]])
+    order = np.lexsort((result.places[:, 1], result.curve))
+    order = order[~(climbed[order] < least[result.curve[order]])]
+    return np.asarray(order[np.unique(result.curve[order], return_index=True)[1]])
 
 
-def climb(found: Tops, heights: Heights) -> tuple[Array, Array]:
+def climb(outcome: Tops, heights: Heights) -> tuple[Array, Array]:
     """The height of each top, (n,), and a place where it is as high to ``MISSED``."""
-    result = np.empty((2, len(found.curve)))
-    x, y = found.places, found.heights
+    result = np.empty((2, len(outcome.curve)))
+    x, y = outcome.places, outcome.heights
     left: Integers = np.arange(len(x))
     low, high = _bounds(x, np.argmax(y, axis=1))
     fine = FINE * (high - low)
@@ -168,12 +168,12 @@ def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
 
 def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
     """Place and height of the top of the parabola through three points; infinite or nan where it has none to trust."""
-    one, two = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
+    first, two = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):  # two of the places may be the same
-        rise, fall = (y[:, 1] - y[:, 0]) / one, (y[:, 2] - y[:, 1]) / two
-        bend = (fall - rise) / (one + two)
-        slope = (rise * two + fall * one) / (one + two)
-    bend = np.where((bend < 0.0) & (np.minimum(one, two) > BESIDE * (one + two)), bend, np.nan)
+        rise, fall = (y[:, 1] - y[:, 0]) / first, (y[:, 2] - y[:, 1]) / two
+        bend = (fall - rise) / (first + two)
+        slope = (rise * two + fall * first) / (first + two)
+    bend = np.where((bend < 0.0) & (np.minimum(first, two) > BESIDE * (first + two)), bend, np.nan)
     return x[:, 1] - 0.5 * slope / bend, y[:, 1] - 0.25 * slope * slope / bend
 
 

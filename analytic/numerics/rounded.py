@@ -31,13 +31,13 @@ class Rounded(NDArrayOperatorsMixin):
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:  # noqa: ANN401
         if method != "__call__" or options or ufunc not in RULES:
             return NotImplemented
-        values = [one.value if isinstance(one, Rounded) else one for one in inputs]
+        values = [item.value if isinstance(item, Rounded) else item for item in inputs]
         result = ufunc(*values)
         partials = RULES[ufunc](result, *values)
         bound = UNIT * np.abs(result)
-        for partial, one in zip(partials, inputs, strict=True):
-            if isinstance(one, Rounded):
-                bound = bound + np.abs(partial) * one.bound
+        for partial, entry in zip(partials, inputs, strict=True):
+            if isinstance(entry, Rounded):
+                bound = bound + np.abs(partial) * entry.bound
         return Rounded(result, bound)
 
 

@@ -72,13 +72,13 @@ def contour_length(sweep: Sweep, path: ThreadPath) -> Array:
 
 def _check_turns(mechanism: Mechanism, what: str, cure: str) -> None:
     """Raise LinkproofError if the request needs a full turn and the crank makes none."""
-    told = f"thread: {what} of '{mechanism.linkage.name}' needs a full turn of the crank, which"
+    words = f"thread: {what} of '{mechanism.linkage.name}' needs a full turn of the crank, which"
     if mechanism.linkage.is_linear:
-        raise LinkproofError(f"{told} its linear drive does not make; {cure}")
+        raise LinkproofError(f"{words} its linear drive does not make; {cure}")
     try:
         mechanism.check_full_turn()
     except AssemblyError as error:
-        raise LinkproofError(f"{told} it cannot make; {cure}") from error
+        raise LinkproofError(f"{words} it cannot make; {cure}") from error
 
 
 def eye_travel(mechanism: Mechanism, eye: str) -> EyeTravel:

@@ -62,7 +62,9 @@ def tasks(request: CampaignRequest) -> list[Task]:
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     quantities = chosen_quantities(case, request.quantities)
     # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
-    check_defined(case, [one for one in quantities if not one.needs_thread or one.name in request.quantities])
+    check_defined(
+        case, [quantity for quantity in quantities if not quantity.needs_thread or quantity.name in request.quantities]
+    )
     linkage, motion = case.mechanism.linkage, case.motion
     # Without what the check has worked out, which is a hundred times as large: there may be thousands of cases.
     pickled = pickle.dumps(replace(case, mechanism=Mechanism(linkage)))
@@ -188,7 +190,7 @@ def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], 
         blank,
         [record for record, _ in compared.values()],
         checks(case, motion, replace(blank, origin=CONTROL if adapter.is_control else "")) if with_invariants else (),
-        {name: found.curve for name, (_, found) in compared.items() if found is not None},
+        {name: deviation.curve for name, (_, deviation) in compared.items() if deviation is not None},
         run.details,
     )
 
@@ -215,17 +217,17 @@ def _compared(
     origin = CONTROL if adapter.is_control else quantity.origin(motion).value
     blank = replace(blank, origin=origin, shared=quantity.shared(case, motion))
     try:
-        found = deviation(case, quantity, motion)
+        result = deviation(case, quantity, motion)
     except NoSampleError as error:
         return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error), shared=""), None
     record = replace(
         blank,
-        error_max=found.error_max,
-        error_rms=found.error_rms,
-        error_at_jumps=found.error_at_jumps,
-        peak=found.peak,
-        worst_time=found.worst_time,
-        samples=found.samples,
-        left_out=found.left_out,
+        error_max=result.error_max,
+        error_rms=result.error_rms,
+        error_at_jumps=result.error_at_jumps,
+        peak=result.peak,
+        worst_time=result.worst_time,
+        samples=result.samples,
+        left_out=result.left_out,
     )
-    return judge(record), found
+    return judge(record), result

@@ -123,8 +123,8 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
 
 def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> ErratumRecord:
     erratum, case = trial
-    corrected, found = case.motion, result.curves.get(SPEED)
-    own = next(one for one in result.errors if one.quantity == SPEED)
+    corrected, values = case.motion, result.curves.get(SPEED)
+    own = next(error for error in result.errors if error.quantity == SPEED)
     record = ErratumRecord(
         mechanism=case.mechanism.linkage.name,
         erratum=erratum.name,
@@ -141,9 +141,9 @@ def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> Erratu
         note=erratum.note,
         reason=own.detail,
     )
-    if found is None:
+    if values is None:
         return record
-    time, _, observed, _ = found
+    time, _, observed, _ = values
     far, further = (
         float(np.max(np.abs(observed - model.speed(time)))) / corrected.peak_speed for model in (corrected, printed)
     )

@@ -84,11 +84,11 @@ def key_figures(case: Case, names: Iterable[str] = ()) -> dict[str, float]:
     for name in (*KEY, *points):
         with suppress(LinkproofError):
             usual |= named(mechanism, name)
-    found = case_figures(curves, usual) | dict(_parts_of_the_description(case))
-    for name in (name for name in names if name not in found):
+    values = case_figures(curves, usual) | dict(_parts_of_the_description(case))
+    for name in (name for name in names if name not in values):
         with suppress(LinkproofError):
-            found |= case_figures(curves, named(mechanism, name))
-    return {name: value for name, value in found.items() if math.isfinite(value)}
+            values |= case_figures(curves, named(mechanism, name))
+    return {name: value for name, value in values.items() if math.isfinite(value)}
 
 
 def _parts_of_the_description(case: Case) -> Iterator[tuple[str, float]]:
@@ -133,12 +133,12 @@ def check_figures(names: Sequence[str], linkages: Iterable[Linkage]) -> None:
 
 def figures_now(beside: Iterable[KeyFigure]) -> dict[tuple[str, str, str], dict[str, float]]:
     """Key figures as they are, by mechanism, variant and ``regime_key``."""
-    found: dict[tuple[str, str, str], dict[str, float]] = {}
-    for one in beside:
-        if one.now is not None:
-            place = (one.mechanism, one.variant, regime_key(one.regime, one.conditions))
-            found.setdefault(place, {})[one.figure] = one.now
-    return found
+    groups: dict[tuple[str, str, str], dict[str, float]] = {}
+    for figure in beside:
+        if figure.now is not None:
+            place = (figure.mechanism, figure.variant, regime_key(figure.regime, figure.conditions))
+            groups.setdefault(place, {})[figure.figure] = figure.now
+    return groups
 
 
 def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
@@ -146,27 +146,27 @@ def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
 
     So is every further figure that the baseline's coverage names, or that is recorded.
     """
-    found = []
+    figures = []
     for case in cases:
         blank = blank_record(case, "")
         recorded = baseline.figures(blank)
         now = key_figures(case, (*baseline.coverage.figures, *recorded))
         units = {name: _unit(name, case.mechanism.linkage) for name in (*recorded, *now)}
         least = _roundings(recorded, units)
-        for name, one in units.items():
+        for name, key in units.items():
             old, new = recorded.get(name), now.get(name)
-            same = old is not None and new is not None and abs(new - old) <= max(SAME_FIGURE * abs(old), least[one])
+            same = old is not None and new is not None and abs(new - old) <= max(SAME_FIGURE * abs(old), least[key])
             place = (blank.mechanism, blank.variant, blank.regime, blank.conditions)
-            found.append(KeyFigure(*place, name, old, new, changed=bool(recorded) and not same, unit=one))
-    return found
+            figures.append(KeyFigure(*place, name, old, new, changed=bool(recorded) and not same, unit=key))
+    return figures
 
 
 def _roundings(recorded: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
     """By unit what is rounding of the largest figure that has it."""
-    found = dict.fromkeys(units.values(), 0.0) | {"rad": SAME_FIGURE}  # a transmission angle of zero is rounding
+    values = dict.fromkeys(units.values(), 0.0) | {"rad": SAME_FIGURE}  # a transmission angle of zero is rounding
     for name, value in recorded.items():
-        found[units[name]] = max(found[units[name]], ROUNDINGS * float(np.finfo(float).eps) * abs(value))
-    return found
+        values[units[name]] = max(values[units[name]], ROUNDINGS * float(np.finfo(float).eps) * abs(value))
+    return values
 
 
 def changes(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:

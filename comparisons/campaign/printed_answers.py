@@ -96,7 +96,9 @@ def _trials(linkage: Linkage) -> Iterator[Trial]:
     for entry in applying(linkage):
         if "@" in entry.quantity and entry.relative_to is None and (not entry.less or entry.less in table(mechanism)):
             names = [entry.quantity, *([of_signal(entry.quantity, entry.less)] if entry.less else [])]
-            figures = tuple(one for name in names for one in named(mechanism, name).values() if isinstance(one, Figure))
+            figures = tuple(
+                item for name in names for item in named(mechanism, name).values() if isinstance(item, Figure)
+            )
             groups.setdefault(motion_of(mechanism, entry), []).append((entry, figures))
     for printed, group in groups.items():
         entries, wanted = zip(*group, strict=True)
@@ -127,11 +129,13 @@ def _none(wanted: Wanted, reason: str) -> Answers:
 def _difference(case: Case, motion: ObservedMotion, figures: Sequence[Figure]) -> float | None:
     """The first of the figures less the others; None where the history lacks one."""
     read = []
-    for one in figures:
-        time = np.array([case.motion.duration if math.isnan(one.time) else one.time])  # at an angle the motion ends
-        read.append(_signal(case.mechanism.linkage, motion, one.signal, time))
-    found = [float(values[0]) for values in read if values is not None]
-    return found[0] - sum(found[1:]) if len(found) == len(read) else None
+    for figure in figures:
+        time = np.array(
+            [case.motion.duration if math.isnan(figure.time) else figure.time]
+        )  # at an angle the motion ends
+        read.append(_signal(case.mechanism.linkage, motion, figure.signal, time))
+    numbers = [float(values[0]) for values in read if values is not None]
+    return numbers[0] - sum(numbers[1:]) if len(numbers) == len(read) else None
 
 
 def _signal(linkage: Linkage, motion: ObservedMotion, name: str, time: Array) -> Array | None:

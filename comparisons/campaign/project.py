@@ -111,10 +111,10 @@ def _number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
 def _within(folder: Path, place: str, key: str, path: Path) -> Path:
     """A place beneath the project's folder; raises LinkproofError for one elsewhere, also if links lead there."""
     try:
-        found = Path(os.path.realpath(folder / place))
+        result = Path(os.path.realpath(folder / place))
     except ValueError:  # a null character
-        found = Path(os.sep)
-    if ".." in PurePath(place).parts or not found.is_relative_to(os.path.realpath(folder)):
+        result = Path(os.sep)
+    if ".." in PurePath(place).parts or not result.is_relative_to(os.path.realpath(folder)):
         raise LinkproofError(f"{path}: {key}: expected a place beneath its folder, got '{place}'; give one there")
     return folder / place
 
@@ -123,9 +123,9 @@ def _files(folder: Path, pattern: str, path: Path) -> list[Path]:
     """The files that a pattern matches, sorted; raises LinkproofError where none does, or one lies elsewhere."""
     _within(folder, pattern, "linkages", path)
     try:
-        found = sorted(file for file in folder.glob(pattern) if file.is_file() and file.name != FILE)
+        paths = sorted(file for file in folder.glob(pattern) if file.is_file() and file.name != FILE)
     except (ValueError, NotImplementedError) as error:  # an absolute pattern, or a double star beside letters
         raise LinkproofError(f"{path}: linkages: expected a pattern beneath its folder, got '{pattern}'") from error
-    if not found:
+    if not paths:
         raise LinkproofError(f"{path}: linkages: expected linkage files, got none that match '{pattern}'; correct it")
-    return [_within(folder, str(file.relative_to(folder)), "linkages", path) for file in found]
+    return [_within(folder, str(file.relative_to(folder)), "linkages", path) for file in paths]

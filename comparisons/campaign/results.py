@@ -64,7 +64,7 @@ class Results:
         """Key figures of every linkage and motion, beside what was recorded of them."""
         names = [field.name for field in fields(KeyFigure)]
         rows = self.document.get("figures", ())  # objects of a campaign that was not read from a folder
-        return tuple(one if isinstance(one, KeyFigure) else KeyFigure(**{n: one[n] for n in names}) for one in rows)
+        return tuple(row if isinstance(row, KeyFigure) else KeyFigure(**{n: row[n] for n in names}) for row in rows)
 
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:
@@ -102,7 +102,7 @@ def document(
     errata: Sequence[ErratumRecord] = (),
     readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
 ) -> dict[str, Any]:
-    """All but the runs, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.told`` has them."""
+    """All but the runs, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.as_dict`` has them."""
     return {
         "command": command,
         "conditions": request.conditions,
@@ -126,29 +126,29 @@ def document(
     }
 
 
-def with_runs(told: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:
+def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:
     """A campaign's document with its runs, flat: a row for each quantity and invariant."""
-    found = list(runs)
+    records = list(runs)
     return {
-        **told,
-        "records": [asdict(record) for run in found for record in run.records],
-        "invariants": [asdict(record) for run in found for record in run.checks],
-        "details": {run.key: dict(run.details) for run in found},
+        **table,
+        "records": [asdict(record) for run in records for record in run.records],
+        "invariants": [asdict(record) for run in records for record in run.checks],
+        "details": {run.key: dict(run.details) for run in records},
     }
 
 
-def save(folder: Path, told: Mapping[str, Any], runs: Iterable[RunRecord], sheets: Sequence[Sheet] = ()) -> None:
+def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord], sheets: Sequence[Sheet] = ()) -> None:
     """Write a campaign, or a judgement, and its data sheets into a folder, in the place of another there."""
-    kind = kind_of(told)
-    save_study(folder, kind, told, ((run.key, *run.written()) for run in runs))
+    kind = kind_of(table)
+    save_study(folder, kind, table, ((run.key, *run.written()) for run in runs))
     save_sheets(folder, sheets)
     (other,) = {*KINDS} - {kind}
     shutil.rmtree(folder / other, ignore_errors=True)
 
 
-def kind_of(told: Mapping[str, Any]) -> str:
+def kind_of(table: Mapping[str, Any]) -> str:
     """The study that a document is of."""
-    return JUDGE if "judgement" in told else COMPARE
+    return JUDGE if "judgement" in table else COMPARE
 
 
 def is_saved(folder: Path) -> bool:
@@ -162,10 +162,10 @@ def load(folder: Path, *, with_sheets: bool = True) -> Results:
     Raises LinkproofError where there is none, or it is damaged.
     """
     kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
-    found = Results(*load_study(folder, kind, FORM, RunRecord.from_row), load_sheets(folder) if with_sheets else ())
+    results = Results(*load_study(folder, kind, FORM, RunRecord.from_row), load_sheets(folder) if with_sheets else ())
     if with_sheets:
-        _check_sheets(found, folder)
-    return found
+        _check_sheets(results, folder)
+    return results
 
 
 def _check_sheets(results: Results, folder: Path) -> None:

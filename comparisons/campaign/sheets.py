@@ -18,8 +18,8 @@ def sheets(
     jobs = [(linkage, request.motions, request.own_regimes) for linkage in request.linkages]
     count = usual_processes(len(jobs)) if processes is None else processes
     with closing(run_jobs(usual_sheet, jobs, bounds=bounds, processes=count)) as ended:
-        found = dict(ended)
+        table = dict(ended)
     return tuple(
-        bare_sheet(jobs[number][0], one.reason) if isinstance(one, Lost) else one
-        for number, one in sorted(found.items())
+        bare_sheet(jobs[number][0], entry.reason) if isinstance(entry, Lost) else entry
+        for number, entry in sorted(table.items())
     )

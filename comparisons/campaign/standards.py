@@ -64,9 +64,9 @@ def standard(
             f"expected a baseline at '{file}', got no such file: correct its name, or add --record-baseline"
         )
     home = project.folder if project else file.parent
-    found = read_baseline(file, places(files, home))
-    lost = (path for path in sorted(found.linkages) if path.endswith(".toml") and not (home / path).is_file())
-    return Standard(table, replace(found, lost=tuple(lost), coverage=coverage))
+    result = read_baseline(file, places(files, home))
+    lost = (path for path in sorted(result.linkages) if path.endswith(".toml") and not (home / path).is_file())
+    return Standard(table, replace(result, lost=tuple(lost), coverage=coverage))
 
 
 def notes(baseline: Baseline) -> tuple[str, ...]:
@@ -95,10 +95,10 @@ class JudgedCampaign:
         return (record for run in self.runs for record in run.every)
 
     @property
-    def told(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """What a campaign's document has of it besides the records, JSON-ready."""
         return {
-            "limits": self.standard.limits.told,
+            "limits": self.standard.limits.as_dict,
             "figures": list(self.figures),
             "notes": list(self.notes),
             "departures": list(self.departures),
@@ -144,16 +144,19 @@ def judged_campaign(
     if record_into is not None:
         standard = replace(standard, baseline=Baseline())
         records = (record for run in JudgedRuns(runs, standard) for record in run.every)
-        gone = [one.place for one in departed if one.is_recorded]
+        gone = [departure.place for departure in departed if departure.is_recorded]
         baseline = baseline.recorded(records, figures_now(beside), gone)
         baseline.write(record_into)
-        beside, departed = [replace(one, recorded=one.now, changed=False) for one in beside if one.now is not None], ()
+        beside, departed = (
+            [replace(figure, recorded=figure.now, changed=False) for figure in beside if figure.now is not None],
+            (),
+        )
     return JudgedCampaign(
         replace(standard, baseline=baseline),
         JudgedRuns(runs, standard),
         beside,
-        (*notes(baseline), *(one.sentence for one in departed if one.is_allowed)),
-        tuple(one.sentence for one in departed if not one.is_allowed),
+        (*notes(baseline), *(departure.sentence for departure in departed if departure.is_allowed)),
+        tuple(departure.sentence for departure in departed if not departure.is_allowed),
     )
 
 

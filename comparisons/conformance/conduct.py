@@ -133,9 +133,9 @@ def check_repetition(trial: Trial) -> None:
     first, second = trial.finished(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
     assert second is not None, "expected a second run to finish, as the first one does: build the world anew"
     pairs = zip(readings(scene_of(PLAIN), first), readings(scene_of(PLAIN), second), strict=True)
-    for one, other in pairs:
-        assert np.array_equal(one.time, other.time) and np.array_equal(one.values, other.values), (  # noqa: PT018
-            f"{one.words}: expected the same values from a second run, got others: build the world anew, without "
+    for reading, other in pairs:
+        assert np.array_equal(reading.time, other.time) and np.array_equal(reading.values, other.values), (  # noqa: PT018
+            f"{reading.words}: expected the same values from a second run, got others: build the world anew, without "
             "random numbers, threads or what a former run left"
         )
 

@@ -47,11 +47,11 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
     Motions of the linkage's own count by the names of their ``regimes``, after those ``prescribed``.
     """
     reach = mechanism.crank_range()
-    own = {one.name: one.motion for one in mechanism.linkage.regimes if isinstance(one, PrescribedRegime)}
-    asked = (*prescribed, *(motion for name, motion in own.items() if name in regimes))
+    own = {regime.name: regime.motion for regime in mechanism.linkage.regimes if isinstance(regime, PrescribedRegime)}
+    motions = (*prescribed, *(motion for name, motion in own.items() if name in regimes))
     if not reach.is_full_turn:
-        return Case(mechanism, next(iter((*asked, *own.values())), None) or range_motion(reach))
-    speed = float(asked[0].speed(asked[0].duration)) or asked[0].peak_speed if asked else USUAL_SPEED
+        return Case(mechanism, next(iter((*motions, *own.values())), None) or range_motion(reach))
+    speed = float(motions[0].speed(motions[0].duration)) or motions[0].peak_speed if motions else USUAL_SPEED
     start, duration = (mechanism.period if speed < 0.0 else 0.0), mechanism.period / abs(speed)
     return Case(mechanism, CrankMotion(STEADY, (Segment(0.0, duration, (start, speed)),)))
 
@@ -112,7 +112,7 @@ def _sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) ->
         values=curves.table(curves.on_grid),
         peaks=peaks,
         figures=figures,
-        remarks=tuple(_remarks(curves, any(one.value is None for one in figures["forces"]))),
+        remarks=tuple(_remarks(curves, any(figure.value is None for figure in figures["forces"]))),
         chosen=None if chosen is None else curves.table(curves.at(chosen)),
         positions=over_motion(curves),
         motion=curves.case.motion if isinstance(curves.case.motion, CrankMotion) else None,
@@ -176,10 +176,14 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     names = _besides_parts(curves)
     whole, part = _sheet(curves, names), partial(_part, missing)
     values = _thinned(curves, names, [whole.peaks[name].time or 0.0 for name in names])
-    own = {name: one for name, one in linkage.released.items() if name in regimes}
-    tried = {name: part(f"released.{name}", partial(own_motion, mechanism, one), None) for name, one in own.items()}
+    own = {name: regime for name, regime in linkage.released.items() if name in regimes}
+    tried = {
+        name: part(f"released.{name}", partial(own_motion, mechanism, regime), None) for name, regime in own.items()
+    }
     motions = {name: motion for name, motion in tried.items() if motion is not None}
-    told = {n: part(f"released.{n}", partial(released, mechanism, own[n], one), None) for n, one in motions.items()}
+    releases = {
+        n: part(f"released.{n}", partial(released, mechanism, own[n], motion), None) for n, motion in motions.items()
+    }
     return replace(
         whole,
         units={name: whole.units[name] for name in names},
@@ -189,7 +193,7 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
         normalised=part("normalised", lambda: page_parts.normalised(case), None),
         thread=part("thread", lambda: page_parts.thread(mechanism, FEW - 1), None),
         published=part("published", lambda: _published(linkage), ()),
-        released={name: one for name, one in told.items() if one is not None},
+        released={name: motion for name, motion in releases.items() if motion is not None},
         printed=part("printed", lambda: printed(linkage, motions), {}),
         missing=missing,
     )
@@ -198,13 +202,13 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
 def _thinned(curves: Curves, names: Sequence[str], peaks: Sequence[float]) -> dict[str, Array]:
     """Signals over the axis, at as many instants as they need, those of their peaks among them."""
     truth = curves.at(np.union1d(curves.grid, peaks))
-    found = curves.table(truth, names)
-    most = min(MOST, MOST_NUMBERS // len(found))
-    few = needed(truth.time, np.array(list(found.values())), min(FEW, most), most)
-    kept = np.union1d(few, np.searchsorted(truth.time, peaks))
-    if curves.instants.axis == "phi" and found["phi"][-1] < found["phi"][0]:
-        kept = kept[::-1]
-    return {name: values[kept] for name, values in found.items()}
+    groups = curves.table(truth, names)
+    most = min(MOST, MOST_NUMBERS // len(groups))
+    few = needed(truth.time, np.array(list(groups.values())), min(FEW, most), most)
+    places = np.union1d(few, np.searchsorted(truth.time, peaks))
+    if curves.instants.axis == "phi" and groups["phi"][-1] < groups["phi"][0]:
+        places = places[::-1]
+    return {name: values[places] for name, values in groups.items()}
 
 
 def _published(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:

@@ -92,31 +92,33 @@ def case_figures(curves: Curves, wanted: Mapping[str, Figure | MechanismFigure])
 
     Raises LinkproofError for a place that the motion does not pass, and for what the mechanism lacks.
     """
-    of_signals = {name: one for name, one in wanted.items() if isinstance(one, Figure)}
-    found = {name: one(curves.case.mechanism) for name, one in wanted.items() if not isinstance(one, Figure)}
+    of_signals = {name: entry for name, entry in wanted.items() if isinstance(entry, Figure)}
+    values = {name: entry(curves.case.mechanism) for name, entry in wanted.items() if not isinstance(entry, Figure)}
 
     def height(end: SignalExtreme) -> Measure:
         return lambda at: end.height(curves.of(at, end.signal))
 
-    places = curves.places({end: height(end) for one in of_signals.values() for end in one.extremes})
+    places = curves.places({end: height(end) for quantity in of_signals.values() for end in quantity.extremes})
     at_places = curves.at(np.array([*places.values()]))
     ends = {end: curves.of(at_places, end.signal)[row] for row, end in enumerate(places)}
     means = {
-        one: lambda at, one=one: one.integrand(curves.of(at, one.signal)) for one in of_signals.values() if one.is_mean
+        quantity: lambda at, entry=quantity: entry.integrand(curves.of(at, entry.signal))
+        for quantity in of_signals.values()
+        if quantity.is_mean
     }
     averages = dict(zip(means, curves.means(*means.values()) if means else (), strict=True))
-    for name, one in of_signals.items():
-        if one.extremes:
-            found[name] = float(one.of([ends[end] for end in one.extremes]))
-        elif one.is_mean:
-            found[name] = float(one.of_mean(np.array(averages[one])))
+    for name, figure in of_signals.items():
+        if figure.extremes:
+            values[name] = float(figure.of([ends[end] for end in figure.extremes]))
+        elif figure.is_mean:
+            values[name] = float(figure.of_mean(np.array(averages[figure])))
         else:
-            found[name] = float(curves.of(curves.at(_instant(curves, one)), one.signal)[0])
-    return found
+            values[name] = float(curves.of(curves.at(_instant(curves, figure)), figure.signal)[0])
+    return values
 
 
-def _instant(curves: Curves, one: Figure) -> Array:
+def _instant(curves: Curves, figure: Figure) -> Array:
     """The instant (1,), s, of a figure at a place or a time; raises LinkproofError where the motion has none."""
-    if math.isnan(one.time):
-        return curves.instants.at_angles(np.array([one.angle]), "", 1.0)
-    return curves.instants.at_times(np.array([one.time]))
+    if math.isnan(figure.time):
+        return curves.instants.at_angles(np.array([figure.angle]), "", 1.0)
+    return curves.instants.at_times(np.array([figure.time]))

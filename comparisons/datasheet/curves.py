@@ -98,8 +98,8 @@ class Curves:
         """A signal of the closed form at some instants."""
         if name == TIME:
             return truth.time
-        found = signals.signal(truth, name)
-        return self._unwrapped(name, truth, found) if signals.is_angle(name) and name != "phi" else found
+        values = signals.signal(truth, name)
+        return self._unwrapped(name, truth, values) if signals.is_angle(name) and name != "phi" else values
 
     def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
         """Signals of the closed form at some instants by name, all by default."""
@@ -130,7 +130,7 @@ class Curves:
 
     def places(self, measures: Mapping[Key, Measure]) -> dict[Key, float]:
         """The instant, s, at which each measure of the closed form is highest, refined beyond the grid."""
-        found: dict[Key, float] = {}
+        numbers: dict[Key, float] = {}
         for keys in _batches(list(measures)):
             chosen = [measures[key] for key in keys]
 
@@ -140,8 +140,8 @@ class Curves:
 
             sampled = np.stack([measure(self.on_grid) for measure in chosen])
             _, places = highest(curves, self.grid, sampled)
-            found |= dict(zip(keys, places.tolist(), strict=True))
-        return found
+            numbers |= dict(zip(keys, places.tolist(), strict=True))
+        return numbers
 
     def means(self, *measures: Measure) -> list[float]:
         """Means over time of measures of the closed form."""

@@ -36,8 +36,8 @@ def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
         for step in _steps(linkage):
             facts |= step
     except LinkproofError as error:
-        found = {"structure": f"{error.so_far} -> ?"} if isinstance(error, StructureError) and error.so_far else {}
-        return facts | found | {"fault": str(error)}, error
+        names = {"structure": f"{error.so_far} -> ?"} if isinstance(error, StructureError) and error.so_far else {}
+        return facts | names | {"fault": str(error)}, error
     return facts | {"fault": None}, None
 
 
@@ -90,8 +90,8 @@ def range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
     """Between which values of φ the linkage keeps its assembly mode, why it ends there, and its change points."""
     low, high = reach.limits
 
-    def toggle(one: Toggle | None) -> str | None:
-        return one.sentence if one else None
+    def toggle(entry: Toggle | None) -> str | None:
+        return entry.sentence if entry else None
 
     return {
         "is_full_turn": reach.is_full_turn,
@@ -101,8 +101,12 @@ def range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
         "low_limit": toggle(reach.low),
         "high_limit": toggle(reach.high),
         "change_points": [
-            {"at": one.angle, "where": mechanism.linkage.place(one.angle), "how": one.sentence}
-            for one in reach.change_points
+            {
+                "at": change_point.angle,
+                "where": mechanism.linkage.place(change_point.angle),
+                "how": change_point.sentence,
+            }
+            for change_point in reach.change_points
         ],
         "words": [reach.place(low), reach.place(high)],
     }
@@ -114,10 +118,10 @@ def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, POINTS)
     dyads = mechanism.structure.dyads
-    found: Facts = {}
+    table: Facts = {}
     for first in range(0, len(dyads), TOGETHER):
-        found |= _of_dyads(mechanism, reach, dyads[first : first + TOGETHER], grid)
-    return found
+        table |= _of_dyads(mechanism, reach, dyads[first : first + TOGETHER], grid)
+    return table
 
 
 def _of_dyads(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad], grid: Array) -> Facts:
@@ -132,11 +136,11 @@ def _of_dyads(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad], gr
     heights, spots = highest(lambda phi: -angles(phi), grid, -sampled)
     good = [[] for _ in dyads] if reach.is_full_turn else _good(angles, grid, sampled)
     place = mechanism.linkage.place if reach.is_full_turn else reach.place
-    found: Facts = {}
+    table: Facts = {}
     for dyad, least, at, ends in zip(dyads, (-heights).tolist(), spots.tolist(), good, strict=True):
         words = {"where": place(at), "good_from_to": [place(end) for end in ends]}
-        found[dyad.name] = {"least": least, "at": at, "good": ends, "kind": dyad.kind, **words}
-    return found
+        table[dyad.name] = {"least": least, "at": at, "good": ends, "kind": dyad.kind, **words}
+    return table
 
 
 def _good(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:

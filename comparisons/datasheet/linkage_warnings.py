@@ -68,7 +68,7 @@ def _names(linkage: Linkage) -> Iterator[str]:
 def _masses(linkage: Linkage, link: Link) -> Iterator[str]:
     """Mass centre, mass and inertia beside the link's size."""
     size = max((math.dist(a, b) for a, b in itertools.combinations(link.points.values(), 2)), default=0.0)
-    if not link.mass and any(link.centre) and any(one.mass for one in linkage.links.values()):
+    if not link.mass and any(link.centre) and any(body.mass for body in linkage.links.values()):
         yield f"'{link.name}' has a mass centre and no mass: it weighs nothing; add links.{link.name}.mass"
     if not link.mass or not size:
         return
@@ -138,7 +138,7 @@ def _sizes(linkage: Linkage) -> Iterator[str]:
     rest, parts = rest[known], [part for _, part in load_forces(loaded.sweep(places[known]))]
     for load, part in zip(loads, parts, strict=True):
         besides = sum((other for other in parts if other is not part), rest)
-        own, others = (float(np.max(np.abs(one), initial=0.0)) for one in (part, besides))
+        own, others = (float(np.max(np.abs(values), initial=0.0)) for values in (part, besides))
         if own > MOST_TIMES * others > NOISE * own:
             at = "" if linkage.is_linear else f" at {SPEED:g} rpm"
             yield (

@@ -56,7 +56,8 @@ def _turn(mechanism: Mechanism, links: dict[str, dict[str, Any]]) -> dict[str, A
         facts["Jeq"] = _extremes(extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))))
     if any(linkage.gravity) or linkage.springs:
         facts["equilibria"] = [
-            {"angle": math.degrees(found.angle), "stable": bool(found.stable)} for found in equilibria(mechanism)
+            {"angle": math.degrees(equilibrium.angle), "stable": bool(equilibrium.stable)}
+            for equilibrium in equilibria(mechanism)
         ]
     if linkage.thread is not None:
         facts["thread"] = thread_facts(mechanism, linkage.thread)
@@ -83,14 +84,14 @@ def thread_facts(mechanism: Mechanism, path: ThreadPath) -> dict[str, Any]:
     }
 
 
-def _extremes(found: Extremes) -> dict[str, float]:
+def _extremes(result: Extremes) -> dict[str, float]:
     return {
-        "mean": found.mean,
-        "max": found.maximum,
-        "min": found.minimum,
-        "pulsation": found.relative_pulsation,
-        "max_at": math.degrees(found.maximum_angle),
-        "min_at": math.degrees(found.minimum_angle),
+        "mean": result.mean,
+        "max": result.maximum,
+        "min": result.minimum,
+        "pulsation": result.relative_pulsation,
+        "max_at": math.degrees(result.maximum_angle),
+        "min_at": math.degrees(result.minimum_angle),
     }
 
 

@@ -39,15 +39,17 @@ def normalised(case: Case) -> Normalised | None:
         return None
     if linkage.is_linear or not mechanism.crank_range().is_full_turn:
         raise LinkproofError(f"The normalised motion needs a full turn, which the {linkage.driver} does not make")
-    found = unit_functions(mechanism, clockwise=float(motion.speed(motion.duration)) < 0.0)
-    every = len(found.phase) // SHOWN
-    ours = (found.displacement, found.velocity, found.acceleration)
+    functions = unit_functions(mechanism, clockwise=float(motion.speed(motion.duration)) < 0.0)
+    every = len(functions.phase) // SHOWN
+    ours = (functions.displacement, functions.velocity, functions.acceleration)
 
     def named(curves: tuple[Array, ...]) -> dict[str, Array]:
         return {name: np.append(c[::every], c[0]) for name, c in zip("Sva", curves, strict=True)}
 
-    phase = np.append(found.phase[::every], FULL_TURN)
-    return Normalised(phase, named(ours), named(found.harmonics), dict(zip("Sva", found.deviations, strict=True)))
+    phase = np.append(functions.phase[::every], FULL_TURN)
+    return Normalised(
+        phase, named(ours), named(functions.harmonics), dict(zip("Sva", functions.deviations, strict=True))
+    )
 
 
 def thread(mechanism: Mechanism, steps: int) -> ThreadSheet | None:
@@ -55,15 +57,15 @@ def thread(mechanism: Mechanism, steps: int) -> ThreadSheet | None:
     path = mechanism.linkage.thread
     if path is None:
         return None
-    found = feed_diagram(mechanism, path, steps)
-    angle = np.append(found.angle, FULL_TURN)
+    diagram = feed_diagram(mechanism, path, steps)
+    angle = np.append(diagram.angle, FULL_TURN)
     corners = zip(path.stops, contour(mechanism.sweep(angle), path), strict=True)
     return ThreadSheet(
         angle=angle,
-        feed=np.append(found.feed, found.feed[0]),
-        length=np.append(found.length, found.length[0]),
-        contour=contour(mechanism.sweep(found.reference_angle), path),
+        feed=np.append(diagram.feed, diagram.feed[0]),
+        length=np.append(diagram.length, diagram.length[0]),
+        contour=contour(mechanism.sweep(diagram.reference_angle), path),
         stops=tuple(stop.point if isinstance(stop, ThreadEye) else stop.name for stop in path.stops),
         eyes={stop.point: {"path": corner} for stop, corner in corners if isinstance(stop, ThreadEye)},
-        reference_angle=found.reference_angle,
+        reference_angle=diagram.reference_angle,
     )

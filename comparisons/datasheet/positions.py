@@ -35,11 +35,11 @@ def over_motion(curves: Curves) -> Positions:
     if not mechanism.linkage.is_linear and high - low >= FULL_TURN * (1.0 - WHOLE):
         return at(mechanism, np.linspace(0.0, mechanism.period, COUNT), closed=True)
     truth = curves.at(np.linspace(0.0, case.motion.duration, COUNT))
-    found = at(mechanism, truth.sweep.angle, closed=False)
+    positions = at(mechanism, truth.sweep.angle, closed=False)
     bodies = {
-        name: np.array([x, y, curves.of(truth, f"link:{name}:angle")]) for name, (x, y, _) in found.bodies.items()
+        name: np.array([x, y, curves.of(truth, f"link:{name}:angle")]) for name, (x, y, _) in positions.bodies.items()
     }
-    return replace(found, over="time", axis=truth.time, bodies=bodies)
+    return replace(positions, over="time", axis=truth.time, bodies=bodies)
 
 
 def at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Positions:

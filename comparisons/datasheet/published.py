@@ -162,8 +162,8 @@ class PrintedMotion(NamedTuple):
 
 def motion_of(mechanism: Mechanism, entry: Published) -> PrintedMotion:
     """The motion that a figure is printed for."""
-    one, *_ = named(mechanism, entry.quantity).values()
-    angle = one.angle if isinstance(one, Figure) and entry.regime is None else math.nan
+    item, *_ = named(mechanism, entry.quantity).values()
+    angle = item.angle if isinstance(item, Figure) and entry.regime is None else math.nan
     speed = 1.0 if entry.speed is None else entry.speed * RPM
     return PrintedMotion(entry.regime, speed, None if math.isnan(angle) else angle)
 
@@ -172,7 +172,7 @@ def motion_of(mechanism: Mechanism, entry: Published) -> PrintedMotion:
 def case_of(mechanism: Mechanism, printed: PrintedMotion) -> Case:
     """The case of a motion, the same for all figures that are printed for it."""
     regime, speed, end = printed
-    own = {one.name: one for one in mechanism.linkage.regimes}
+    own = {entry.name: entry for entry in mechanism.linkage.regimes}
     if regime in own:
         return own_case(mechanism, own[regime])
     if regime is not None:

@@ -66,21 +66,21 @@ def printed(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, di
 
     They hold for the file's own values alone.
     """
-    found = {}
+    groups = {}
     errata = linkage.errata if linkage.variant == linkage.variants[0] else ()
-    for erratum in (one for one in errata if one.regime in motions):
+    for erratum in (entry for entry in errata if entry.regime in motions):
         motion, theirs = motions[erratum.regime], printed_motion(linkage, erratum)
         time = _instants(motion)
         curves = (time, motion.speed(time), theirs.speed(time))
-        found[erratum.name] = _thinned(("time", "corrected", "printed"), curves)
-    return found
+        groups[erratum.name] = _thinned(("time", "corrected", "printed"), curves)
+    return groups
 
 
 def _thinned(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
     """Curves (n,) by name, the first their axis, at the instants that show them: extremes, and others evenly."""
     even = np.linspace(0, len(curves[0]) - 1, EVEN).astype(int)
-    kept = np.unique(np.concatenate([even, *(extremes(np.nan_to_num(one), STRETCHES) for one in curves[1:])]))
-    return {name: curve[kept] for name, curve in zip(names, curves, strict=True)}
+    places = np.unique(np.concatenate([even, *(extremes(np.nan_to_num(curve), STRETCHES) for curve in curves[1:])]))
+    return {name: curve[places] for name, curve in zip(names, curves, strict=True)}
 
 
 def _attempt(make: Callable[[], T]) -> T | None:
@@ -91,9 +91,9 @@ def _attempt(make: Callable[[], T]) -> T | None:
         return None
 
 
-def _speeds(found: Rotation | None) -> dict[str, float] | None:
+def _speeds(rotation: Rotation | None) -> dict[str, float] | None:
     names = ("mean_speed", "mean_speed_over_angle", "fluctuation")
-    return None if found is None else {name: getattr(found, name) for name in names}
+    return None if rotation is None else {name: getattr(rotation, name) for name in names}
 
 
 def _instants(motion: FreeMotion) -> Array:
@@ -119,9 +119,9 @@ def _coarse(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> di
     if own.over_angle is not None or own.over_time is not None:
         return None
     begins = {"torque": own.torque, "start_angle": own.start_angle, "start_speed": own.start_speed}
-    found = _attempt(lambda: fixed_step(mechanism, duration=own.duration, **begins))  # type: ignore[arg-type]
-    if found is None:
+    result = _attempt(lambda: fixed_step(mechanism, duration=own.duration, **begins))  # type: ignore[arg-type]
+    if result is None:
         return {"steps": PUBLISHED_STEPS, "phi": None, "omega": None}
-    errors = (found.angle - motion.angle(found.time), found.speed - motion.speed(found.time))
+    errors = (result.angle - motion.angle(result.time), result.speed - motion.speed(result.time))
     phi, omega = (float(np.max(np.abs(error))) for error in errors)
     return {"steps": PUBLISHED_STEPS, "phi": phi, "omega": omega}

@@ -46,16 +46,16 @@ def load_sheets(folder: Path) -> tuple[Sheet, ...]:
         raise LinkproofError(f"no data sheets of the mechanisms at '{path}': {AGAIN}")
     try:
         content = path.read_bytes()
-        found = FORM.validate_json(content, strict=True)
+        result = FORM.validate_json(content, strict=True)
     except ValidationError as error:
         if first_fault(error)[0] == "format":
             raise LinkproofError(f"'{path}' was written by another version of linkproof: delete it") from error
         raise _damaged(path, *first_fault(error)) from error
     except OSError as error:
         raise LinkproofError(f"cannot read '{path}': {error.strerror}; {AGAIN}") from error
-    if _digest(content.partition(BODY)[2]) != found.digest:
+    if _digest(content.partition(BODY)[2]) != result.digest:
         raise _damaged(path, "sheets", "the checksum does not match, so the file was changed after it was written")
-    return found.sheets
+    return result.sheets
 
 
 def _digest(body: bytes) -> str:

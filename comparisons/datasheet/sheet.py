@@ -34,12 +34,12 @@ JOINT: Final = "joint_force:"
 def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - what a file holds
     """Numbers in lists, nothing among them for what is not finite."""
     try:
-        found = np.array(value, dtype=float)
+        values = np.array(value, dtype=float)
     except TypeError as error:
         raise ValueError("expected lists of numbers") from error
-    if not found.ndim:
+    if not values.ndim:
         raise ValueError("expected a list of numbers")
-    return found
+    return values
 
 
 def _listed(values: NDArray[np.float64]) -> list[Any]:
@@ -48,10 +48,10 @@ def _listed(values: NDArray[np.float64]) -> list[Any]:
     return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values.tolist()]
 
 
-def _read(told: Any) -> Linkage:  # noqa: ANN401 - what a file holds
+def _read(words: Any) -> Linkage:  # noqa: ANN401 - what a file holds
     try:
-        own = parse(told["text"], told["name"], told["name"], told["variant"])
-        return replace(own, gravity=tuple(told["gravity"]))
+        own = parse(words["text"], words["name"], words["name"], words["variant"])
+        return replace(own, gravity=tuple(words["gravity"]))
     except (LinkproofError, LookupError, TypeError, AttributeError) as error:
         raise ValueError(f"expected the text of a linkage ({error})") from error
 
@@ -188,14 +188,14 @@ class Sheet:
         """The file's unit for an SI unit."""
         return file_unit(si, self.linkage)
 
-    def unit_of(self, one: SignalFigure) -> FileUnit:
+    def unit_of(self, figure: SignalFigure) -> FileUnit:
         """The unit of a key figure: the file's, and rpm of a crank's speed."""
-        return FileUnit("rpm", RPM) if one.signal == "omega" and not self.is_linear else self.own(one.unit)
+        return FileUnit("rpm", RPM) if figure.signal == "omega" and not self.is_linear else self.own(figure.unit)
 
-    def shown(self, one: SignalFigure) -> float:
+    def shown(self, figure: SignalFigure) -> float:
         """A key figure in that unit, not a number where it has no bound."""
-        value = np.nan if one.value is None else one.value
-        return self.rounded(one.signal, value) / self.unit_of(one).size
+        value = np.nan if figure.value is None else figure.value
+        return self.rounded(figure.signal, value) / self.unit_of(figure).size
 
     def rounded(self, name: str, value: float) -> float:
         """A value of a signal, zero where it is no more than rounding beside the others of its kind and unit."""
@@ -214,9 +214,9 @@ class Sheet:
             scales[kind] = max(size, scales.get(kind, 0.0))
         return scales
 
-    def at(self, one: SignalFigure) -> float | None:
+    def at(self, figure: SignalFigure) -> float | None:
         """The place of a key figure on the axis: φ, rad, or the time, s."""
-        return one.time if self.axis == TIME else one.phi
+        return figure.time if self.axis == TIME else figure.phi
 
     @property
     def joints(self) -> list[str]:

@@ -20,19 +20,19 @@ def needed(axis: Array, curves: Array, few: int, most: int) -> NDArray[np.intp]:
     ``few`` are evenly spaced; of the others, up to ``most`` in all, those that the lines miss by most.
     """
     even = np.linspace(axis[0], axis[-1], min(few, len(axis)))
-    kept = np.unique(np.append(np.abs(np.searchsorted(0.5 * (axis[1:] + axis[:-1]), even)), len(axis) - 1))
+    places = np.unique(np.append(np.abs(np.searchsorted(0.5 * (axis[1:] + axis[:-1]), even)), len(axis) - 1))
     shown = np.nan_to_num(curves, nan=0.0, posinf=0.0, neginf=0.0)
     shown = shown / np.maximum(np.max(np.abs(shown), axis=1, keepdims=True), np.finfo(float).tiny)
     for _ in range(ROUNDS):
-        lines = np.array([np.interp(axis, axis[kept], curve[kept]) for curve in shown])
+        lines = np.array([np.interp(axis, axis[places], curve[places]) for curve in shown])
         missed = np.max(np.abs(lines - shown), axis=0)
-        worst = np.array([low + int(np.argmax(missed[low : high + 1])) for low, high in pairwise(kept)])
+        worst = np.array([low + int(np.argmax(missed[low : high + 1])) for low, high in pairwise(places)])
         worst = worst[missed[worst] > MISSED]
-        worst = worst[np.argsort(-missed[worst])][: most - len(kept)]
+        worst = worst[np.argsort(-missed[worst])][: most - len(places)]
         if not len(worst):
             break
-        kept = np.union1d(kept, worst)
-    return kept
+        places = np.union1d(places, worst)
+    return places
 
 
 def extremes(values: Array, stretches: int) -> NDArray[np.intp]:

@@ -31,6 +31,8 @@ def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigu
 
     Raises LinkproofError as ``analytic.designs.figure_names.figures_named``.
     """
-    found = {name: figure for typed in names for name, figure in figures_named(mechanism, typed).items()}
+    figures = {name: figure for typed in names for name, figure in figures_named(mechanism, typed).items()}
     linkage = mechanism.linkage
-    return tuple(NamedFigure(name, one, file_unit(unit(one.signal, linkage), linkage)) for name, one in found.items())
+    return tuple(
+        NamedFigure(name, figure, file_unit(unit(figure.signal, linkage), linkage)) for name, figure in figures.items()
+    )

@@ -311,7 +311,7 @@ def _other_quantity(name: str, other: str, sign: float) -> Fault:
 
 def group_faults(evidence: Sequence[Evidence]) -> Iterator[Fault]:
     """Faults of at least two columns at once: an axis the other way, a unit, a reaction for an action."""
-    names = [one.name for one in evidence]
+    names = [signal.name for signal in evidence]
     groups: dict[str, tuple[Callable[[str], bool], str]] = {
         "rotary": (is_rotary, "angles, turns and torques count clockwise"),
         "x": (_component("x"), "the x axis points the other way"),
@@ -326,8 +326,8 @@ def group_faults(evidence: Sequence[Evidence]) -> Iterator[Fault]:
         members = [name for name in names if chosen(name)]
         if len(members) > 1:
             yield scaled(f"sign of {kind}", members, -1.0, words)
-    for unit in sorted({one.unit for one in evidence}):
-        members = [one.name for one in evidence if one.unit == unit]
+    for unit in sorted({signal.unit for signal in evidence}):
+        members = [signal.name for signal in evidence if signal.unit == unit]
         for ratio in UNIT_RATIOS.values() if len(members) > 1 else ():
             for factor in (ratio, 1.0 / ratio):
                 words = f"all that is in {unit or '1'} is {factor:.6g} times too large: a unit taken for another"

@@ -82,14 +82,14 @@ class Fitting:
             return None
         moved = other.motion.jumps != self.simulation.motion.jumps
         remains = []
-        for one, values in zip(self.evidence, curves, strict=True):
-            apart = one.values - values
-            if is_angle(one.name):  # of which whole turns say nothing
+        for signal, values in zip(self.evidence, curves, strict=True):
+            apart = signal.values - values
+            if is_angle(signal.name):  # of which whole turns say nothing
                 apart = apart - TURN * np.round(np.nanmedian(apart) / TURN)
-            rest = np.where(one.counted, apart / one.tolerance, np.nan)
-            if moved and holds_acceleration(one.name):
-                rest = np.where(at_jumps(one.time, other.motion) & ~one.over, np.nan, rest)
-            rest = np.where(one.over & np.isnan(rest), one.residual, rest)  # left open, it is not explained
+            rest = np.where(signal.counted, apart / signal.tolerance, np.nan)
+            if moved and holds_acceleration(signal.name):
+                rest = np.where(at_jumps(signal.time, other.motion) & ~signal.over, np.nan, rest)
+            rest = np.where(signal.over & np.isnan(rest), signal.residual, rest)  # left open, it is not explained
             remains.append(rest)
         return remains
 
@@ -131,7 +131,7 @@ class Fitting:
         if len(start) < 2:
             return
         slopes = np.stack([column / np.linalg.norm(column) for _, column in start])
-        right = slopes @ _vector([one.residual for one in self.evidence])
+        right = slopes @ _vector([signal.residual for signal in self.evidence])
         cosines = np.triu(slopes @ slopes.T, 1)
         apart = np.maximum(1.0 - cosines**2, 1e-9)
         gain = (right[:, None] ** 2 + right**2 - 2.0 * cosines * np.outer(right, right)) / apart
@@ -150,7 +150,7 @@ class Fitting:
         beside = self.rest(fault, start + STEP * np.array(fault.sizes))
         if beside is None:
             return None
-        slope = _slopes([one.residual for one in self.evidence], beside)
+        slope = _slopes([signal.residual for signal in self.evidence], beside)
         return slope if np.any(slope) and np.all(np.isfinite(slope)) else None
 
     def _near(self, fault: Fault, best: Fit) -> Sequence[Numbers]:
@@ -158,7 +158,7 @@ class Fitting:
         if fault.guesses:
             return fault.usual
         sizes = np.array(fault.sizes)
-        return sorted(fault.usual, key=lambda one: float(np.sum(((best.numbers - one) / sizes) ** 2)))[:NEAREST]
+        return sorted(fault.usual, key=lambda values: float(np.sum(((best.numbers - values) / sizes) ** 2)))[:NEAREST]
 
     def _promising(self, fault: Fault) -> Sequence[Numbers]:
         """The guesses from which a fit is made: of many those that are nearest to the file as they are."""
@@ -171,7 +171,7 @@ class Fitting:
     def _from(self, fault: Fault, numbers: Array) -> Fit | None:
         """Gauss-Newton with halved steps."""
         is_start = np.array_equal(numbers, fault.start)
-        rest = [one.residual for one in self.evidence] if is_start else self.rest(fault, numbers)
+        rest = [signal.residual for signal in self.evidence] if is_start else self.rest(fault, numbers)
         if rest is None:
             return None
         sizes = np.array(fault.sizes)
@@ -179,7 +179,7 @@ class Fitting:
             vector = _vector(rest)
             cost = float(vector @ vector)
             beside = [self.rest(fault, numbers + STEP * size) for size in np.diag(sizes)]
-            slopes = [_slopes(rest, one) for one in beside if one is not None]
+            slopes = [_slopes(rest, groups) for groups in beside if groups is not None]
             if len(slopes) < len(sizes):
                 break
             jacobian = np.stack(slopes, axis=1)
@@ -215,9 +215,9 @@ def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
 def _measures(rest: Sequence[Array]) -> tuple[Array, Array]:
     """RMS and largest magnitude of what is left of every signal; infinite where too much of it is open."""
     rms, largest = [], []
-    for one in rest:
-        known = one[np.isfinite(one)]
-        enough = len(known) and len(known) >= (1.0 - MOST_OPEN) * len(one)
+    for values in rest:
+        known = values[np.isfinite(values)]
+        enough = len(known) and len(known) >= (1.0 - MOST_OPEN) * len(values)
         rms.append(float(np.sqrt(np.mean(known**2))) if enough else np.inf)
         largest.append(float(np.max(np.abs(known))) if enough else np.inf)
     return np.array(rms), np.array(largest)
@@ -225,9 +225,9 @@ def _measures(rest: Sequence[Array]) -> tuple[Array, Array]:
 
 def _slopes(rest: Sequence[Array], beside: Sequence[Array]) -> Array:
     """The change of what is left by a small step, none where either is open."""
-    return _vector([(other - one) / STEP for one, other in zip(rest, beside, strict=True)])
+    return _vector([(other - values) / STEP for values, other in zip(rest, beside, strict=True)])
 
 
 def _vector(rest: Sequence[Array]) -> Array:
     """Every signal alike, however many samples it has."""
-    return np.concatenate([np.nan_to_num(one) / np.sqrt(len(one)) for one in rest])
+    return np.concatenate([np.nan_to_num(values) / np.sqrt(len(values)) for values in rest])

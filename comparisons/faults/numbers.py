@@ -54,7 +54,7 @@ def _count(every: dict[str, Number], number: Number) -> int:
     return sum(other.place[:2] == number.place[:2] for other in every.values())
 
 
-def with_one(name: str) -> Callable[[Simulation, Array], Simulation]:
+def with_number(name: str) -> Callable[[Simulation, Array], Simulation]:
     """Another value of a number."""
 
     def apply(simulation: Simulation, value: Array) -> Simulation:
@@ -105,7 +105,7 @@ def _number(linkage: Linkage, name: str, number: Number) -> Fault:
         return f"{what} is {written(linkage, kind, new[0])} in place of {written(linkage, kind, value)}{end}"
 
     return Fault(
-        name, fault.Kind.NUMBER, with_one(name), words, (value,), (size or 1.0,),
+        name, fault.Kind.NUMBER, with_number(name), words, (value,), (size or 1.0,),
         usual=tuple((new,) for new in dict.fromkeys([*about, *usual]) if new != value),
         unit=factor(kind, linkage.units[kind]) if kind in linkage.units else 1.0,
         reshapes=kind == "length" and "centre" not in number.place and number.place[0] not in LOADS,
@@ -176,9 +176,9 @@ def several_numbers(linkage: Linkage) -> Iterator[Fault]:
                         under=f"{name}.")  # fmt: skip
     if sum(len(link.points) for link in linkage.links.values()) <= MOST_POINTS:
         for name, link in linkage.links.items():
-            for held, moved in itertools.permutations(link.points, 2):
-                if all(a != b for a, b in zip(link.points[held], link.points[moved], strict=True)):
-                    yield _distance(linkage, name, held, moved)
+            for fixed, moved in itertools.permutations(link.points, 2):
+                if all(a != b for a, b in zip(link.points[fixed], link.points[moved], strict=True)):
+                    yield _distance(linkage, name, fixed, moved)
     names = dict.fromkeys(name for name in named_numbers(linkage) if name.partition(".")[0] in LOADS)
     for load in dict.fromkeys(".".join(name.split(".")[:2]) for name in names if name.startswith(LOADS[:2])):
         yield times(load, f"the load '{load}'", LOADED, "force", "torque", under=load)
@@ -202,8 +202,8 @@ def times(name: str, what: str, usual: tuple[float, ...], *kinds: Kind, under: s
                  usual=tuple((k,) for k in usual), unit=1.0, reshapes="length" in kinds)  # fmt: skip
 
 
-def _distance(linkage: Linkage, name: str, held: str, moved: str) -> Fault:
-    (x, y), (px, py) = linkage.links[name].points[held], linkage.links[name].points[moved]
+def _distance(linkage: Linkage, name: str, fixed: str, moved: str) -> Fault:
+    (x, y), (px, py) = linkage.links[name].points[fixed], linkage.links[name].points[moved]
     length = math.dist((x, y), (px, py))
 
     def apply(simulation: Simulation, d: Array) -> Simulation:
@@ -213,10 +213,10 @@ def _distance(linkage: Linkage, name: str, held: str, moved: str) -> Fault:
 
     def words(d: Array) -> str:
         lengths = f"{linkage.written(d[0])} in place of {linkage.written(length)}"
-        return f"the distance of '{moved}' from '{held}' on '{name}' is {lengths}"
+        return f"the distance of '{moved}' from '{fixed}' on '{name}' is {lengths}"
 
     return Fault(
-        f"{name}.{held}-{moved}", fault.Kind.NUMBER, apply, words, (length,), (length,),
+        f"{name}.{fixed}-{moved}", fault.Kind.NUMBER, apply, words, (length,), (length,),
         unit=factor("length", linkage.units.get("length", "m")), reshapes=True,
     )  # fmt: skip
 
@@ -267,10 +267,10 @@ def misplaced_loads(linkage: Linkage) -> Iterator[Fault]:
                 change = partial(_with_load, "torques", number, link=link)
                 yield _setting(f"torques.{torque.link} on {link}", words, change)
     for number, damper in enumerate(linkage.dampers):
-        one, other = damper.links
+        key, other = damper.links
         if GROUND not in damper.links:
-            name, words = f"dampers.{one}.{other}", f"the damper of '{one}' and '{other}' acts on the ground"
-            change = partial(_with_load, "dampers", number, links=(one, GROUND))
+            name, words = f"dampers.{key}.{other}", f"the damper of '{key}' and '{other}' acts on the ground"
+            change = partial(_with_load, "dampers", number, links=(key, GROUND))
             yield _setting(f"{name} against the ground", words, change)
 
 

@@ -98,8 +98,8 @@ def _merged(raw: Explanation, again: Explanation, estimates: Mapping[str, Correc
             aligned = {name: c for name, c in estimates.items() if name in finding.signals}
             better.append(replace(finding, aligned=aligned))
     covered = {name for finding in better for name in finding.signals}
-    kept = (finding for finding in raw.findings if not covered & set(finding.signals))
-    return Explanation((*kept, *better), tuple(name for name in raw.unexplained if name not in covered))
+    findings = (finding for finding in raw.findings if not covered & set(finding.signals))
+    return Explanation((*findings, *better), tuple(name for name in raw.unexplained if name not in covered))
 
 
 def estimated(evidence: Evidence) -> Correction | None:
@@ -133,7 +133,7 @@ def differs(evidence: Evidence) -> bool:
 def _explain(
     simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: CrankColumn | None = None
 ) -> Explanation:
-    open_names = [one.name for one in evidence if differs(one)]
+    open_names = [signal.name for signal in evidence if differs(signal)]
     if not open_names:
         return Explanation((), ())
     search = _Search(simulation, evidence)
@@ -162,14 +162,14 @@ class _Search:
 
     def __init__(self, simulation: Simulation, evidence: Sequence[Evidence]) -> None:
         self.simulation, self.evidence = simulation, evidence
-        self.places = {one.name: n for n, one in enumerate(evidence)}
+        self.places = {signal.name: n for n, signal in enumerate(evidence)}
         self.whole = Fitting(simulation, evidence)
         few = max(FEWEST, min(SAMPLES, SAMPLES * MANY // len(evidence)))
-        self.thin = Fitting(simulation, [one.thinned(few) for one in evidence])
-        self.differ = np.array([differs(one) for one in evidence])
-        rest = [one.residual[one.counted] for one in evidence]
+        self.thin = Fitting(simulation, [signal.thinned(few) for signal in evidence])
+        self.differ = np.array([differs(signal) for signal in evidence])
+        rest = [signal.residual[signal.counted] for signal in evidence]
         self.rms = np.array([float(np.sqrt(np.mean(r**2))) if len(r) else 0.0 for r in rest])
-        shares = [(one.rounding / one.tolerance)[one.counted] for one in evidence]
+        shares = [(signal.rounding / signal.tolerance)[signal.counted] for signal in evidence]
         self.floor = np.array([ROUNDED * float(np.sqrt(np.mean(s**2))) if len(s) else 0.0 for s in shares]) + 1e-4
 
     def fits(self, names: Sequence[str], open_names: Sequence[str], column: CrankColumn | None) -> list[Fit]:
@@ -180,29 +180,29 @@ class _Search:
         """
         model = [*motion_settings(self.simulation.motion, column), *model_faults(self.simulation)]
         slow = [fault for fault in model if fault.reshapes and self.simulation.mechanism.is_numerical]
-        found = [fit for fault in model if fault not in slow and (fit := self._of_model(fault))]
-        if not any(self.is_harmless(fit) and len(self.explained(fit, open_names)) == len(open_names) for fit in found):
-            found += [fit for fault in slow if (fit := self._of_model(fault))]
-        found += [fit for fault in group_faults(self.evidence) if (fit := self.whole.best(fault))]
-        found = [fit for fit in found if self.is_harmless(fit)]
-        if len(open_names) > MANY and any(len(self.explained(fit, open_names)) == len(open_names) for fit in found):
-            return found
-        for one in self.evidence:
-            if one.name in open_names:
-                own = Fitting(self.simulation, [one.thinned(MOST_FITTED)])
+        result = [fit for fault in model if fault not in slow and (fit := self._of_model(fault))]
+        if not any(self.is_harmless(fit) and len(self.explained(fit, open_names)) == len(open_names) for fit in result):
+            result += [fit for fault in slow if (fit := self._of_model(fault))]
+        result += [fit for fault in group_faults(self.evidence) if (fit := self.whole.best(fault))]
+        result = [fit for fit in result if self.is_harmless(fit)]
+        if len(open_names) > MANY and any(len(self.explained(fit, open_names)) == len(open_names) for fit in result):
+            return result
+        for signal in self.evidence:
+            if signal.name in open_names:
+                own = Fitting(self.simulation, [signal.thinned(MOST_FITTED)])
                 of_column = column_faults(own.evidence[0], self.simulation, names)
-                found += [self._spread(fit, one.name) for fault in of_column if (fit := own.best(fault))]
-        return found
+                result += [self._spread(fit, signal.name) for fault in of_column if (fit := own.best(fault))]
+        return result
 
     def pair(self, names: Sequence[str], column: CrankColumn | None) -> FaultFinding | None:
         """Two numbers that together explain all that nothing else does, and that is far more than the rounding."""
-        if any(np.nanmax(np.abs(one.residual)) < WORTH_A_PAIR for one in self.evidence if one.name in names):
+        if any(np.nanmax(np.abs(signal.residual)) < WORTH_A_PAIR for signal in self.evidence if signal.name in names):
             return None
         motion = motion_settings(self.simulation.motion, column)
-        faults = [one for one in chain(motion, model_faults(self.simulation)) if len(one.start) == 1]
+        faults = [fault for fault in chain(motion, model_faults(self.simulation)) if len(fault.start) == 1]
         if self.simulation.mechanism.is_numerical:
-            faults = [one for one in faults if not one.reshapes]
-        fits = [fit for one in self.thin.pairs(faults) if (fit := self.whole.at(one.fault, one.numbers))]
+            faults = [fault for fault in faults if not fault.reshapes]
+        fits = [fit for entry in self.thin.pairs(faults) if (fit := self.whole.at(entry.fault, entry.numbers))]
         fits = [fit for fit in fits if self.is_harmless(fit) and len(self.explained(fit, names)) == len(names)]
         return self.finding(fits, tuple(names)) if fits else None
 
@@ -216,7 +216,7 @@ class _Search:
     def _spread(self, fit: Fit, name: str) -> Fit:
         """A fit of one column beside all others, which it leaves as they are."""
         own = np.arange(len(self.rms)) == self.places[name]
-        largest = np.array([float(np.nanmax(np.abs(one.residual), initial=0.0)) for one in self.evidence])
+        largest = np.array([float(np.nanmax(np.abs(signal.residual), initial=0.0)) for signal in self.evidence])
         return replace(fit, rms=np.where(own, fit.rms, self.rms), largest=np.where(own, fit.largest, largest))
 
     def is_harmless(self, fit: Fit) -> bool:
@@ -249,9 +249,9 @@ class _Search:
         """The tolerances of some signals, over the peaks that they have with a fault."""
         evidence = [self.evidence[place] for place in places]
         curves = fit.fault.apply(self.simulation, fit.numbers).predicted(evidence)
-        for one, curve in zip(evidence, curves, strict=True):
-            peak, right = (float(np.nanmax(np.abs(y), initial=0.0)) for y in (curve, one.truth))
-            yield float(np.max(one.tolerance)) / (one.scale * (peak / right if peak and right else 1.0))
+        for signal, curve in zip(evidence, curves, strict=True):
+            peak, right = (float(np.nanmax(np.abs(y), initial=0.0)) for y in (curve, signal.truth))
+            yield float(np.max(signal.tolerance)) / (signal.scale * (peak / right if peak and right else 1.0))
 
 
 def _worth_a_word(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
@@ -273,11 +273,11 @@ def proposals(
     explanation: Explanation, columns: Iterable[str], agreed: Mapping[str, Correction]
 ) -> dict[str, Correction]:
     """The corrections among the likeliest causes by the names of ``columns``, those agreed to already included."""
-    known, found = list(columns), dict[str, Correction]()
+    known, corrections = list(columns), dict[str, Correction]()
     for finding in explanation.findings:
         for name, correction in finding.corrections.items():
-            groups = {"*": finding.signals, "rotary": [one for one in known if is_rotary(one)]}
-            for one in groups.get(name, (name,)):
-                if one in known and one not in found:
-                    found[one] = correction.after(agreed.get(one, Correction()))
-    return found
+            groups = {"*": finding.signals, "rotary": [label for label in known if is_rotary(label)]}
+            for key in groups.get(name, (name,)):
+                if key in known and key not in corrections:
+                    corrections[key] = correction.after(agreed.get(key, Correction()))
+    return corrections

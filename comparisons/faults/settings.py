@@ -215,15 +215,15 @@ def _offsets(start: float, *, from_column: bool) -> Iterator[Fault]:
             return "the crank angle is mirrored"
         return f"the crank angle counts the other way, from {math.degrees(turned(p[0])):.4g}°"
 
-    of_one: dict[str, Any] = {
+    common: dict[str, Any] = {
         "guesses": tuple((2.0 * math.pi * n / TURNS,) for n in range(TURNS)),
         "usual": tuple((math.radians(a),) for a in QUARTERS),
         "unit": math.radians(1.0),
     }
     yield _of("start angle", lambda m, p: ChangedMotion(m, offset=float(p[0])), words, (0.0,), (1.0,),
-              cure=lambda p: {"phi": Correction(offset=turned(p[0]))}, **of_one)  # fmt: skip
+              cure=lambda p: {"phi": Correction(offset=turned(p[0]))}, **common)  # fmt: skip
     yield _of("mirrored angle", lambda m, p: ChangedMotion(m, -1.0, float(p[0])), mirrored, (0.0,), (1.0,),
-              cure=lambda p: _mirrored(float(p[0]))(p), **{**of_one, "usual": ((0.0,), *of_one["usual"])})  # fmt: skip
+              cure=lambda p: _mirrored(float(p[0]))(p), **{**common, "usual": ((0.0,), *common["usual"])})  # fmt: skip
 
 
 def _shifted(motion: Motion, *, from_column: bool) -> Fault:

@@ -85,13 +85,13 @@ def symptoms(failed: dict[str, bool]) -> tuple[Symptom, ...]:
 
 def meaning(run: Iterable[Record]) -> str:
     """What the failing rows of an engine's run mean, with what to do; empty where they fit no kind of fault."""
-    records = [one for one in run if Verdict(one.outcome).judged and one.error_max is not None]
+    records = [entry for entry in run if Verdict(entry.outcome).judged and entry.error_max is not None]
     if not records or records[0].origin == IMPORTED:
         return ""
     failed: dict[str, bool] = {}
-    for one in records:
-        name = one.quantity.partition(":")[0]
-        failed[name] = failed.get(name, False) or Verdict(one.outcome).failed
+    for record in records:
+        name = record.quantity.partition(":")[0]
+        failed[name] = failed.get(name, False) or Verdict(record.outcome).failed
     words = "; or ".join(symptom.words for symptom in symptoms(failed))
     cure = f"run 'linkproof check-engine {records[0].engine}', and if it passes shorten the step"
     return f"{words}; {cure}" if words else ""

@@ -83,7 +83,7 @@ class FolderDifference:
         return sum(move.beyond for move in self.moves) + sum((f.mechanism, f.variant) in same for f in self.figures)
 
     @property
-    def told(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready."""
         moves = [{**asdict(move), "factor": move.factor, "peak_share": move.peak_share} for move in self.moves]
         figures = [{**asdict(figure), "sentence": figure.sentence} for figure in self.figures]
@@ -105,7 +105,7 @@ def difference(before: Results, after: Results) -> FolderDifference:
             "linkages, regimes, speeds and engines, or of one linkage each"
         )
     places = {key[:3] for key in both}
-    figures = {place: told for place, told in _figures(before, names).items() if place in places}
+    figures = {place: values for place, values in _figures(before, names).items() if place in places}
     baseline = as_baseline(after, figures, [old[key] for key in both])
     moves = _moves([(old[key], new[key]) for key in both], baseline, {p for p in names if names[p] == p})
     here, there = before.document["environment"], after.document["environment"]
@@ -132,15 +132,15 @@ def _names(results: Results) -> list[Name]:
 
 def _pairs(before: Sequence[Name], after: Sequence[Name]) -> dict[Name, Name]:
     """The linkages to compare, from those before to those after."""
-    found = {name: name for name in before if name in after}
+    matches = {name: name for name in before if name in after}
     for part in (lambda name: name[0], lambda _: ""):  # one left of a name, and then of all
         old, new = ([name for name in side if name not in known] for side, known in
-                    ((before, found.keys()), (after, set(found.values()))))  # fmt: skip
+                    ((before, matches.keys()), (after, set(matches.values()))))  # fmt: skip
         for name in old:
-            alike = [[one for one in side if part(one) == part(name)] for side in (old, new)]
+            alike = [[names for names in side if part(names) == part(name)] for side in (old, new)]
             if list(map(len, alike)) == [1, 1]:
-                found[name] = alike[1][0]
-    return found
+                matches[name] = alike[1][0]
+    return matches
 
 
 def _records(results: Results) -> list[Record]:
@@ -168,14 +168,14 @@ def _others(records: Mapping[tuple[str, ...], Record], others: Mapping[tuple[str
 def _moves(pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Container[Name]) -> list[MovedRecord]:
     """Pairs of records; a failure that is new decides, and in the ``same`` linkages an error that has grown."""
     decides = {id(record) for record in deciding([after for _, after in pairs])}
-    found = []
+    records = []
     for before, after in pairs:
         allowed = baseline.allowed(after) if after.run[:2] in same else None
         was, now = Verdict(before.outcome), Verdict(after.outcome)
         grown = allowed is not None and after.error_max is not None and not after.error_max <= allowed
         worse = (now.failed and not was.failed) or (grown and now.judged)
-        found.append(MovedRecord(before, after, allowed, beyond=worse and id(after) in decides))
-    return found
+        records.append(MovedRecord(before, after, allowed, beyond=worse and id(after) in decides))
+    return records
 
 
 def is_other(old: float, new: float) -> bool:
@@ -192,19 +192,19 @@ def _has_moved(move: MovedRecord) -> bool:
 
 
 def _runs(pairs: Iterable[tuple[Record, Record]]) -> tuple[RunPair, ...]:
-    found = {
+    result = {
         new.run: RunPair(
             new.run, (old.engine_version, new.engine_version), (old.seconds, new.seconds), (old.steps, new.steps)
         )
         for old, new in pairs
     }
-    return tuple(found.values())
+    return tuple(result.values())
 
 
 def _figures(results: Results, names: Mapping[Name, Name]) -> dict[tuple[str, str, str], dict[str, float]]:
     """Key figures by the names of the other folder; none of another tool's results."""
-    found = saved_figures(results)
-    return {(*names[place[:2]], place[2]): figures for place, figures in found.items() if place[:2] in names}
+    groups = saved_figures(results)
+    return {(*names[place[:2]], place[2]): figures for place, figures in groups.items() if place[:2] in names}
 
 
 def _compared(results: Results, baseline: Baseline) -> list[KeyFigure]:

@@ -45,8 +45,8 @@ class MergedFolder(StudyFolder):
                 f"expected the work of one machine in '{self.path}', got that of {' and of '.join(machines)}: make "
                 "the studies again in folders of their own"
             )
-        found: Mapping[str, str] = studies[0]["environment"]
-        return found
+        names: Mapping[str, str] = studies[0]["environment"]
+        return names
 
     @property
     def machine(self) -> str:
@@ -69,10 +69,10 @@ def folders_of(paths: Sequence[Path]) -> tuple[MergedFolder, ...]:
 
     Raises LinkproofError for one that holds nothing, and where one machine made the same run twice.
     """
-    found = [place for path in paths for place in (merged_folders(path) or [path])]
+    result = [place for path in paths for place in (merged_folders(path) or [path])]
     taken: Counter[str] = Counter()
     folders = []
-    for path in found:
+    for path in result:
         stem = re.sub(r"[^\w+.-]+", "-", path.resolve().name).strip(".") or "folder"
         taken[stem.casefold()] += 1
         count = taken[stem.casefold()]
@@ -112,7 +112,7 @@ def merge(folders: Sequence[MergedFolder], out: Path) -> tuple[MergedFolder, ...
     """
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise LinkproofError(f"expected a new or an empty folder to merge into, got '{out}': give another")
-    held = claim(out)
+    lock = claim(out)
     for folder in folders:
         for kind in STUDIES:
             if has_study(folder.path, kind):
@@ -122,5 +122,5 @@ def merge(folders: Sequence[MergedFolder], out: Path) -> tuple[MergedFolder, ...
             write_file(out / folder.name / SHEETS, partial(shutil.copyfile, folder.path / SHEETS))
     names = [folder.name for folder in folders]
     write_text(out / LIST, json.dumps({"format": 1, "folders": names}, indent=1, ensure_ascii=False) + "\n")
-    del held
+    del lock
     return tuple(MergedFolder(out / name, name) for name in names)

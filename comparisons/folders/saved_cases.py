@@ -18,24 +18,24 @@ Place = tuple[str, str, str]  # mechanism, variant and regime
 
 def saved_cases(results: Results) -> dict[Place, Case]:
     """Each case that a record tells of; raises LinkproofError where a text cannot be read, or cannot move."""
-    asked = {record.run[:3]: None for record in results.records}
+    table = {record.run[:3]: None for record in results.records}
     prescribed = {motion.regime for motion in results.motions}
-    own = tuple(dict.fromkeys(regime for _, _, regime in asked if regime not in prescribed))
+    own = tuple(dict.fromkeys(regime for _, _, regime in table if regime not in prescribed))
     conditions = results.document["conditions"]
     request = CampaignRequest(results.linkages, results.motions, conditions, engines=(), own_regimes=own)
-    found = {(c.mechanism.linkage.name, c.mechanism.linkage.variant, c.motion.regime): c for c in cases(request)}
-    for place in asked.keys() - found.keys():
+    result = {(c.mechanism.linkage.name, c.mechanism.linkage.variant, c.motion.regime): c for c in cases(request)}
+    for place in table.keys() - result.keys():
         raise LinkproofError(f"expected the motion of {'/'.join(place)} in the folder, got none: it is damaged")
-    return {place: found[place] for place in asked}
+    return {place: result[place] for place in table}
 
 
 def saved_figures(results: Results) -> dict[Place, dict[str, float]]:
     """The key figures of a folder, SI, by name; another tool's results have none."""
-    found: dict[Place, dict[str, float]] = {}
-    for one in results.figures:
-        if one.now is not None:
-            found.setdefault((one.mechanism, one.variant, one.regime), {})[one.figure] = one.now
-    return found
+    groups: dict[Place, dict[str, float]] = {}
+    for figure in results.figures:
+        if figure.now is not None:
+            groups.setdefault((figure.mechanism, figure.variant, figure.regime), {})[figure.figure] = figure.now
+    return groups
 
 
 def as_baseline(
@@ -44,5 +44,5 @@ def as_baseline(
     """Key figures, and records where there are any, of a campaign as the baseline that others are held to."""
     conditions = {record.run[:3]: record.conditions for record in results.records}
     places = {linkage.name: BaselinePlace(linkage.name, checksum(linkage.text)) for linkage in results.linkages}
-    keyed = {(p[0], p[1], regime_key(p[2], conditions[p])): told for p, told in figures.items() if p in conditions}
+    keyed = {(p[0], p[1], regime_key(p[2], conditions[p])): values for p, values in figures.items() if p in conditions}
     return Baseline({}, places).recorded(records, keyed)

@@ -84,7 +84,7 @@ def study_differences(before: StudyFolder, after: StudyFolder) -> Iterator[Study
 
 
 def _difference(kind: str, before: Sequence[Measured], after: Sequence[Measured]) -> StudyDifference:
-    first, second = ({one.key: one for one in part} for part in (before, after))
+    first, second = ({entry.key: entry for entry in part} for part in (before, after))
     pairs = [(first[key], new) for key, new in second.items() if key in first]
     moves = []
     for old, new in pairs:
@@ -97,16 +97,16 @@ def _difference(kind: str, before: Sequence[Measured], after: Sequence[Measured]
             for name, errors in _errors(old, new)
             if is_other(*errors)
         ]
-    only = (tuple(key for key in one if key not in other) for one, other in ((first, second), (second, first)))
+    only = (tuple(key for key in table if key not in other) for table, other in ((first, second), (second, first)))
     return StudyDifference(kind, len(pairs), tuple(moves), *only)
 
 
 def _errors(old: RunRecord, new: RunRecord) -> Iterator[tuple[str, tuple[float, float]]]:
     """Errors of the quantities that both runs have."""
-    first = {one.quantity: one.error_max for one in old.errors if one.error_max is not None}
-    for one in new.errors:
-        if one.quantity in first and one.error_max is not None:
-            yield one.quantity, (first[one.quantity], one.error_max)
+    first = {record.quantity: record.error_max for record in old.errors if record.error_max is not None}
+    for error in new.errors:
+        if error.quantity in first and error.error_max is not None:
+            yield error.quantity, (first[error.quantity], error.error_max)
 
 
 def checked_studies(folder: StudyFolder) -> Iterator[tuple[str, list[tuple[str, str]]]]:
@@ -138,7 +138,7 @@ def _stress_faults(stress: Stress) -> Iterator[tuple[str, str]]:
         now = verdict_of(cell)
         if now is not None and now is not cell.verdict:
             yield f"stress {cell.key}", f"saved as {cell.verdict.value}, its errors say {now.value}"
-    known = {one.key: one.verdict for one in stress.results}
+    known = {result.key: result.verdict for result in stress.results}
     for border in stress.borders:
         inside, outside = (known.get(border.cell(value).key) for value in (border.inside, border.outside))
         if inside is not StressVerdict.WITHIN or outside is not border.verdict:

@@ -73,12 +73,12 @@ def verify(folder: Path, limits: Path | None = None) -> Verification:
     against its curve. Raises LinkproofError for a folder that cannot be read, or that judge wrote.
     """
     studies = list(checked_studies(StudyFolder(folder)))
-    found = Verification()
+    verification = Verification()
     if is_saved(folder) or not studies:
-        found = _verified(load(folder, with_sheets=False), folder, limits)
+        verification = _verified(load(folder, with_sheets=False), folder, limits)
     faults = (VerificationFinding(*fault) for _, faults in studies for fault in faults)
     extents = tuple(extent for extent, _ in studies)
-    return replace(found, studies=extents, findings=(*found.findings, *faults))
+    return replace(verification, studies=extents, findings=(*verification.findings, *faults))
 
 
 def _verified(results: Results, folder: Path, limits: Path | None) -> Verification:
@@ -88,7 +88,7 @@ def _verified(results: Results, folder: Path, limits: Path | None) -> Verificati
             f"expected the folder of a compare in '{folder}', got one of judge: judge the tool's own files again"
         )
     cases = saved_cases(results)
-    table, told = _limits(results, limits)
+    table, sentence = _limits(results, limits)
     standard = Standard(table, _SavedBounds())
     judged = [_judged(results, cases[record.run[:3]], record, standard) for record in results.records]
     invariants = [(fresh := standard.judge(record), _verdict(record, fresh)) for record in results.invariants]
@@ -98,10 +98,10 @@ def _verified(results: Results, folder: Path, limits: Path | None) -> Verificati
         sum(record.error_max is not None for record in results.records),
         len(results.figures),
         len(results.linkages),
-        (told, *_notes(results, folder)),
+        (sentence, *_notes(results, folder)),
         (
             *_texts(results),
-            *(VerificationFinding(_name(record), words) for record, found in (*judged, *invariants) for words in found),
+            *(VerificationFinding(_name(record), words) for record, names in (*judged, *invariants) for words in names),
             *_figures(results, cases),
         ),
     )
@@ -115,8 +115,8 @@ def _limits(results: Results, file: Path | None) -> tuple[LimitTable, str]:
     """The table to judge by, and what it is."""
     if file is not None:
         return read_limits(file), f"judged by the limits of {file}"
-    shipped = shipped_limits().told
-    others = [row for row in results.limits.told if row not in shipped]
+    shipped = shipped_limits().as_dict
+    others = [row for row in results.limits.as_dict if row not in shipped]
     own = [f"{', '.join(row['quantities'])} {row['value']:g} ({row['reason']})" for row in others]
     words = f"judged by the folder's limits, of which this version has not: {'; '.join(own)}" if own else ""
     return results.limits, words or "judged by the limits of this version, which are the folder's"
@@ -154,10 +154,10 @@ def _judged(results: Results, case: Case, record: Record, standard: Standard) ->
         return record, []
     (quantity,) = chosen_quantities(case, [record.quantity])
     time, angle, observed, reference = results.curve(record.run, record.quantity)
-    found = signal_deviation(case, quantity, Signal(time, observed), record.samples + record.left_out)
-    faults = [*_curve_faults(found, angle, reference), *_error_faults(case, quantity, found, record)]
-    measured = max(found.error_max, record.error_max) if _is_vector(case, quantity) else found.error_max
-    fresh = standard.judge(replace(record, error_max=measured, error_at_jumps=found.error_at_jumps))
+    deviation = signal_deviation(case, quantity, Signal(time, observed), record.samples + record.left_out)
+    faults = [*_curve_faults(deviation, angle, reference), *_error_faults(case, quantity, deviation, record)]
+    measured = max(deviation.error_max, record.error_max) if _is_vector(case, quantity) else deviation.error_max
+    fresh = standard.judge(replace(record, error_max=measured, error_at_jumps=deviation.error_at_jumps))
     return fresh, faults + _verdict(record, fresh)
 
 
@@ -165,20 +165,24 @@ def _is_vector(case: Case, quantity: Quantity) -> bool:
     return quantity.reference(case, np.zeros(1)).ndim > 1
 
 
-def _curve_faults(found: Deviation, angle: NDArray[np.float64], reference: NDArray[np.float64]) -> Iterator[str]:
+def _curve_faults(deviation: Deviation, angle: NDArray[np.float64], reference: NDArray[np.float64]) -> Iterator[str]:
     """Where a saved curve of the truth is not the closed form of the folder's text."""
-    scale = found.peak or 1.0
-    off = float(np.max(np.abs(found.reference - reference), initial=0.0)) / scale
+    scale = deviation.peak or 1.0
+    off = float(np.max(np.abs(deviation.reference - reference), initial=0.0)) / scale
     if not off <= SAME:
         yield f"the saved reference differs from the closed form of the folder's text by {off:.2g} of the peak"
-    turned = float(np.max(np.abs(found.angle - angle), initial=0.0))
-    if not turned <= SAME * max(1.0, float(np.max(np.abs(found.angle), initial=0.0))):
+    turned = float(np.max(np.abs(deviation.angle - angle), initial=0.0))
+    if not turned <= SAME * max(1.0, float(np.max(np.abs(deviation.angle), initial=0.0))):
         yield f"the saved crank angle differs from the folder's motion by {turned:.2g}"
 
 
-def _error_faults(case: Case, quantity: Quantity, found: Deviation, record: Record) -> Iterator[str]:
+def _error_faults(case: Case, quantity: Quantity, deviation: Deviation, record: Record) -> Iterator[str]:
     """Where a record does not tell what its curve shows; magnitudes of a vector bound its errors from below."""
-    pairs = {"error_max": found.error_max, "error_rms": found.error_rms, "error_at_jumps": found.error_at_jumps}
+    pairs = {
+        "error_max": deviation.error_max,
+        "error_rms": deviation.error_rms,
+        "error_at_jumps": deviation.error_at_jumps,
+    }
     for name, now in pairs.items():
         saved = getattr(record, name) or 0.0
         if name == "error_max" and saved == record.error_at_jumps > now:
@@ -186,10 +190,10 @@ def _error_faults(case: Case, quantity: Quantity, found: Deviation, record: Reco
         slack = SAME + SAME * now
         if not (now <= saved + slack and (saved <= now + slack or _is_vector(case, quantity))):
             yield f"its {name} is {saved:.3g}, its curve's is {now:.3g}"
-    if record.samples != found.samples:
-        yield f"it states {record.samples} compared samples, its curve has {found.samples}"
-    if not abs((record.peak or 0.0) - found.peak) <= SAME * found.peak:
-        yield f"its peak is {record.peak:.9g}, the closed form's is {found.peak:.9g} {record.unit}"
+    if record.samples != deviation.samples:
+        yield f"it states {record.samples} compared samples, its curve has {deviation.samples}"
+    if not abs((record.peak or 0.0) - deviation.peak) <= SAME * deviation.peak:
+        yield f"its peak is {record.peak:.9g}, the closed form's is {deviation.peak:.9g} {record.unit}"
 
 
 def _verdict(record: Record, fresh: Record) -> list[str]:

@@ -56,7 +56,7 @@ class ImportedJudgement:
     def proposals(self) -> dict[str, Correction]:
         """Corrections by the names of signals that would make them right, to be agreed to in the mapping."""
         known = self.imported
-        columns = [one.name for one in known.signals] + [one.axis for one in known.signals]
+        columns = [signal.name for signal in known.signals] + [signal.axis for signal in known.signals]
         return proposals(self.explanation, dict.fromkeys(columns), known.corrections)
 
     @property
@@ -69,14 +69,17 @@ class ImportedJudgement:
 
         They are nan at jumps of the crank's acceleration, where either value is accepted.
         """
-        finding = next((one for one in self.explanation.findings if verdict.name in one.signals), None)
+        finding = next(
+            (fault_finding for fault_finding in self.explanation.findings if verdict.name in fault_finding.signals),
+            None,
+        )
         if finding is None:
             return "", None
         fault, numbers, correction = finding.likeliest.fault, finding.likeliest.numbers, finding.aligned
         (wrong,) = fault.apply(self.model, numbers).predicted([verdict.samples])
         right = correction.get(verdict.name, Correction())
         values = right.sign * right.factor * verdict.samples.values + verdict.truth - wrong
-        return finding.likeliest.words, np.where(verdict.kept, values, np.nan)
+        return finding.likeliest.words, np.where(verdict.counted, values, np.nan)
 
 
 def judge(
@@ -95,9 +98,9 @@ def judge(
     """
     moved, source, crank = _motion(imported, motion, start_angle)
     model = Simulation(linkage, moved)
-    every = [_sampled(one, moved) for one in imported.signals if one is not crank]
+    every = [_sampled(signal, moved) for signal in imported.signals if signal is not crank]
     _check_speed(model, every, gives_speed=gives_speed)
-    signals = [one for one in every if len(one.time) >= FEWEST]
+    signals = [signal for signal in every if len(signal.time) >= FEWEST]
     if not signals:
         reasons = "".join(f"; '{column.header}' is not judged: {why}" for column, why in imported.not_judged)
         raise LinkproofError(
@@ -105,7 +108,7 @@ def judge(
             "mapping, or export more of them"
         )
     truth = model.predicted(signals)
-    signals = [_without_turns(one, values) for one, values in zip(signals, truth, strict=True)]
+    signals = [_without_turns(signal, values) for signal, values in zip(signals, truth, strict=True)]
     judged = verdicts(model, signals, truth, floor(model, signals, truth), limit)
     column = None
     if crank is not None:
@@ -114,8 +117,11 @@ def judge(
     return ImportedJudgement(
         model,
         tuple(judged),
-        explain(model, [one.evidence for one in judged], names(model.mechanism), column),
-        (*imported.not_judged, *((one.imported.column, "a single sample") for one in every if len(one.time) < FEWEST)),
+        explain(model, [verdict.evidence for verdict in judged], names(model.mechanism), column),
+        (
+            *imported.not_judged,
+            *((signal.imported.column, "a single sample") for signal in every if len(signal.time) < FEWEST),
+        ),
         imported,
         source,
         limit,
@@ -130,7 +136,7 @@ def _motion(
     signals = imported.signals
     if motion is not None:
         return motion, f"regime {motion.regime}", None
-    over_time = {one.name: one for one in signals if one.axis == "time"}
+    over_time = {signal.name: signal for signal in signals if signal.axis == "time"}
     angle, speed = over_time.get("phi"), over_time.get("omega")
     made = [(motion_of_angles(*_at(angle)), angle)] if angle else []
     if speed and not (made and made[0][0].is_known):
@@ -138,7 +144,7 @@ def _motion(
     if made:
         best, column = min(made, key=lambda pair: pair[0].doubt)
         return best, f"column '{column.column.header}'", column
-    kind = "over the crank angle" if signals and all(one.axis == "phi" for one in signals) else "over time"
+    kind = "over the crank angle" if signals and all(signal.axis == "phi" for signal in signals) else "over time"
     cure = "--speed" if kind.endswith("angle") else "--regime"
     raise LinkproofError(
         f"crank's motion: expected a column of the crank's angle or speed, got signals {kind} without one; say how the "
@@ -146,27 +152,27 @@ def _motion(
     )
 
 
-def _at(one: ImportedSignal) -> tuple[Array, Array, Array]:
+def _at(signal: ImportedSignal) -> tuple[Array, Array, Array]:
     """Times, values and roundings of a column of the crank's motion, whose times are rounded too."""
-    time, open_ = regular(one.at, one.at_resolution)
-    values = unwrapped(one.values) if one.name == "phi" else one.values
-    return time, values, one.resolution + open_ * np.abs(np.gradient(values, time))
+    time, open_ = regular(signal.at, signal.at_resolution)
+    values = unwrapped(signal.values) if signal.name == "phi" else signal.values
+    return time, values, signal.resolution + open_ * np.abs(np.gradient(values, time))
 
 
-def _sampled(one: ImportedSignal, motion: Motion) -> Samples:
+def _sampled(signal: ImportedSignal, motion: Motion) -> Samples:
     """A signal at its times; over the crank angle those of a constant speed."""
-    at, rounding = regular(one.at, one.at_resolution)
-    if one.axis == "phi":
+    at, rounding = regular(signal.at, signal.at_resolution)
+    if signal.axis == "phi":
         speed = float(motion.speed(0.0))
         at, rounding = (at - float(motion.angle(0.0))) / speed, rounding / abs(speed)
         order = np.argsort(at, kind="stable")
-        return Samples(one.name, at[order], one.values[order], one.resolution[order], rounding[order], one)
-    return Samples(one.name, at, one.values, one.resolution, rounding, one)
+        return Samples(signal.name, at[order], signal.values[order], signal.resolution[order], rounding[order], signal)
+    return Samples(signal.name, at, signal.values, signal.resolution, rounding, signal)
 
 
 def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: bool) -> None:
     known = table(model.mechanism)
-    over_angle = [one.name for one in signals if one.imported.axis == "phi"]
+    over_angle = [signal.name for signal in signals if signal.imported.axis == "phi"]
     moving = [name for name in over_angle if name not in known or not known[name].is_still]
     if moving and not gives_speed:
         raise LinkproofError(
@@ -174,15 +180,15 @@ def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: 
         )
 
 
-def _without_turns(one: Samples, truth: Array) -> Samples:
+def _without_turns(signal: Samples, truth: Array) -> Samples:
     """An angle without the whole turns that a tool adds or takes away; a transmission angle as the acute one."""
-    if not is_angle(one.name):
-        return one
-    if one.name.startswith("transmission_angle"):
-        return replace(one, values=np.abs(one.values - np.pi * np.round(one.values / np.pi)))
-    values = unwrapped(one.values)
+    if not is_angle(signal.name):
+        return signal
+    if signal.name.startswith("transmission_angle"):
+        return replace(signal, values=np.abs(signal.values - np.pi * np.round(signal.values / np.pi)))
+    values = unwrapped(signal.values)
     turns = np.round(np.median(truth - values) / (2.0 * np.pi))
-    return replace(one, values=values + 2.0 * np.pi * turns)
+    return replace(signal, values=values + 2.0 * np.pi * turns)
 
 
 def _missed(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:

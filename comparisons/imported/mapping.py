@@ -61,7 +61,7 @@ class ColumnMapping:
     def check(self, headers: Iterable[str]) -> None:
         """Refuse a header that no column has, or that has two entries."""
         known, seen = {_plain(header) for header in headers}, set()
-        every = [(["column", str(n), "header"], one.header) for n, one in enumerate(self.document.column)]
+        every = [(["column", str(n), "header"], column.header) for n, column in enumerate(self.document.column)]
         every += [(["ignore", str(n)], header) for n, header in enumerate(self.document.ignore)]
         for place, header in every:
             if _plain(header) not in known:
@@ -81,7 +81,7 @@ class ColumnMapping:
 
         Raises NotJudgedError for one whose meaning is unknown, DescriptionError for an entry that cannot be.
         """
-        entries = (one for one in enumerate(self.document.column) if _plain(one[1].header) == _plain(column.header))
+        entries = (pair for pair in enumerate(self.document.column) if _plain(pair[1].header) == _plain(column.header))
         at, entry = next(entries, (0, None))
         if entry is None:
             return recognition.meaning(column), Correction()
@@ -96,7 +96,7 @@ class ColumnMapping:
         if entry.unit is not None:
             unit, si = parsed(entry.unit), recognition.unit(meaning.signal)
             if unit is None or not unit.measures(si.dimension):
-                fitting = [name for name, one in NAMED.items() if one.dimension == si.dimension and name.isascii()]
+                fitting = [name for name, item in NAMED.items() if item.dimension == si.dimension and name.isascii()]
                 fault = UnknownNameError(
                     f"unit of {meaning.signal}", entry.unit, [recognition.si(meaning.signal), *fitting]
                 )
@@ -139,7 +139,9 @@ def mapping_text(linkage: str, entries: Iterable[Sequence[str]], ignored: Iterab
     headers = ", ".join(map(_quoted, ignored))
     head = [f"ignore = [{headers}]"] if headers else []
     return (
-        HEAD.format(printable(linkage)) + "\n".join([*head, *(line for one in entries for line in ("", *one))]) + "\n"
+        HEAD.format(printable(linkage))
+        + "\n".join([*head, *(line for entry in entries for line in ("", *entry))])
+        + "\n"
     )
 
 

@@ -64,8 +64,8 @@ class _Reading:
 
     def of(self, table: ResultTable | None = None) -> list[tuple[_Read, Meaning]]:
         """Columns of a table, or of all, that mean something."""
-        every = [one for one in self.columns if table is None or one.table is table]
-        return [(one, one.meaning) for one in every if one.meaning is not None]
+        every = [column for column in self.columns if table is None or column.table is table]
+        return [(column, column.meaning) for column in every if column.meaning is not None]
 
     def ask(self, message: str) -> MappingNeededError:
         """The error to raise where only the user can tell, with a mapping that says all that was recognised."""
@@ -73,11 +73,12 @@ class _Reading:
 
     def mapping_text(self) -> str:
         """A mapping that says all that was recognised."""
-        every = [one for one in self.columns if not self.mapping.ignores(one.column)]
+        every = [column for column in self.columns if not self.mapping.ignores(column.column)]
         entries = {
-            one.column.header: written(one.column.header, one.meaning, one.reason, one.correction) for one in every
+            column.column.header: written(column.column.header, column.meaning, column.reason, column.correction)
+            for column in every
         }
-        ignored = dict.fromkeys(one.column.header for one in self.columns if self.mapping.ignores(one.column))
+        ignored = dict.fromkeys(column.column.header for column in self.columns if self.mapping.ignores(column.column))
         return mapping_text(self.recognition.linkage.name, entries.values(), ignored)
 
     def _read(self, table: ResultTable, column: Column) -> _Read:
@@ -96,7 +97,7 @@ class _Reading:
     def _axis(self, table: ResultTable) -> _Read | None:
         """The axis of a table: time, or the crank angle where there is none."""
         every = self.of(table)
-        axes = [one for name in (TIME, "phi") for one, meaning in every if meaning.signal == name]
+        axes = [column for name in (TIME, "phi") for column, meaning in every if meaning.signal == name]
         if every and not axes:
             raise self.ask(
                 f"{table.file}:{table.line}: expected a column of time or crank angle, got "
@@ -108,25 +109,25 @@ class _Reading:
     def refuse_twice(self) -> None:
         """Refuse two columns for one signal or axis; one that names the signal goes before one taken for it."""
         seen: dict[tuple[str, int], _Read] = {}
-        for one, meaning in self.of():
-            axis = self.axes[id(one.table)]
+        for column, meaning in self.of():
+            axis = self.axes[id(column.table)]
             is_axis = axis is not None and axis.meaning is not None and axis.meaning.signal == meaning.signal
-            place = (meaning.signal, id(one.table) if is_axis else 0)
-            before = seen.setdefault(place, one)
-            if before is one or before.meaning is None:
+            place = (meaning.signal, id(column.table) if is_axis else 0)
+            before = seen.setdefault(place, column)
+            if before is column or before.meaning is None:
                 continue
             if is_axis or bool(before.meaning.taken) == bool(meaning.taken):
                 raise self.ask(
                     f"expected one column for {meaning.signal}, got '{shortened(before.column.header)}' "
-                    f"({before.column.place}) and '{shortened(one.column.header)}' ({one.column.place}); name one in "
-                    "a mapping, and the other under ignore"
+                    f"({before.column.place}) and '{shortened(column.column.header)}' ({column.column.place}); "
+                    "name one in a mapping, and the other under ignore"
                 )
-            weaker, seen[place] = (one, before) if meaning.taken else (before, one)
+            weaker, seen[place] = (column, before) if meaning.taken else (before, column)
             weaker.meaning, weaker.reason = None, f"'{shortened(seen[place].column.header)}' names {meaning.signal}"
 
     def ask_for_units(self) -> None:
         """Ask for the units that neither header nor tool states."""
-        without = [(one, meaning) for one, meaning in self.of() if meaning.unit is None]
+        without = [(column, meaning) for column, meaning in self.of() if meaning.unit is None]
         for first, meaning in without[:1]:
             more = f" and {len(without) - 1} more" if len(without) > 1 else ""
             raise self.ask(
@@ -145,15 +146,15 @@ class _Reading:
         at, sharpness = axis.in_si()
         at = at + axis.correction.time_shift if name == "time" else at
         axis_taken = f"{name}: {axis.meaning.taken}" if axis.meaning.taken else ""
-        for one, meaning in self.of(table):
-            if one is axis:
+        for column, meaning in self.of(table):
+            if column is axis:
                 continue
-            said = () if axis.meaning.taken == meaning.taken else (axis_taken,)
-            taken = "; ".join(filter(None, (meaning.taken, *said, repeated)))
-            values, resolution = one.in_si()
+            row = () if axis.meaning.taken == meaning.taken else (axis_taken,)
+            taken = "; ".join(filter(None, (meaning.taken, *row, repeated)))
+            values, resolution = column.in_si()
             yield ImportedSignal(
-                meaning.signal, name, at[rows] + one.correction.time_shift, values[rows], resolution[rows],
-                replace(one.column, unit=meaning.printed), sharpness[rows], taken,
+                meaning.signal, name, at[rows] + column.correction.time_shift, values[rows], resolution[rows],
+                replace(column.column, unit=meaning.printed), sharpness[rows], taken,
             )  # fmt: skip
 
 
@@ -172,14 +173,14 @@ def read_results(paths: Sequence[Path], linkage: Linkage, mapping: Path | None =
     reading.refuse_twice()
     reading.ask_for_units()
     signals = [signal for table in tables for signal in reading.signals(table)]
-    not_judged = tuple((one.column, one.reason) for one in reading.columns if one.reason)
+    not_judged = tuple((entry.column, entry.reason) for entry in reading.columns if entry.reason)
     if not signals:
         column, reason = not_judged[0] if not_judged else (tables[0].columns[0], "it is an axis")
         raise reading.ask(
             f"{tables[0].file}:{tables[0].line}: expected a column that is a signal of {printable(linkage.name)}, got "
             f"none: '{shortened(column.header)}' is not judged, since {reason}; name the columns in a mapping"
         )
-    corrections = {m.signal: one.correction for one, m in reading.of() if one.correction != Correction()}
+    corrections = {m.signal: entry.correction for entry, m in reading.of() if entry.correction != Correction()}
     units = {m.signal: m.unit.factor for _, m in reading.of() if m.unit}
     return ImportedResults(tuple(signals), not_judged, corrections, reading.mapping_text(), units)
 

@@ -56,13 +56,13 @@ class AssurGroups:
                     rows.append((pair[0], pair[1]))
         known_bodies = {equations.index[name] for name in placed | {*bodies}}
         new_bodies = {equations.index[name] for name in bodies}
-        held = [
+        constrained = [
             *zip(equations.line_rows, equations.body[equations.pins :], equations.host[equations.pins :], strict=True),
             *zip(equations.turn_rows, equations.turn_body, equations.turn_host, strict=True),
         ]
         if equations.scene.cylinder is not None:
-            held.append((equations.crank_row, *equations.driver.ends))
-        for row, *ends in held:
+            constrained.append((equations.crank_row, *equations.driver.ends))
+        for row, *ends in constrained:
             if {*ends} <= known_bodies and {*ends} & new_bodies:
                 rows.append((int(row), none))
         return rows
@@ -80,11 +80,11 @@ class AssurGroups:
 
         Its sign tells the two assembly modes of a group apart; it is 0 where they meet.
         """
-        found = [np.ones(len(jacobian))]
+        groups = [np.ones(len(jacobian))]
         for rows, columns in self.blocks:
             block = jacobian[:, rows[0][:, None], columns]
             seated = np.flatnonzero(rows[1] < self.equations.rows)
             block[:, seated] -= jacobian[:, rows[1][seated][:, None], columns]
             lengths = np.sqrt(np.einsum("nrc,nrc->nr", block, block))
-            found.append(np.linalg.det(block / lengths[:, :, None]))
-        return np.stack(found, axis=1)
+            groups.append(np.linalg.det(block / lengths[:, :, None]))
+        return np.stack(groups, axis=1)

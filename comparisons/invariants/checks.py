@@ -79,12 +79,12 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
 def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
     """Change points of the linkage's groups, rad in [0, 2π), by their links: lengths decide on them, no motion does."""
     links = case.mechanism.linkage.links
-    found = {}
+    groups = {}
     for dyad in case.mechanism.structure.dyads:
         if dyad.changes:
             angles = {round(angle % FULL_TURN, 8) % round(FULL_TURN, 8) for angle in dyad.changes.angles}
-            found[frozenset(dyad.links) & frozenset(links)] = tuple(sorted(angles))
-    return found
+            groups[frozenset(dyad.links) & frozenset(links)] = tuple(sorted(angles))
+    return groups
 
 
 def _lacking(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:
@@ -122,8 +122,8 @@ def _closure(case: Case, seen: Inspection) -> tuple[Signal, int]:
     levels = invariants.closure(seen)
     count = sum(len(signal.time) for signal in levels.values())
     levels[Channel.ACCELERATION.value] = _away_from_jumps(case, levels[Channel.ACCELERATION.value])
-    kept = [_away_from_changes(seen, signal) for signal in levels.values()]
-    time, values = (np.concatenate([getattr(signal, part) for signal in kept]) for part in ("time", "values"))
+    signals = [_away_from_changes(seen, signal) for signal in levels.values()]
+    time, values = (np.concatenate([getattr(signal, part) for signal in signals]) for part in ("time", "values"))
     return Signal(time, values), count
 
 
@@ -141,14 +141,14 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
 
 def _away_from_jumps(case: Case, signal: Signal) -> Signal:
     """A signal without its samples at acceleration jumps, where interpolating between samples means nothing."""
-    kept = ~near_jumps(signal.time, case.motion.jumps)
-    return Signal(signal.time[kept], signal.values[kept])
+    smooth = ~near_jumps(signal.time, case.motion.jumps)
+    return Signal(signal.time[smooth], signal.values[smooth])
 
 
 def _away_from_changes(seen: Inspection, signal: Signal) -> Signal:
     """A signal without its samples beside change points, where corrections are their own rounding magnified."""
-    kept = ~seen.beside_changes(signal.time).any(axis=1)
-    return Signal(signal.time[kept], signal.values[kept])
+    smooth = ~seen.beside_changes(signal.time).any(axis=1)
+    return Signal(signal.time[smooth], signal.values[smooth])
 
 
 def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:

@@ -97,8 +97,8 @@ class Corrected:
         lack = equations.spread(-np.einsum("ncr,nr->nc", self.inverse, residual))
         for number in {equations.index[s.body] for s in equations.scene.sliders}:
             if bodies[number].inertia is None:
-                held = bodies[number].angle if order == 0 else 0.0
-                lack[:, number, 2] = held - self.observed(order)[:, number, 2]
+                offset = bodies[number].angle if order == 0 else 0.0
+                lack[:, number, 2] = offset - self.observed(order)[:, number, 2]
         return np.asarray(lack, dtype=float)
 
     def crank_target(self, order: int) -> Array:

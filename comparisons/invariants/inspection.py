@@ -83,24 +83,24 @@ class Inspection:
         """
         result = {}
         for order, channel in enumerate(LEVELS):
-            found = self.on(channel)
-            scale = float(np.max(found.moving[:, order])) if order else 1.0
-            result[channel.value] = Signal(found.time, found.lacking[:, order] / (scale or 1.0))
+            outcome = self.on(channel)
+            scale = float(np.max(outcome.moving[:, order])) if order else 1.0
+            result[channel.value] = Signal(outcome.time, outcome.lacking[:, order] / (scale or 1.0))
         return result
 
     def assembly_mode(self) -> Signal:
         """How far any group is into the mode it did not start in, over the farthest it is from a dead position."""
-        found = self.on(Channel.POSITION)
-        depth = np.maximum(-found.determinants * self._start_modes() * self._passed(found.time), 0.0)
-        return Signal(found.time, np.max(depth / np.max(np.abs(found.determinants), axis=0), axis=1))
+        result = self.on(Channel.POSITION)
+        depth = np.maximum(-result.determinants * self._start_modes() * self._passed(result.time), 0.0)
+        return Signal(result.time, np.max(depth / np.max(np.abs(result.determinants), axis=0), axis=1))
 
     def _start_modes(self) -> Array:
         """Sign of every group's determinant in the start state; of one that starts at a change point, soon after."""
         equations = self.groups.equations
         first = self.groups.determinants(equations.jacobian(equations.arms(equations.start())))
         seen = np.concatenate([first, self.on(Channel.POSITION).determinants])
-        told = np.argmax(np.abs(seen) > NOWHERE, axis=0)
-        return np.asarray(np.sign(np.take_along_axis(seen, told[None], axis=0)[0]))
+        values = np.argmax(np.abs(seen) > NOWHERE, axis=0)
+        return np.asarray(np.sign(np.take_along_axis(seen, values[None], axis=0)[0]))
 
     @cached_property
     def _changes(self) -> list[tuple[int, float]]:
@@ -151,23 +151,23 @@ class Inspection:
         By virtual power, so that it is defined at standstill too; of a prescribed crank for the acceleration it ought
         to have. Where the claimed torque has no samples there is nothing to hold it against.
         """
-        found, clock = self.on(Channel.ACCELERATION), self.motion.signal(Channel.TORQUE).time
-        kept = (found.time >= clock[0]) & (found.time <= clock[-1])
-        return Signal(found.time[kept], found.torque[kept])
+        result, clock = self.on(Channel.ACCELERATION), self.motion.signal(Channel.TORQUE).time
+        within = (result.time >= clock[0]) & (result.time <= clock[-1])
+        return Signal(result.time[within], result.torque[within])
 
     def force_balance(self) -> Signal:
         """How far any joint's force is from what the bodies' balance requires of it, over its own peak."""
-        found, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
+        result, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
         joints = [*self.motion.scene.pins, *self.motion.scene.guided]
         clock = next(iter(claimed.values())).time
-        kept = (found.time >= clock[0]) & (found.time <= clock[-1])
-        peaks = np.nanmax(np.hypot(found.forces[..., 0], found.forces[..., 1]), axis=0, initial=0.0)
+        within = (result.time >= clock[0]) & (result.time <= clock[-1])
+        peaks = np.nanmax(np.hypot(result.forces[..., 0], result.forces[..., 1]), axis=0, initial=0.0)
         scales = np.maximum(peaks, FAINT_FORCE * np.max(peaks)) + TINY
-        worst = np.zeros(int(kept.sum()))
+        worst = np.zeros(int(within.sum()))
         for number, joint in enumerate(joints):
-            difference = resample(claimed[joint.name], found.time[kept]) - found.forces[kept, number]
+            difference = resample(claimed[joint.name], result.time[within]) - result.forces[within, number]
             worst = np.maximum(worst, np.hypot(*difference.T) / scales[number])
-        return Signal(found.time[kept], worst)
+        return Signal(result.time[within], worst)
 
     def unresolved(self, time: Array) -> NDArray[np.bool_]:
         """Intervals of a clock in which the motion changes faster than its samples tell, (n - 1,).
@@ -194,13 +194,13 @@ class Inspection:
         return np.asarray(np.interp(time, time[moving], 0.5 * power[moving] / kinetic[moving]))
 
     def _sharp_passages(self, time: Array) -> Iterator[tuple[float, float]]:
-        found = self.on(Channel.POSITION)
-        size = np.abs(found.determinants)
-        sharp = np.abs(np.diff(found.determinants, axis=0)) > SHARP * np.minimum(size[1:], size[:-1])
-        sharp &= ~self.beside_changes(found.time)[1:]
+        result = self.on(Channel.POSITION)
+        size = np.abs(result.determinants)
+        sharp = np.abs(np.diff(result.determinants, axis=0)) > SHARP * np.minimum(size[1:], size[:-1])
+        sharp &= ~self.beside_changes(result.time)[1:]
         for step in np.flatnonzero(sharp.any(axis=1)):
-            reach = REACH * (found.time[step + 1] - found.time[step])
-            yield found.time[step] - reach, found.time[step + 1] + reach
+            reach = REACH * (result.time[step + 1] - result.time[step])
+            yield result.time[step] - reach, result.time[step + 1] + reach
         drive = self.motion.scene.drive
         for start, end in _stretches(drive.motion) if isinstance(drive, Prescribed) else ():
             if np.count_nonzero((time >= start) & (time <= end)) < 2 * POINTS:

@@ -54,10 +54,10 @@ def crank_phase(seen: Inspection) -> Signal:
     """By how much the driver is, or by its own account must be, away from where it should be, rad or m."""
     drive, time = seen.motion.scene.drive, seen.motion.signal(Channel.POSITION).time
     if isinstance(drive, Prescribed):
-        found = Signal(time, np.abs(seen.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
+        signal = Signal(time, np.abs(seen.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
     else:
-        found = released_phase(seen)
-    return Signal(found.time, np.maximum(found.values, _untold(seen)))
+        signal = released_phase(seen)
+    return Signal(signal.time, np.maximum(signal.values, _untold(seen)))
 
 
 def _untold(seen: Inspection) -> float:

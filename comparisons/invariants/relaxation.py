@@ -14,12 +14,12 @@ ERROR_SHARE = 0.25  # of the distance from every other sample: fourth order leav
 SLOW = 0.5  # of a relaxation time: within so long a step the ends' slopes still improve a quadrature
 
 
-def carried(start: float, kept: Array, added: Array) -> Array:
+def carried(start: float, shares: Array, added: Array) -> Array:
     """The series y with y₀ = ``start`` and yₙ₊₁ = keptₙ yₙ + addedₙ, (n + 1,)."""
-    if np.all(kept == 1.0):
+    if np.all(shares == 1.0):
         return start + np.concatenate([[0.0], np.cumsum(added)])
     result, value = [start], start
-    for share, more in zip(kept.tolist(), added.tolist(), strict=True):
+    for share, more in zip(shares.tolist(), added.tolist(), strict=True):
         value = value * share + more
         result.append(value)
     return np.array(result)
@@ -54,11 +54,11 @@ def _steps(time: Array, speed: Array, acceleration: Array, rate: Array) -> tuple
     """What each step keeps of an error of the speed, and what it adds to it."""
     push, step = acceleration + rate * speed, np.diff(time)
     decay = step * 0.5 * (rate[1:] + rate[:-1])
-    kept = np.exp(-decay)
+    shares = np.exp(-decay)
     safe = np.maximum(decay, 1e-6)
-    one = np.where(decay > 1e-6, -np.expm1(-safe) / safe, 1.0 - 0.5 * decay)
-    late = np.where(decay > 1e-3, (1.0 - one) / safe, 0.5 - decay / 6.0)
-    change = step * ((one - late) * push[:-1] + late * push[1:])
+    weight = np.where(decay > 1e-6, -np.expm1(-safe) / safe, 1.0 - 0.5 * decay)
+    late = np.where(decay > 1e-3, (1.0 - weight) / safe, 0.5 - decay / 6.0)
+    change = step * ((weight - late) * push[:-1] + late * push[1:])
     slope = np.gradient(push, time, edge_order=2)
     change += np.where(decay < SLOW, step**2 * (slope[:-1] - slope[1:]) / 12.0, 0.0)
-    return kept, speed[1:] - kept * speed[:-1] - change
+    return shares, speed[1:] - shares * speed[:-1] - change

@@ -96,8 +96,8 @@ class Baseline:
     def _regime(self, record: Record) -> Mapping[str, Any]:
         place = self.places.get(record.mechanism)
         entry = self.linkages.get(place.path, {}) if place else {}
-        found: Mapping[str, Any] = entry.get("variants", {}).get(record.variant, {}).get(_key(record), {})
-        return found
+        table: Mapping[str, Any] = entry.get("variants", {}).get(record.variant, {}).get(_key(record), {})
+        return table
 
     def recorded(
         self,
@@ -131,8 +131,8 @@ class Baseline:
         place = self.places[mechanism]
         entry = linkages.setdefault(place.path, {"variants": {}})
         entry["checksum"] = place.checksum
-        found: dict[str, Any] = entry["variants"].setdefault(variant, {}).setdefault(key, {})
-        return found
+        table: dict[str, Any] = entry["variants"].setdefault(variant, {}).setdefault(key, {})
+        return table
 
     def write(self, path: Path) -> None:
         """Write the file in one step, sorted, so that two of them are compared line by line."""

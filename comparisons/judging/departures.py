@@ -42,22 +42,22 @@ def file_departures(baseline: Baseline) -> tuple[Departure, ...]:
     here = {place.path: place.checksum for place in baseline.places.values()}
     new = [path for path in here if path not in recorded]
     missing = [path for path in sorted({*recorded} - {*here}) if coverage.every_linkage or path in baseline.lost]
-    found = []
+    result = []
     for old in missing:
         twin = next((path for path in new if here[path] == recorded[old]["checksum"]), None)
         if twin is None:
             gone = "does not exist" if old in baseline.lost else "is not compared"
             words = f"{old} is in the baseline and {gone} any more: {ANEW}, {MISSING} lets it be"
-            found.append(Departure((old,), words, is_recorded=True, is_allowed=coverage.allow_missing))
+            result.append(Departure((old,), words, is_recorded=True, is_allowed=coverage.allow_missing))
             continue
         new.remove(twin)
         words = f"{old} was renamed to {twin}, its text is the same: {ANEW}, {NEW} and {MISSING} let it be"
-        found.append(
+        result.append(
             Departure((old,), words, is_recorded=True, is_allowed=coverage.allow_new and coverage.allow_missing)
         )
     words = f"is not in the baseline: {ANEW}, {NEW} lets it be"
     return (
-        *found,
+        *result,
         *(Departure((path,), f"{path} {words}", is_recorded=False, is_allowed=coverage.allow_new) for path in new),
     )
 
@@ -71,7 +71,7 @@ def motion_departures(
     """
     if not baseline.is_recorded:
         return ()
-    found, by_mechanism = [], dict[str, list[Record]]()
+    groups, by_mechanism = [], dict[str, list[Record]]()
     for case in cases:
         by_mechanism.setdefault(case.mechanism, []).append(case)
     for linkage in linkages:
@@ -81,8 +81,8 @@ def motion_departures(
             keys: dict[str, list[str]] = {name: [] for name in variants}
             for case in by_mechanism.get(linkage.name, ()):
                 keys[case.variant].append(regime_key(case.regime, case.conditions))
-            found += [_missing(place.path, linkage, keys, baseline), _new(place.path, keys, baseline)]
-    return tuple(chain.from_iterable(found))
+            groups += [_missing(place.path, linkage, keys, baseline), _new(place.path, keys, baseline)]
+    return tuple(chain.from_iterable(groups))
 
 
 def _missing(path: str, linkage: Linkage, keys: Mapping[str, Sequence[str]], baseline: Baseline) -> Iterator[Departure]:

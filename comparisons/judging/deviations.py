@@ -70,18 +70,18 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
 
 def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int) -> Deviation:
     """As ``deviation``, of a signal read from an engine's motion before; ``clock`` counts the engine's samples."""
-    kept = np.ones(len(signal.time), dtype=bool)
+    counted = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
-        kept &= ~at_jumps(signal.time, case)
-    if not kept.any():
+        counted &= ~at_jumps(signal.time, case)
+    if not counted.any():
         raise NoSampleError(
             f"every sample of {quantity.name} lies at an acceleration jump or near standstill: run it for longer"
         )
     reference = quantity.reference(case, signal.time)
     if signal.values.ndim < reference.ndim:
         reference = _size(reference)
-    difference = _size(signal.values - reference)[kept]
-    peak = float(np.max(_size(reference)[kept]))
+    difference = _size(signal.values - reference)[counted]
+    peak = float(np.max(_size(reference)[counted]))
     if peak == 0.0 and case.mechanism.linkage.is_massless:
         raise NoSampleError(f"{quantity.name} is zero throughout, as no link has a mass: its error has no scale")
     scale = peak or 1.0
@@ -94,7 +94,7 @@ def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int)
         peak=peak,
         error_max=float(difference[worst] / scale),
         error_rms=float(np.sqrt(np.mean(difference**2)) / scale),
-        worst_time=float(signal.time[kept][worst]),
+        worst_time=float(signal.time[counted][worst]),
         samples=len(difference),
         left_out=clock - len(difference),
         error_at_jumps=_beyond_jumps(case, quantity, signal, reference) / scale,

@@ -61,7 +61,7 @@ class LimitTable:
         raise LookupError(f"limits.toml has no row for {name}, {setting}, {regime}: add one with its reason")
 
     @property
-    def told(self) -> list[dict[str, Any]]:
+    def as_dict(self) -> list[dict[str, Any]]:
         """The rows as a file of limits has them, JSON-ready; ``table_of`` reads them back."""
         return [
             {**{name: sorted(getattr(row, name)) for name in LISTS}, "value": row.value, "reason": row.reason}

@@ -261,15 +261,15 @@ def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
     LinkproofError for one that this case has not.
     """
     known = all_quantities(case)
-    found: dict[str, Quantity] = {}
+    quantities: dict[str, Quantity] = {}
     for name in names:
         if name == JOINT_FORCE.rstrip(":"):
-            found |= {key: known[key] for key in known if key.startswith(JOINT_FORCE)}
+            quantities |= {key: known[key] for key in known if key.startswith(JOINT_FORCE)}
         elif name in known:
-            found[name] = known[name]
+            quantities[name] = known[name]
         else:
             _refuse(case, name, known)
-    return list((found or known).values())
+    return list((quantities or known).values())
 
 
 def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:

@@ -163,14 +163,14 @@ class RunRecord(RunFacts):
 
     def judged(self, judge: Callable[[Record], Record]) -> RunRecord:
         """The same with every error and invariant judged by what turns a record into a judged one."""
-        errors, checks = (tuple(_error(judge(one)) for one in part) for part in (self.records, self.checks))
+        errors, checks = (tuple(_error(judge(record)) for record in part) for part in (self.records, self.checks))
         return replace(self, errors=errors, invariants=checks)
 
     @property
     def data(self) -> dict[str, Any]:
         """All but the curves, JSON-ready."""
-        own = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "curves"}
-        errors, invariants = ([vars(one) for one in part] for part in (self.errors, self.invariants))
+        own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "curves"}
+        errors, invariants = ([vars(record) for record in part] for part in (self.errors, self.invariants))
         return {**own, "errors": errors, "invariants": invariants, "details": dict(self.details)}
 
     def written(self) -> tuple[Mapping[str, Any], Mapping[str, Array]]:
@@ -185,12 +185,12 @@ class RunRecord(RunFacts):
     @classmethod
     def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Array] = MappingProxyType({})) -> Self:
         """A run back from what was ``written``; raises ValueError for anything else."""
-        found = cls._form().validate_python({name: value for name, value in row.items() if name != "curves"})
+        result = cls._form().validate_python({name: value for name, value in row.items() if name != "curves"})
         parts = {
-            name: tuple(QuantityRecord(**_shared(one)) for one in getattr(found, name))
+            name: tuple(QuantityRecord(**_shared(entry)) for entry in getattr(result, name))
             for name in ("errors", "invariants")
         }
-        return cls(**{**_shared(found), **parts, "curves": curves})
+        return cls(**{**_shared(result), **parts, "curves": curves})
 
 
 def run_record(

@@ -75,6 +75,6 @@ def deciding(records: Sequence[Record]) -> Sequence[Record]:
 def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
     """What is second in pairs by what is first, both in the order of the pairs."""
     groups: dict[K, list[V]] = {}
-    for key, one in pairs:
-        groups.setdefault(key, []).append(one)
+    for key, entry in pairs:
+        groups.setdefault(key, []).append(entry)
     return groups

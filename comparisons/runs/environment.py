@@ -24,11 +24,11 @@ INCIDENTAL = ("date", "machine")
 def environment(engines: Sequence[str] = ()) -> dict[str, str]:
     """Name and value of all that decides a figure or a time, ready for JSON; of these engines those announced here."""
     facts, here = {name: _version(name) for name in PACKAGES}, engine_names()
-    facts |= {one.name: one.version() or "" for one in adapters([name for name in engines if name in here])}
+    facts |= {engine.name: engine.version() or "" for engine in adapters([name for name in engines if name in here])}
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),
-        **{name: found for name, found in facts.items() if found},
+        **{name: match for name, match in facts.items() if match},
         "machine": f"{platform.system()} {platform.machine()}, {_processor()}, {os.cpu_count()} cores",
         "commit": _commit(),
     }

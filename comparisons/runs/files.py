@@ -42,15 +42,15 @@ def claim(folder: Path) -> Claim:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         place = folder.resolve()
-        found = _CLAIMS.get(place) or Claim(place)
+        result = _CLAIMS.get(place) or Claim(place)
     except BlockingIOError as error:
         raise LinkproofError(
             f"another linkproof command is writing to '{folder}': wait until it ends, or choose another folder"
         ) from error
     except OSError as error:
         raise _cannot_write(folder, error) from error
-    _CLAIMS[place] = found
-    return found
+    _CLAIMS[place] = result
+    return result
 
 
 def write_text(path: Path, text: str) -> None:

@@ -88,8 +88,8 @@ class RecordFile:
         first, length = self._places[key]
         with (self.folder / RECORDS).open("rb") as file:
             file.seek(first)
-            found: dict[str, Any] = json.loads(file.read(length))
-        return found
+            table: dict[str, Any] = json.loads(file.read(length))
+        return table
 
     def read(self, key: str) -> tuple[dict[str, Any], Mapping[str, Array]]:
         """A record as it was written, its arrays read when they are needed; raises KeyError."""
@@ -153,9 +153,9 @@ class RecordFile:
 def passing_records() -> RecordFile:
     """Records in a temporary folder, which goes with them, or with the workers if this process is killed."""
     folder = Path(tempfile.mkdtemp(prefix="linkproof-", dir=get_temp_dir()))
-    found = RecordFile(folder)
-    weakref.finalize(found, shutil.rmtree, folder, ignore_errors=True)
-    return found
+    file = RecordFile(folder)
+    weakref.finalize(file, shutil.rmtree, folder, ignore_errors=True)
+    return file
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: It
 
     The records may come from a generator: none stays in memory.
     """
-    held, new = claim(folder), folder / f".{kind}.new"
+    lock, new = claim(folder), folder / f".{kind}.new"
     with writing(folder / kind):
         shutil.rmtree(new, ignore_errors=True)
         file = RecordFile(new)
@@ -45,13 +45,13 @@ def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: It
         for record in records:
             file.append(*record)
         file.finish()
-        told = {"kind": kind, "format": FORMAT, **document}
+        table = {"kind": kind, "format": FORMAT, **document}
         with (new / DOCUMENT).open("w", encoding="utf-8") as target:  # in pieces: there may be many key figures
-            json.dump(told, target, indent=1, ensure_ascii=False, allow_nan=False, default=_plain)
+            json.dump(table, target, indent=1, ensure_ascii=False, allow_nan=False, default=_plain)
         sums = "".join(f"{_sum(new / name)}\n" for name in (DOCUMENT, RECORDS, CURVES))
         (new / SUMS).write_text(sums, "utf-8")
         _replace(folder / kind, new)
-    del held
+    del lock
 
 
 def to_json(document: Mapping[str, Any]) -> str:

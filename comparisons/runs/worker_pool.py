@@ -162,9 +162,11 @@ class WorkerPool:
         self._start(left)
         while self.todo or any(worker.job for worker in self.workers):
             self._wait()
-            found = [one for worker in list(self.workers) for one in (*self._receive(worker), *self._timed_out(worker))]
+            results = [
+                pair for worker in list(self.workers) for pair in (*self._receive(worker), *self._timed_out(worker))
+            ]
             self._start(left)
-            yield from found
+            yield from results
 
     def take_up(self, jobs: Iterable[tuple[Any, ...]], seconds: float) -> Iterator[tuple[int, Any]]:
         """Results of further jobs, each of which may take so many seconds; workers of earlier ones make them."""

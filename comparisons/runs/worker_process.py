@@ -102,9 +102,17 @@ def start_server(modules: Sequence[str]) -> None:
     Returns at once: if it is called early, the server imports while the caller does.
     """
     if start_method() == "forkserver":
+        _leave_temporary_folder()
         forkserver.set_forkserver_preload(["comparisons.runs.fork_server", "comparisons.runs.worker_process", *modules])
         with cut_off(), same_path():
             forkserver.ensure_running()
+
+
+@functools.cache
+def _leave_temporary_folder() -> None:
+    """Have a process that multiprocessing has started use a folder of its own, as its server will remove it."""
+    if multiprocessing.parent_process() is not None:
+        vars(multiprocessing.current_process())["_config"].pop("tempdir", None)
 
 
 @contextlib.contextmanager

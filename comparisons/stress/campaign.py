@@ -70,15 +70,15 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     if request.quick:
         rough = [border for border in rough if border.usage == QUICK_BORDERS]
     narrow = bisected(rough, make, COARSE if request.quick else PRECISE)
-    found, counts = tuple(study.results()), summary(study.results())
+    results, counts = tuple(study.results()), summary(study.results())
     document = {
         "command": request.command,
         "environment": {**environment(list(counts)), **request.pool.place},
         "quick": request.quick,
         "summary": counts,
-        "borders": [one.document for one in narrow],
+        "borders": [border.document for border in narrow],
     }
-    return Stress(document, found)
+    return Stress(document, results)
 
 
 def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Pool = EVERY_CORE) -> list[CellResult]:

@@ -99,7 +99,7 @@ class CellResult(RunRecord):
     @property
     def alarms(self) -> tuple[str, ...]:
         """Names of the invariants that failed."""
-        return tuple(one.quantity for one in self.invariants if one.outcome != Verdict.PASSED)
+        return tuple(invariant.quantity for invariant in self.invariants if invariant.outcome != Verdict.PASSED)
 
     @property
     def data(self) -> dict[str, Any]:

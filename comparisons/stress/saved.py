@@ -43,14 +43,14 @@ class Stress:
     cells: Sequence[CellResult]
 
     @property
-    def told(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready."""
-        return {**self.document, "cells": [one.data for one in self.results]}
+        return {**self.document, "cells": [result.data for result in self.results]}
 
     @cached_property
     def results(self) -> tuple[CellResult, ...]:
         """Every cell in the order of the maps, whichever process was done first."""
-        return tuple(sorted(self.cells, key=lambda one: _place(one.cell)))
+        return tuple(sorted(self.cells, key=lambda result: _place(result.cell)))
 
     @cached_property
     def borders(self) -> tuple[Border, ...]:
@@ -75,7 +75,10 @@ class Stress:
     @cached_property
     def columns(self) -> Mapping[str, tuple[float, ...]]:
         """Of each axis the listed values that were run, without those of the bisection; all where none is listed."""
-        quick, seen = self.document["quick"], dict.fromkeys((one.cell.axis, one.cell.value) for one in self.results)
+        quick, seen = (
+            self.document["quick"],
+            dict.fromkeys((result.cell.axis, result.cell.value) for result in self.results),
+        )
         return {
             axis: tuple(value for value in (known.quick if quick else known.values) if (axis, value) in seen)
             or tuple(value for name, value in seen if name == axis)
@@ -115,7 +118,7 @@ def _rank(names: Sequence[str], name: str) -> int:
 
 def save(folder: Path, stress: Stress) -> None:
     """Write a stress test into a folder."""
-    save_study(folder, KIND, stress.document, ((one.key, *one.written()) for one in stress.results))
+    save_study(folder, KIND, stress.document, ((result.key, *result.written()) for result in stress.results))
 
 
 def load(folder: Path) -> Stress:

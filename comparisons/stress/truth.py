@@ -57,12 +57,12 @@ def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
 
 def _off(name: str, case: Case, signal: Signal, true: Array, least: float = 0.0) -> Iterator[tuple[float, str]]:
     """Largest error of a torque or a force over its peak, ``least`` at least, away from jumps of the acceleration."""
-    kept = ~near_jumps(signal.time, case.motion.jumps)
-    if kept.any():
-        away, size = (np.linalg.norm(v.reshape(len(v), -1)[kept], axis=1) for v in (signal.values - true, true))
+    smooth = ~near_jumps(signal.time, case.motion.jumps)
+    if smooth.any():
+        away, size = (np.linalg.norm(v.reshape(len(v), -1)[smooth], axis=1) for v in (signal.values - true, true))
         error = away / (max(float(np.max(size)), least) or 1.0)
         worst = int(np.argmax(error))
-        yield float(error[worst]), f"{name} off by {error[worst]:.2g} of its peak at {signal.time[kept][worst]:.3g} s"
+        yield float(error[worst]), f"{name} off by {error[worst]:.2g} of its peak at {signal.time[smooth][worst]:.3g} s"
 
 
 def _missing(case: Case, motion: ObservedMotion) -> float:

@@ -89,7 +89,7 @@ def verdict_of(cell: CellResult) -> StressVerdict | None:
     if not cell.errors and not cell.invariants:
         return None
     nearest = next(iter(cell.records), None)
-    failed = [one for one in cell.checks if one.outcome != Verdict.PASSED]
+    failed = [check for check in cell.checks if check.outcome != Verdict.PASSED]
     return _verdict(nearest, [cell.wrong] if cell.wrong else [], failed, "")[0]
 
 

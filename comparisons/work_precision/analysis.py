@@ -191,7 +191,7 @@ def compare_settings(records: Sequence[BenchRecord]) -> tuple[SettingComparison,
     results = []
     for record in records:
         if record.kind == SETTING and record.finished:
-            rivals = [one for one in sweeps if record.setting == Setting.BEST or not one.first.is_extrapolated]
+            rivals = [sweep for sweep in sweeps if record.setting == Setting.BEST or not sweep.first.is_extrapolated]
             prices = [(price(sweep.seconds, sweep.numbers.errors, _error(record)), sweep) for sweep in rivals]
             met = [(cost, sweep) for cost, sweep in prices if cost is not None]
             cheapest = min(met, key=lambda pair: pair[0], default=None)

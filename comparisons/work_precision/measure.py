@@ -113,11 +113,11 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
         errors = tuple(_errors(case, families, ObservedMotion(scene, run.history)))
     except NoSampleError as error:
         return replace(measured, outcome=Verdict.UNDEFINED.value, detail=str(error))
-    endless = [one.quantity for one in errors if not math.isfinite(one.error_max or 0.0)]
+    endless = [record.quantity for record in errors if not math.isfinite(record.error_max or 0.0)]
     if endless:
         return replace(measured, outcome=Outcome.DIVERGED.value, detail=f"{endless[0]} is not finite")
-    if all(one.error_max is None for one in errors):
-        reasons = "; ".join(one.detail for one in errors)
+    if all(record.error_max is None for record in errors):
+        reasons = "; ".join(record.detail for record in errors)
         measured = replace(measured, outcome=Verdict.NOT_PROVIDED.value, detail=reasons)
     return replace(measured, errors=errors)
 
@@ -147,7 +147,9 @@ def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: Obse
     for name, family in families.items():
         reasons = {quantity.name: reason for quantity in family if (reason := _why_not_measured(quantity, motion))}
         detail = f"{', '.join(reasons)} {' or '.join(dict.fromkeys(reasons.values()))}" if reasons else ""
-        deviations = [(deviation(alone, one, motion), one.unit) for one in family if one.name not in reasons]
+        deviations = [
+            (deviation(alone, quantity, motion), quantity.unit) for quantity in family if quantity.name not in reasons
+        ]
         if not deviations:
             yield QuantityRecord(name, outcome=Verdict.NOT_PROVIDED.value, detail=detail)
             continue

@@ -38,7 +38,7 @@ class EngineFacts:
     @cached_property
     def methods(self) -> tuple[MethodSweep, ...]:
         """Those at the effort a method comes with."""
-        return tuple(one for one in self.sweeps if self.is_own(one.first))
+        return tuple(sweep for sweep in self.sweeps if self.is_own(sweep.first))
 
     @property
     def is_control(self) -> bool:
@@ -79,8 +79,8 @@ class PlaceFacts:
     @property
     def foremost(self) -> str:
         """The quantity it is judged by; of a place where nothing finished, the first requested."""
-        found = self.quantities or (self.records[0].quantity,)
-        return next((name for name in FOREMOST if name in found), found[0])
+        names = self.quantities or (self.records[0].quantity,)
+        return next((name for name in FOREMOST if name in names), names[0])
 
     def engines(self, quantity: str) -> tuple[EngineFacts, ...]:
         """Every engine in one quantity, the control last; those that gave nothing are there too."""
@@ -96,7 +96,7 @@ class PlaceFacts:
 
     def _facts(self, rows: Mapping[str, Sequence[BenchRecord]]) -> list[EngineFacts]:
         facts = [EngineFacts(name, tuple(mine), self.own_efforts.get(name, ())) for name, mine in rows.items()]
-        return sorted(facts, key=lambda one: one.is_control)
+        return sorted(facts, key=lambda entry: entry.is_control)
 
     def ranked(self, quantity: str) -> list[BenchRecord]:
         """What makes the front over all engines: all but the control's points."""
@@ -108,10 +108,10 @@ Regimes = Mapping[str, Sequence[PlaceFacts]]
 
 def places(bench: Bench) -> tuple[PlaceFacts, ...]:
     """All mechanisms and regimes of a benchmark, in the order measured."""
-    titles = {told["name"]: told["title"] for told in bench.document["mechanisms"]}
+    titles = {facts["name"]: facts["title"] for facts in bench.document["mechanisms"]}
     efforts: dict[str, Efforts] = {}
-    for told in bench.document["methods"]:
-        efforts[told["engine"]] = (*efforts.get(told["engine"], ()), (told["name"], told["effort"]))
+    for words in bench.document["methods"]:
+        efforts[words["engine"]] = (*efforts.get(words["engine"], ()), (words["name"], words["effort"]))
     groups: dict[tuple[str, str, str], list[BenchRecord]] = {}
     for record in bench.records:
         groups.setdefault(record.place, []).append(record)

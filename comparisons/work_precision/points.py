@@ -117,8 +117,8 @@ class PointSweep:
         if len(done) < FEWEST:
             return ""
         finished = [each for each in done if each.outcome == Outcome.FINISHED]
-        errors = [[one.error_max for one in each.errors if one.error_max is not None] for each in finished]
-        if not any(still_improves(found) for found in zip(*errors, strict=True)):
+        errors = [[error.error_max for error in each.errors if error.error_max is not None] for each in finished]
+        if not any(still_improves(entries) for entries in zip(*errors, strict=True)):
             return "two refinements in a row improved nothing"
         price = self._price(self.points[len(done)])
         if price > self.budget:
@@ -128,8 +128,10 @@ class PointSweep:
     def _price(self, point: Point) -> float:
         """What a point will cost by the cheapest set-up and step so far, s: a slow spell is not the engine's."""
         pairs = zip(self.points, self.measurements, strict=False)
-        rates = [one.seconds / done.steps_per_turn for done, one in pairs if done.steps_per_turn and one.seconds]
-        setup = min((one.setup_seconds for one in self.measurements), default=0.0)
+        rates = [
+            record.seconds / done.steps_per_turn for done, record in pairs if done.steps_per_turn and record.seconds
+        ]
+        setup = min((measurement.setup_seconds for measurement in self.measurements), default=0.0)
         return setup + min(rates, default=0.0) * (point.steps_per_turn or 0.0)
 
     def _end_by_failure(self) -> str:

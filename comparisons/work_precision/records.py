@@ -93,7 +93,10 @@ class BenchRecord(PointRecord):
     @property
     def error(self) -> QuantityRecord | None:
         """The errors in this quantity; None where it did not finish."""
-        return next((one for one in self.errors if one.quantity == self.quantity and one.error_max is not None), None)
+        return next(
+            (record for record in self.errors if record.quantity == self.quantity and record.error_max is not None),
+            None,
+        )
 
     @property
     def error_max(self) -> float | None:
@@ -111,15 +114,15 @@ def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tup
 
     A quantity that the engine does not tell at all is not provided there.
     """
-    found = []
+    records = []
     for point in points:
-        lacking = {one.quantity: one.detail for one in point.errors if one.error_max is None}
-        for name in [one.quantity for one in point.errors] or quantities:
+        lacking = {error.quantity: error.detail for error in point.errors if error.error_max is None}
+        for name in [error.quantity for error in point.errors] or quantities:
             known = vars(point)
             if name in lacking:
                 known = {**known, "outcome": Verdict.NOT_PROVIDED.value, "detail": lacking[name]}
-            found.append(BenchRecord(**known, quantity=name))
-    return tuple(found)
+            records.append(BenchRecord(**known, quantity=name))
+    return tuple(records)
 
 
 @dataclass(frozen=True)
@@ -210,7 +213,7 @@ class Bench:
     points: Sequence[PointRecord]
 
     @property
-    def told(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready."""
         return {**self.document, "records": [point.data for point in self.points]}
 

@@ -65,18 +65,18 @@ class Rounds:
 
     def repeats(self, point: Point, rounds: int) -> list[PointRecord]:
         """What a point took, round by round, where it finished, on the machine that made the first."""
-        every = [one for number in range(rounds) if (one := self.measurement(number, point)) is not None]
-        return [one for one in every if one.outcome == Outcome.FINISHED and one.host == every[0].host]
+        every = [record for number in range(rounds) if (record := self.measurement(number, point)) is not None]
+        return [run for run in every if run.outcome == Outcome.FINISHED and run.host == every[0].host]
 
     def is_worth_repeating(self, point: Point, number: int) -> bool:
         """Whether a point takes part in a later round: while it has not taken too long."""
         before = self.repeats(point, number)
-        return bool(before) and sum(one.total_seconds for one in before) < self.extent.patience
+        return bool(before) and sum(record.total_seconds for record in before) < self.extent.patience
 
     @property
     def calibrations(self) -> tuple[float, ...]:
         """How long the fixed work took beside every run, s."""
-        return tuple(float(one.details[CALIBRATION]) for one in self.study.results() if one.details)
+        return tuple(float(record.details[CALIBRATION]) for record in self.study.results() if record.details)
 
     def records(self, sweep: PointSweep) -> Iterator[PointRecord]:
         """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
@@ -86,10 +86,10 @@ class Rounds:
             repeats = self.repeats(point, self.extent.repeats)
             yield replace(
                 first,
-                seconds=min((one.seconds for one in repeats), default=0.0),
-                setup_seconds=min((one.setup_seconds for one in repeats), default=0.0),
-                readout_seconds=min((one.readout_seconds for one in repeats), default=0.0),
-                repeats=tuple(one.seconds for one in repeats),
+                seconds=min((repeat.seconds for repeat in repeats), default=0.0),
+                setup_seconds=min((repeat.setup_seconds for repeat in repeats), default=0.0),
+                readout_seconds=min((repeat.readout_seconds for repeat in repeats), default=0.0),
+                repeats=tuple(repeat.seconds for repeat in repeats),
                 ended=sweep.ended,
                 details={},
             )
@@ -113,8 +113,8 @@ class Rounds:
         """A run that gave no result; None where it was ended by our own deadline, not by the engine's fault."""
         if self.left() <= 0.0:
             return None
-        told = {"outcome": lost.outcome.value, "detail": lost.reason, "host": lost.host}
-        return point_record(unpickled(pickled), engine(name), way, steps, **told)
+        sentences = {"outcome": lost.outcome.value, "detail": lost.reason, "host": lost.host}
+        return point_record(unpickled(pickled), engine(name), way, steps, **sentences)
 
     def left(self) -> float:
         """Time until the deadline, s."""

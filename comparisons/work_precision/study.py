@@ -96,9 +96,11 @@ def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Round
         "conditions": "; ".join(dict.fromkeys(case.conditions for case in request.cases)),
         "environment": {**environment(request.engines), **request.pool.place},
         "extent": {name: value for name, value in asdict(request.extent).items() if value != math.inf},
-        "noise": {"work": WORK, "samples": [round(one, 9) for one in rounds.calibrations]},
+        "noise": {"work": WORK, "samples": [round(calibration, 9) for calibration in rounds.calibrations]},
         "first_use": [{"engine": name, "seconds": _first_uses(sweeps, name)} for name in request.engines],
-        "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
+        "mechanisms": [
+            {"name": linkage.name, "title": linkage.title, "variant": linkage.variant} for linkage in linkages.values()
+        ],
         "methods": _method_descriptions(request),
         "costs": _costs(list(linkages.values()), request.engines) if request.with_costs else [],
         "quantities": list(request.quantities),
@@ -113,8 +115,13 @@ def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str
 
 def _first_uses(sweeps: Sequence[PointSweep], engine: str) -> tuple[float, ...]:
     """What the first runs of an engine took beyond the second, s: one in every process that measured it."""
-    mine = (one.details for sweep in sweeps if sweep.points[0].engine == engine for one in sweep.measurements)
-    return tuple(float(one[FIRST_USE]) for one in mine if one.get(FIRST_USE))
+    mine = (
+        measurement.details
+        for sweep in sweeps
+        if sweep.points[0].engine == engine
+        for measurement in sweep.measurements
+    )
+    return tuple(float(table[FIRST_USE]) for table in mine if table.get(FIRST_USE))
 
 
 def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
@@ -178,4 +185,4 @@ def _records(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds
     """All records, by case and engine in the requested order, then as measured."""
     places = {name: place for place, name in enumerate(request.engines)}
     ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].engine]))
-    return [one for sweep in ordered for one in rounds.records(sweep)]
+    return [record for sweep in ordered for record in rounds.records(sweep)]

@@ -14,7 +14,7 @@ MARK = "<!-- below: python -m docs.making.readouts docs/engines.md -->"
 
 def tables() -> str:
     """Every engine's read-outs in Markdown."""
-    return "\n\n".join(table(readout_table(name, engine(name).abilities.told())) for name in engine_names())
+    return "\n\n".join(table(readout_table(name, engine(name).abilities.as_dict())) for name in engine_names())
 
 
 def renewed(page: str) -> str:

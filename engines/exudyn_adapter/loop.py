@@ -366,8 +366,8 @@ def read(world: World, *, first: bool, before_jump: bool) -> Iterator[tuple[str,
         if channel == "position":
             values += np.array(given["poses"]) + world.unwound
         is_own = first and not (changes and not given["as_shipped"])
-        kept = slice(0 if is_own else 1, end if changes else None)
-        yield channel, None, time[kept], values[kept]
+        steps = slice(0 if is_own else 1, end if changes else None)
+        yield channel, None, time[steps], values[steps]
     loaded = slice(1, end)
     if given["torque_sensor"] is not None:  # exudyn reports what the crank does to the drive
         yield "torque", None, time[loaded], -data[given["torque_sensor"]][loaded, 1]

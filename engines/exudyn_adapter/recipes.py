@@ -30,14 +30,14 @@ class ExudynRecipe(stepped_engine.Recipe):
     def details(self) -> dict[str, str | int | float]:
         """The rule in words, for the record of a run."""
         rule = f"generalised α, spectral radius {self.damping:g}" if self.damping else "implicit trapezoidal rule"
-        told: dict[str, str | int | float] = {
+        table: dict[str, str | int | float] = {
             "integrator": rule,
             "constraints": f"on {'position' if self.damping else 'velocity'} level",
             "newton": "as shipped" if self.as_shipped else "modified, Jacobian updated every step",
         }
         if self.effort is not None:
-            told["tolerance"] = self.effort
-        return told
+            table["tolerance"] = self.effort
+        return table
 
 
 # Generalised α (J. Chung, G. M. Hulbert, ASME Journal of Applied Mechanics 60, 1993); exudyn has it on position level

@@ -85,11 +85,11 @@ class Driver:
         if span is None:
             return np.zeros(len(rate), dtype=rate.dtype)
         first, second = rate[:, self.ends[0]], rate[:, self.ends[1]]
-        one, two = first[:, 2:], second[:, 2:]
-        inward = one * one * span.first - two * two * span.second
+        values, two = first[:, 2:], second[:, 2:]
+        inward = values * values * span.first - two * two * span.second
         result = dot(span.along, inward)
         if self.line is None:
-            moved = first[:, :2] - second[:, :2] + one * across(span.first) - two * across(span.second)
+            moved = first[:, :2] - second[:, :2] + values * across(span.first) - two * across(span.second)
             result = result - dot(across(span.along), moved) ** 2 / span.length
         return np.asarray(result)
 

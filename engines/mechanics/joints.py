@@ -102,8 +102,8 @@ class JointEquations:
         self.turn_body = self._numbers([body for body, _ in turning])
         self.turn_host = self._numbers([host for _, host in turning])
         angle = {**{body.name: body.angle for body in self.scene.bodies}, GROUND: 0.0}
-        held = np.array([angle[body] - angle[host] for body, host in turning])
-        self.turn_cosine, self.turn_sine = np.cos(held), np.sin(held)
+        turned = np.array([angle[body] - angle[host] for body, host in turning])
+        self.turn_cosine, self.turn_sine = np.cos(turned), np.sin(turned)
         starts = np.cumsum([0, self.pins, self.pins, self.lines, len(turning)])
         self.x_rows, self.y_rows, self.line_rows, self.turn_rows = (
             np.arange(start, end) for start, end in itertools.pairwise(starts)

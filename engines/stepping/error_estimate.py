@@ -38,16 +38,16 @@ def remaining_error(changes: Sequence[float], ratio: float) -> float:
     return SAFETY * now * min(1.0, shrinking) * ratio**2
 
 
-def change(one: History, other: History) -> float:
+def change(history: History, other: History) -> float:
     """Largest relative difference of two histories of one scene, over the peak of its own component in ``other``.
 
     Taken in accelerations and torque, which integrators find hardest, or in what else was recorded; 0 if nothing was.
     """
-    hard = [(one.acceleration, other.acceleration), (one.torque, other.torque)]
+    hard = [(history.acceleration, other.acceleration), (history.torque, other.torque)]
     easy: list[tuple[Signal | None, Signal | None]] = [
-        (one.joint_force[name], other.joint_force[name]) for name in one.joint_force
+        (history.joint_force[name], other.joint_force[name]) for name in history.joint_force
     ]
-    easy += [(one.velocity, other.velocity), (one.position, other.position)]
+    easy += [(history.velocity, other.velocity), (history.position, other.position)]
     for pairs in (hard, easy):
         present = [(a, b) for a, b in pairs if a is not None and b is not None]
         if present:
@@ -55,9 +55,9 @@ def change(one: History, other: History) -> float:
     return 0.0
 
 
-def _relative(one: Signal, other: Signal) -> float:
+def _relative(signal: Signal, other: Signal) -> float:
     shape = (-1, other.values.shape[-1] if other.values.ndim > 1 else 1)
     peak = np.abs(other.values).reshape(shape).max(axis=0)
-    difference = np.abs(one.values - other.values).reshape(shape).max(axis=0)
+    difference = np.abs(signal.values - other.values).reshape(shape).max(axis=0)
     moves = peak > NOTHING * peak.max()
     return float(np.max(difference[moves] / peak[moves], initial=0.0))

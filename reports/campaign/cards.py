@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from comparisons.datasheet.sheet import Sheet
-from reports.campaign.verdict import Trust, ratio, share
+from reports.campaign.verdict import EngineRanking, ratio, share
 from reports.charts.moving import moving_scheme
 from reports.document.parts import Card, Drawn, Facts, PageLink, Part
 from reports.mechanism.page import file_of
@@ -18,7 +18,7 @@ FRAMES: Final = 60
 FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke")
 
 
-def card(sheet: Sheet, trust: Trust | None) -> Card:
+def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
     """The card of a mechanism, which leads to its page; without a campaign it tells of no engine."""
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
@@ -39,7 +39,7 @@ def _key_figures(sheet: Sheet) -> tuple[tuple[str, str], ...]:
     return tuple((what, value) for what, value, _ in key_figures(sheet) if what in FIGURES)
 
 
-def _engine(sheet: Sheet, trust: Trust) -> str:
+def _engine(sheet: Sheet, trust: EngineRanking) -> str:
     """The worst engine of a mechanism at the deciding setting, in words."""
     setting = trust.settings[0]
     records = [

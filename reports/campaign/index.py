@@ -11,7 +11,7 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.verdicts import grouped
 from engines.contract import Setting
 from reports.campaign.cards import card
-from reports.campaign.verdict import CHECKS, Held, Trust, listed, ratio, verdict
+from reports.campaign.verdict import CHECKS, EngineRanking, EngineRecords, listed, ratio, verdict
 from reports.document import numbers
 from reports.document.parts import (
     Bullets,
@@ -47,7 +47,7 @@ def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words
 
     ``studies`` are pages of their own beside the mechanisms': where they are, and a sentence on what they say.
     """
-    trust = Trust(results) if results is not None and results.records else None
+    trust = EngineRanking(results) if results is not None and results.records else None
     return Page(
         file=FILE,
         title=TITLE,
@@ -65,21 +65,23 @@ def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words
 def _heading(results: Results | None) -> str:
     if results is None:
         return "Planar linkages in closed form"
-    told = results.document.get("judgement")
-    return "Is this simulation right?" if told else "Which engine to trust for which quantity?"
+    words = results.document.get("judgement")
+    return "Is this simulation right?" if words else "Which engine to trust for which quantity?"
 
 
-def _verdict(results: Results | None, trust: Trust | None) -> tuple[Part, ...]:
+def _verdict(results: Results | None, trust: EngineRanking | None) -> tuple[Part, ...]:
     """What it all comes to; of another tool's results what their judgement says."""
-    told = results.document.get("judgement", []) if results is not None else []
-    first, *rest = told or (verdict(trust) if trust else ()) or [""]
+    words = results.document.get("judgement", []) if results is not None else []
+    first, *rest = words or (verdict(trust) if trust else ()) or [""]
     return (*([Paragraph(first, "verdict")] if first else []), *(Paragraph(line, "lead") for line in rest))
 
 
-def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
+def _engines(results: Results, trust: EngineRanking) -> tuple[Section, ...]:
     """What the engines did; of another tool's results every signal."""
     if "judgement" in results.document:
-        signals = [part for view in views(results) for one in view.regimes for part in errors_fold(view, one).parts]
+        signals = [
+            part for view in views(results) for regime in view.regimes for part in errors_fold(view, regime).parts
+        ]
         return (Section("signals", "The signals", tuple(signals)),)
     parts = (_settings_table(trust), families_table(trust))
     caught = matrix.past_baseline(results)
@@ -89,7 +91,7 @@ def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
     return (Section("engines", "The engines", (*parts, *(worse if caught else ()), *moved)),)
 
 
-def _settings_table(trust: Trust) -> Table:
+def _settings_table(trust: EngineRanking) -> Table:
     """Engines down, settings across: how much of a limit is used at worst, what a run takes, what its figures are."""
     rows: list[list[TableCell | str]] = []
     for engine in trust.engines:
@@ -108,44 +110,47 @@ def _settings_table(trust: Trust) -> Table:
     )
 
 
-def _setting_words(trust: Trust, setting: str) -> str:
+def _setting_words(trust: EngineRanking, setting: str) -> str:
     untuned = setting == Setting.NAIVE.value and setting != trust.settings[0]
     return f"{setting} (decides nothing)" if untuned else setting
 
 
-def _standing(trust: Trust, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
+def _standing(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
     """The worst of what is compared with the closed form; the checks, which need none, stand in the other table."""
     records = trust.records(engine, setting)
-    held = Held(tuple(record for record in records if record.quantity not in trust.checks))
-    if held.worst is None:
-        reason = _reason(held)
-        return TableCell(numbers.ABSENT, _failure(held), told=reason, note=reason), ""
+    own = EngineRecords(tuple(record for record in records if record.quantity not in trust.checks))
+    if own.worst is None:
+        reason = _reason(own)
+        return TableCell(numbers.ABSENT, _failure(own), tooltip=reason, note=reason), ""
     seconds = trust.seconds(engine, setting)
-    place = f"{family_title(held.worst.quantity)}, {held.worst.mechanism}"
+    place = f"{family_title(own.worst.quantity)}, {own.worst.mechanism}"
     largest = TableCell(
-        ratio(held.worst), _style(trust, setting, held), note=place, told=sentence("index_worst", record=held.worst)
+        ratio(own.worst),
+        _style(trust, setting, own),
+        note=place,
+        tooltip=sentence("index_worst", record=own.worst),
     )
     computed = [words for words in exceptions(records).split("; ") if not words.startswith("shared")]
     origin = "; ".join(filter(None, (origin_words(records), *computed)))
     return largest, TableCell(" + ".join(map(numbers.seconds, seconds or ())) or numbers.ABSENT, note=origin)
 
 
-def _failure(held: Held) -> str:
-    return "failed" if held.failed else "absent"
+def _failure(records: EngineRecords) -> str:
+    return "failed" if records.failed else "absent"
 
 
-def _reason(held: Held) -> str:
-    return next((record.detail for record in held.records if record.detail), "")
+def _reason(records: EngineRecords) -> str:
+    return next((record.detail for record in records.records if record.detail), "")
 
 
-def _style(trust: Trust, setting: str, held: Held) -> str:
+def _style(trust: EngineRanking, setting: str, records: EngineRecords) -> str:
     """A class of the style sheet; what decides nothing has no colour."""
     if setting == Setting.NAIVE.value and setting != trust.settings[0]:
         return "muted"
-    return "over" if held.failed else "pass"
+    return "over" if records.failed else "pass"
 
 
-def families_table(trust: Trust) -> Table:
+def families_table(trust: EngineRanking) -> Table:
     """Engines down, families of quantities across: the largest error of each, the least of a column marked."""
     rows: list[list[TableCell | str]] = []
     for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
@@ -163,30 +168,35 @@ def families_table(trust: Trust) -> Table:
     )
 
 
-def _family_cell(trust: Trust, engine: str, setting: str, name: str) -> TableCell:
-    held = trust.cell(engine, setting, name)
-    if held.error is None or held.worst is None:
-        return TableCell("✗" if held.failed else numbers.ABSENT, _failure(held), told=_reason(held))
+def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str) -> TableCell:
+    records = trust.cell(engine, setting, name)
+    if records.error is None or records.worst is None:
+        return TableCell("✗" if records.failed else numbers.ABSENT, _failure(records), tooltip=_reason(records))
     best = " best" if name != CHECKS and trust.nearest(setting, name) == engine else ""
-    sign = "✗ " if held.failed else ""
+    sign = "✗ " if records.failed else ""
     return TableCell(
-        sign + numbers.steady_error(held.error),
-        _style(trust, setting, held) + best,
-        told=sentence("index_worst", record=held.worst),
+        sign + numbers.steady_error(records.error),
+        _style(trust, setting, records) + best,
+        tooltip=sentence("index_worst", record=records.worst),
     )
 
 
-def _reasons(trust: Trust) -> list[str]:
+def _reasons(trust: EngineRanking) -> list[str]:
     """Why engines gave nothing, each reason of an engine once, with the settings that it holds for."""
-    records = [one for families in trust.held.values() for held in families.values() for one in held.records]
-    found = grouped(((r.engine, r.detail), r.setting) for r in records if r.error_max is None and r.detail)
+    records = [
+        record
+        for families in trust.by_engine.values()
+        for engine_records in families.values()
+        for record in engine_records.records
+    ]
+    groups = grouped(((r.engine, r.detail), r.setting) for r in records if r.error_max is None and r.detail)
     return [
         f"{engine}{'' if len({*settings}) == len(trust.settings) else f' {listed(dict.fromkeys(settings))}'}: {detail}"
-        for (engine, detail), settings in found.items()
+        for (engine, detail), settings in groups.items()
     ]
 
 
-def _mechanisms(trust: Trust | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
+def _mechanisms(trust: EngineRanking | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
     cards = Cards(tuple(card(sheet, trust) for sheet in sheets))
     still = (Drawn(PAUSE, ""),) if any(sheet.positions for sheet in sheets) else ()
     return (Section("mechanisms", "The mechanisms", (*still, cards)),)
@@ -194,7 +204,7 @@ def _mechanisms(trust: Trust | None, sheets: Sequence[Sheet]) -> tuple[Section, 
 
 def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
     """What was run, limits, read-outs and limitations, behind a line that opens them."""
-    readouts = tuple(readout_table(name, told) for name, told in results.document["readouts"].items())
+    readouts = tuple(readout_table(name, words) for name, words in results.document["readouts"].items())
     sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))
     says = Paragraph("Limits of these figures.")
     repeat = (Command(results.document["command"]), Paragraph(sentence("repeat")))

@@ -48,8 +48,8 @@ def _record(record: Record, *, decides: bool) -> ElementTree.Element:
     words = (
         record.detail if decides or not verdict.failed else f"decides nothing beside other settings: {record.detail}"
     )
-    told = ElementTree.SubElement(case, kind, message=_legal(words), type=record.outcome)
-    told.text = _legal("\n".join((f"{record.conditions}: {words}", *_numbers(record))))
+    element = ElementTree.SubElement(case, kind, message=_legal(words), type=record.outcome)
+    element.text = _legal("\n".join((f"{record.conditions}: {words}", *_numbers(record))))
     return case
 
 

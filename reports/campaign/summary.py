@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from reports.campaign.index import families_table
-from reports.campaign.verdict import Trust, verdict
+from reports.campaign.verdict import EngineRanking, verdict
 from reports.document.markdown import written
 from reports.document.numbers import ROUND_OFF, bound
 from reports.document.parts import Bullets, Mono, Paragraph, Part, Section
@@ -23,15 +23,15 @@ from reports.records.views import views
 
 def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
     """The summary of a campaign; ``sheets`` have the figures that the mechanisms' sources print."""
-    told = results.document.get("judgement", [])
-    trust = Trust(results)
-    title = "Results of another tool against the closed form" if told else "Engines against the closed form"
+    facts = results.document.get("judgement", [])
+    trust = EngineRanking(results)
+    title = "Results of another tool against the closed form" if facts else "Engines against the closed form"
     words = (
         f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}. Written by ",
         Mono(results.document["command"]),
         "; the pages beside it have curves, machine and times.",
     )
-    lines = told or verdict(trust, timed=False)
+    lines = facts or verdict(trust, timed=False)
     parts: tuple[Part, ...] = (
         Paragraph(words),
         Section("", "Verdict", (*map(Paragraph, lines), families_table(trust))),
@@ -45,8 +45,8 @@ def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
 
 
 def _section(heading: str, parts: Iterable[Part]) -> tuple[Section, ...]:
-    found = tuple(parts)
-    return (Section("", heading, found),) if found else ()
+    entries = tuple(parts)
+    return (Section("", heading, entries),) if entries else ()
 
 
 def _errors(results: Results) -> Iterator[Section]:
@@ -59,7 +59,7 @@ def _errors(results: Results) -> Iterator[Section]:
 def _printed_models(results: Results) -> Iterator[Bullets]:
     """What the engines say of models as printed, in the order of the mechanisms."""
     every = results.document.get("errata", [])
-    names = dict.fromkeys(one.name for one in results.linkages if one.variant == one.variants[0])
+    names = dict.fromkeys(linkage.name for linkage in results.linkages if linkage.variant == linkage.variants[0])
     lines = tuple(row["sentence"] for name in names for row in every if row["mechanism"] == name)
     if lines:
         yield Bullets(lines)

@@ -97,8 +97,8 @@ def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
 
 def _exceptions(runs: Sequence[RunRecord]) -> list[str]:
     """What is not the engines' own, a line for each run that has any."""
-    found = {f"{run.engine} {run.setting}": exceptions(run.every) for run in runs}
-    return [f"{name}: {words}" for name, words in found.items() if words]
+    names = {f"{run.engine} {run.setting}": exceptions(run.every) for run in runs}
+    return [f"{name}: {words}" for name, words in names.items() if words]
 
 
 def _worst(records: Iterable[Record], row: str) -> Record | None:
@@ -132,8 +132,13 @@ def _detail(record: Record) -> tuple[TableCell | str, ...]:
 
 def _reasons(runs: Iterable[RunRecord]) -> list[str]:
     """Why runs gave nothing, and which records the baseline rather than the limit caught; each once, with where."""
-    told = (one for run in runs for one in run.every if one.detail and (one.error_max is None or is_within(one)))
-    reasons = grouped(((f"{one.engine} {one.setting}", one.detail), one.mechanism) for one in told)
+    records = (
+        record
+        for run in runs
+        for record in run.every
+        if record.detail and (record.error_max is None or is_within(record))
+    )
+    reasons = grouped(((f"{record.engine} {record.setting}", record.detail), record.mechanism) for record in records)
     return [f"{run}, {', '.join(dict.fromkeys(where))}: {detail}" for (run, detail), where in reasons.items()]
 
 
@@ -147,9 +152,9 @@ def _meanings(runs: Iterable[RunRecord]) -> list[str]:
 
 def _closing_line(runs: Iterable[RunRecord]) -> str:
     counts, left_out = Counter[str](), 0
-    for one in (one for run in runs for one in (*run.errors, *run.invariants)):
-        counts[one.outcome] += 1
-        left_out += one.left_out
+    for record in (quantity_record for run in runs for quantity_record in (*run.errors, *run.invariants)):
+        counts[record.outcome] += 1
+        left_out += record.left_out
     words = [f"{counts[verdict]} {verdict.value}" for verdict in Verdict if counts[verdict] and verdict.judged]
     judged = sum(count for outcome, count in counts.items() if Verdict(outcome).judged)
     unjudged = {verdict: counts[verdict] for verdict in Verdict if counts[verdict] and not verdict.judged}

@@ -34,7 +34,7 @@ DECISIVE: Final = (Setting.TUNED.value, Setting.BEST.value, Setting.NAIVE.value)
 
 
 @dataclass(frozen=True)
-class Held:
+class EngineRecords:
     """The records of one engine at one setting in one family of quantities, judged or not."""
 
     records: tuple[Record, ...]
@@ -61,30 +61,33 @@ class Held:
 
 
 @dataclass(frozen=True)
-class Trust:
+class EngineRanking:
     """What a campaign says of its engines."""
 
     results: Results
 
     @cached_property
-    def held(self) -> Mapping[tuple[str, str], Mapping[str, Held]]:
+    def by_engine(self) -> Mapping[tuple[str, str], Mapping[str, EngineRecords]]:
         """By engine and setting, then by family, in the order of ``families``."""
-        found: dict[tuple[str, str], dict[str, list[Record]]] = {}
+        groups: dict[tuple[str, str], dict[str, list[Record]]] = {}
         for record in (*self.results.records, *self.results.invariants):
-            families = found.setdefault((record.engine, record.setting), {})
+            families = groups.setdefault((record.engine, record.setting), {})
             families.setdefault(self._family(record), []).append(record)
-        return {run: {name: Held(tuple(records)) for name, records in one.items()} for run, one in found.items()}
+        return {
+            run: {name: EngineRecords(tuple(records)) for name, records in table.items()}
+            for run, table in groups.items()
+        }
 
     @cached_property
     def families(self) -> tuple[str, ...]:
         """The families in which any engine was judged, in the order of the table."""
-        some = {name for one in self.held.values() for name, held in one.items() if held.judged}
+        some = {name for groups in self.by_engine.values() for name, own in groups.items() if own.judged}
         return tuple(name for name in (*FAMILIES, OTHER, RELEASED, CHECKS) if name in some)
 
     @cached_property
     def settings(self) -> tuple[str, ...]:
         """The settings that ran, the decisive one first."""
-        ran = {setting for _, setting in self.held}
+        ran = {setting for _, setting in self.by_engine}
         return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
 
     @cached_property
@@ -95,15 +98,15 @@ class Trust:
     @cached_property
     def engines(self) -> tuple[str, ...]:
         """Names of the engines, sorted, those of controls last."""
-        return tuple(sorted({engine for engine, _ in self.held}, key=lambda name: (name in self.controls, name)))
+        return tuple(sorted({engine for engine, _ in self.by_engine}, key=lambda name: (name in self.controls, name)))
 
     def records(self, engine: str, setting: str) -> tuple[Record, ...]:
         """All records of an engine at a setting."""
-        return tuple(r for held in self.held.get((engine, setting), {}).values() for r in held.records)
+        return tuple(r for own in self.by_engine.get((engine, setting), {}).values() for r in own.records)
 
-    def cell(self, engine: str, setting: str, name: str) -> Held:
+    def cell(self, engine: str, setting: str, name: str) -> EngineRecords:
         """The records of an engine at a setting in a family; of none where it has none."""
-        return self.held.get((engine, setting), {}).get(name, Held(()))
+        return self.by_engine.get((engine, setting), {}).get(name, EngineRecords(()))
 
     def nearest(self, setting: str, name: str) -> str:
         """The engine with the least of the largest errors in a family, among those that failed in nothing of it."""
@@ -124,7 +127,7 @@ class Trust:
             return CHECKS
         if (record.mechanism, record.variant, record.regime) in self._released:
             return RELEASED
-        return next((name for name, held in FAMILIES.items() if family(record.quantity) in held), OTHER)
+        return next((name for name, members in FAMILIES.items() if family(record.quantity) in members), OTHER)
 
     @cached_property
     def checks(self) -> frozenset[str]:
@@ -152,7 +155,7 @@ def ratio(record: Record) -> str:
     return "< 0.001" if value < 1e-3 else figure(value, 2)
 
 
-def verdict(trust: Trust, *, timed: bool = True) -> tuple[str, ...]:
+def verdict(trust: EngineRanking, *, timed: bool = True) -> tuple[str, ...]:
     """What is not as recorded, whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do.
 
     Nobody is to be trusted where the campaign has not passed.
@@ -181,7 +184,7 @@ def _moved(results: Results) -> str:
     return sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else ""
 
 
-def _trust(trust: Trust, engines: Sequence[str], setting: str) -> str:
+def _trust(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
     judged = {name: [f for f in trust.families if trust.cell(name, setting, f).judged] for name in engines}
     wrong = {name: [f for f in judged[name] if trust.cell(name, setting, f).failed] for name in engines}
     right = [name for name in engines if judged[name] and not wrong[name]]
@@ -193,44 +196,50 @@ def _trust(trust: Trust, engines: Sequence[str], setting: str) -> str:
         wrong=_grouped(wrong),
         silent=listed(name for name in engines if not judged[name]),
         red=_is_red(trust.results),
-        count=sum(len(held.judged) for name in right for held in trust.held[name, setting].values()),
+        count=sum(len(records.judged) for name in right for records in trust.by_engine[name, setting].values()),
     )
 
 
 def _is_red(results: Results) -> bool:
     """Whether the campaign has failed, in any engine, by a key figure or by what departs from the baseline."""
     decided = deciding((*results.records, *results.invariants))
-    failed = any(Verdict(one.outcome).failed or one.outcome == Verdict.SUITE_ERROR for one in decided)
-    return failed or any(one.changed for one in results.figures) or bool(results.document.get("departures"))
+    failed = any(Verdict(record.outcome).failed or record.outcome == Verdict.SUITE_ERROR for record in decided)
+    return (
+        failed or any(key_figure.changed for key_figure in results.figures) or bool(results.document.get("departures"))
+    )
 
 
-def _nearest(trust: Trust, engines: Sequence[str], setting: str, *, timed: bool) -> str:
+def _nearest(trust: EngineRanking, engines: Sequence[str], setting: str, *, timed: bool) -> str:
     if len(engines) < 2:
         return ""
     nearest = {name: trust.nearest(setting, name) for name in trust.families if name != CHECKS}
     leaders = grouped((leader, name) for name, leader in nearest.items() if leader)
-    right = [name for name in engines if not any(held.failed for held in trust.held.get((name, setting), {}).values())]
+    right = [
+        name
+        for name in engines
+        if not any(records.failed for records in trust.by_engine.get((name, setting), {}).values())
+    ]
     times = {name: sum(seconds) for name in right if (seconds := trust.seconds(name, setting)) is not None}
     quickest = min(times, key=lambda name: times[name], default="") if timed else ""
-    worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in held) for name, held in leaders.items()}
-    told = [(name, listed(held), worst[name]) for name, held in leaders.items()]
+    worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in names) for name, names in leaders.items()}
+    rows = [(name, listed(names), worst[name]) for name, names in leaders.items()]
     beside = side_by_side(trust.results.document["environment"])
-    return sentence("verdict_nearest", leaders=told, quickest=quickest, seconds=times.get(quickest), beside=beside)
+    return sentence("verdict_nearest", leaders=rows, quickest=quickest, seconds=times.get(quickest), beside=beside)
 
 
-def _untuned(trust: Trust, engines: Sequence[str]) -> str:
+def _untuned(trust: EngineRanking, engines: Sequence[str]) -> str:
     """What the engines do at their defaults; nothing here decides."""
     naive = Setting.NAIVE.value
-    ran = {name: [h for h in trust.held.get((name, naive), {}).values() if h.judged] for name in engines}
-    over = {name: max(h.error or 0.0 for h in held) for name, held in ran.items() if any(h.failed for h in held)}
-    within = listed(name for name, held in ran.items() if held and name not in over)
+    ran = {name: [h for h in trust.by_engine.get((name, naive), {}).values() if h.judged] for name in engines}
+    over = {name: max(h.error or 0.0 for h in groups) for name, groups in ran.items() if any(h.failed for h in groups)}
+    within = listed(name for name, groups in ran.items() if groups and name not in over)
     return sentence("verdict_untuned", within=within, over=sorted(over.items(), key=lambda item: item[1]))
 
 
 def _grouped(families: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
     """Engines with the same families together: names, families; those without any are left out."""
-    groups = grouped((tuple(found), name) for name, found in families.items() if found)
-    return [(listed(names), listed(found)) for found, names in groups.items()]
+    groups = grouped((tuple(names), name) for name, names in families.items() if names)
+    return [(listed(names), listed(texts)) for texts, names in groups.items()]
 
 
 def listed(words: Iterable[str]) -> str:

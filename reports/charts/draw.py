@@ -41,20 +41,20 @@ def figure(chart: Chart, width: float | None = None) -> Figure:
     names = sum(max(0.0, labels.LINE * len(_named(panel, room)) - 0.5 * room) for panel in chart.panels)
     height = chart.height * bool(chart.panels) + HEAD * (len(chart.head) + bool(chart.key)) + names / columns
     wide = width or (FULL_WIDTH if chart.wide else WIDTH)
-    return drawn(wide, height, lambda found: place(found, chart), placed=bool(chart.panels))
+    return drawn(wide, height, lambda quantity: place(quantity, chart), placed=bool(chart.panels))
 
 
 def drawn(width: float, height: float, draw: Callable[[Figure], None], *, placed: bool = True) -> Figure:
     """A figure of so many inches, drawn in the house style; its parts are ``placed`` so that they do not touch."""
     with matplotlib.rc_context(house_style()):
-        found = Figure(figsize=(width, height), layout="constrained" if placed else None)
-        draw(found)
-        if engine := found.get_layout_engine():
-            engine.execute(found)  # once, not for every file
-            found.set_layout_engine("none")
-        for axes in found.axes:
+        quantity = Figure(figsize=(width, height), layout="constrained" if placed else None)
+        draw(quantity)
+        if engine := quantity.get_layout_engine():
+            engine.execute(quantity)  # once, not for every file
+            quantity.set_layout_engine("none")
+        for axes in quantity.axes:
             labels.settle(axes)
-    return found
+    return quantity
 
 
 def place(host: Host, chart: Chart) -> None:
@@ -97,9 +97,9 @@ def head(host: Host, lines: Sequence[str], key: Sequence[Curve | Hatch] = ()) ->
     return host
 
 
-def edges(found: Figure) -> tuple[float, float]:
+def edges(quantity: Figure) -> tuple[float, float]:
     """Left and right end of the first axes, as shares of the width."""
-    left, right = found.axes[0].get_position().intervalx
+    left, right = quantity.axes[0].get_position().intervalx
     return left, right
 
 
@@ -112,9 +112,9 @@ def svg(drawing: Figure, page: str = "none") -> str:
     with matplotlib.rc_context(house_style()):
         drawing.savefig(buffer, format="svg", facecolor=page, metadata={"Date": None, "Creator": None})
     text = _METADATA.sub("", buffer.getvalue())
-    text = _COORDINATES.sub(lambda found: _LONG_NUMBER.sub(r"\1", found[0]), text)
+    text = _COORDINATES.sub(lambda match: _LONG_NUMBER.sub(r"\1", match[0]), text)
     dark = "" if page != "none" else f"@media (prefers-color-scheme: dark){{{_dark(text)}}}"
-    return _STYLE.sub(lambda found: f"{found[1]}{found[2].strip()}{dark}{found[3]}", text, count=1)
+    return _STYLE.sub(lambda match: f"{match[1]}{match[2].strip()}{dark}{match[3]}", text, count=1)
 
 
 def png(drawing: Figure, dots: int = DOTS_PER_INCH) -> bytes:
@@ -206,18 +206,18 @@ def _draw_curves(axes: Axes, panel: Panel) -> None:
         style: Any = "-" if mark.ink == "faint" else (0, (5, 2))
         line(mark.place, color=ink(mark.ink), linewidth=0.9, linestyle=style, zorder=2.0)
     y = scales.NOTED if panel.notes else scales.MARGIN
-    axes.margins(0.5 * y if panel.scale == "equal" else 0.0 if any(one.line for one in panel.curves) else y, y)
+    axes.margins(0.5 * y if panel.scale == "equal" else 0.0 if any(entry.line for entry in panel.curves) else y, y)
     axes.autoscale_view()
 
 
 def _ends(panel: Panel) -> list[tuple[float, str, Ink]]:
     """Where curves end with their names and colours; of a stacked one half-way down to the one below."""
-    found, below = [], 0.0
+    rows, below = [], 0.0
     for curve in panel.curves:
         end = float(next((value for value in curve.y[::-1] if np.isfinite(value)), 0.0))
-        found.append((0.5 * (end + below) if curve.stacked else end, curve.name, curve.ink))
+        rows.append((0.5 * (end + below) if curve.stacked else end, curve.name, curve.ink))
         below = end
-    return found
+    return rows
 
 
 def _line(curve: Curve) -> Line2D:
@@ -233,10 +233,10 @@ def _named(panel: Panel, tall: float) -> list[Curve]:
     named = list({curve.name: curve for curve in panel.curves if curve.name}.values())
     if panel.names == "key":
         return named
-    if panel.names != "ends" or labels.LINE * sum(labels.lines(labels.fitting(one.name)) for one in named) <= tall:
+    if panel.names != "ends" or labels.LINE * sum(labels.lines(labels.fitting(curve.name)) for curve in named) <= tall:
         return []
     below = [curve.y if curve.stacked else np.zeros(1) for curve in named]
-    sizes = [float(np.nanmax(np.abs(one.y - y))) for one, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]
+    sizes = [float(np.nanmax(np.abs(curve.y - y))) for curve, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]
     largest = [named[n] for n in sorted(np.argsort(sizes)[-MOST:])]
     rest = len(named) - len(largest)
     return [*largest, *[Curve(np.zeros(0), np.zeros(0), f"and {rest} more", line="")][:rest]]

@@ -24,8 +24,8 @@ LEAST_ERROR: Final = 1e-16
 def errors_chart(view: View, regime: Regime) -> Chart:
     """Every error of a mechanism under a regime: a row per quantity or invariant, within it a lane per engine."""
     records = worst_of_families([record for record in view.of(regime) if record.error_max is not None])
-    held = {family(record.quantity) for record in records}
-    quantities, invariants = ([name for name in part if name in held] for part in columns(view.results))
+    families = {family(record.quantity) for record in records}
+    quantities, invariants = ([name for name in part if name in families] for part in columns(view.results))
     rows, lanes = [*quantities, *invariants], sorted({record.engine for record in records})
     names, standing = engines(view.results), view.standing(regime)
 

@@ -47,22 +47,22 @@ class JudgedCurve:
 def judged_chart(curves: Sequence[JudgedCurve], head: tuple[str, ...] = ()) -> Chart:
     """The curves side by side, each over its difference from the closed form."""
     drawn = curves[:MOST]
-    panels = [_panel(one, of_difference=below) for below in (False, True) for one in drawn]
-    names = [name for name in LOOKS if name != "without the cause" or any(one.cause for one in drawn)]
+    panels = [_panel(curve, of_difference=below) for below in (False, True) for curve in drawn]
+    names = [name for name in LOOKS if name != "without the cause" or any(curve.cause for curve in drawn)]
     nothing = np.zeros(0)
     key = tuple(Curve(nothing, nothing, name, ink, line, width) for name in names for ink, line, width in [LOOKS[name]])
     return Chart(tuple(panels), HEIGHT, columns=len(drawn), wide=True, head=head, key=key)
 
 
-def _panel(one: JudgedCurve, *, of_difference: bool) -> Panel:
+def _panel(curve: JudgedCurve, *, of_difference: bool) -> Panel:
     """The curves, or what they differ from the closed form by, with the worst place marked."""
-    time, truth = np.array(one.time), np.array(one.truth)
-    shown = {"closed form": truth, "file": np.array(one.file)}
-    if one.without is not None:
-        shown["without the cause"] = np.array(one.without, dtype=float)
+    time, truth = np.array(curve.time), np.array(curve.truth)
+    shown = {"closed form": truth, "file": np.array(curve.file)}
+    if curve.without is not None:
+        shown["without the cause"] = np.array(curve.without, dtype=float)
     if of_difference:
         shown = {name: values - truth for name, values in shown.items() if name != "closed form"}
     curves = tuple(Curve(time, y, "", ink, line, width) for n, y in shown.items() for ink, line, width in [LOOKS[n]])
-    mark = Mark(one.worst, name="" if of_difference else f"worst at {one.worst:.5g} s", ink="limit")
-    label, title = (f"difference, {one.unit}", "") if of_difference else (one.unit, one.name)
+    mark = Mark(curve.worst, name="" if of_difference else f"worst at {curve.worst:.5g} s", ink="limit")
+    label, title = (f"difference, {curve.unit}", "") if of_difference else (curve.unit, curve.name)
     return Panel(curves, "time, s", label, (mark,), names="", title=title)

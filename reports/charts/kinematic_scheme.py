@@ -116,8 +116,8 @@ class KinematicScheme:
         between: dict[str, Spring | CylinderDrive] = {f"spring:{n}": s for n, s in enumerate(self.linkage.springs)}
         both = between | ({"cylinder": self.linkage.cylinder} if self.linkage.cylinder else {})
         return {name: np.concatenate([self.path(body, [self.linkage.local(point, body)])
-                                      for point, body in zip(one.points, one.links, strict=True)])
-                for name, one in both.items()}  # fmt: skip
+                                      for point, body in zip(entry.points, entry.links, strict=True)])
+                for name, entry in both.items()}  # fmt: skip
 
     @cached_property
     def extent(self) -> tuple[Array, Array]:

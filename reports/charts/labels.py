@@ -34,7 +34,7 @@ END, UPRIGHT, NOTE = "end", "upright", "note"  # what words stand beside
 def width(text: str) -> float:
     """Width of the longest line of a text, in."""
     prop = FontProperties(family=FONT, size=FONT_SIZE)
-    sizes = [text_to_path.get_text_width_height_descent(one, prop, ismath=False) for one in text.splitlines()]
+    sizes = [text_to_path.get_text_width_height_descent(name, prop, ismath=False) for name in text.splitlines()]
     return max((size[0] for size in sizes), default=0.0) / 72.0
 
 
@@ -71,7 +71,7 @@ def write(axes: Axes, place: tuple[float, float], name: str, kind: str, colour: 
 
 def settle(axes: Axes) -> None:
     """Move the words of axes apart, once it is known where the axes stand."""
-    words = {kind: [one for one in axes.texts if one.get_label() == kind] for kind in (END, UPRIGHT, NOTE)}
+    words = {kind: [label for label in axes.texts if label.get_label() == kind] for kind in (END, UPRIGHT, NOTE)}
     _move_apart(axes, words[UPRIGHT], 0)
     _move_apart(axes, words[END], 1)
     _place_notes(axes, words[NOTE])

@@ -60,7 +60,7 @@ def moving_scheme(
             artist.set_gid(names.get(str(artist.get_label()), ""))
 
     text = draw.svg(draw.drawn(width / 72.0, height / 72.0, place, placed=False))
-    shapes = "".join(_shape(found, set(names.values())) for found in ELEMENT.findall(text))
+    shapes = "".join(_shape(result, set(names.values())) for result in ELEMENT.findall(text))
     shift = np.array([low[0], high[1]])[:, None]
     rules = "".join(
         _rules(key, names[name], (ends - shift) * [[unit], [-unit]] + rim, scheme.few[scheme.clearest], frames)
@@ -93,9 +93,9 @@ def _rules(key: str, name: str, ends: Array, at: int, frames: int) -> str:
     return f"#{key} .{name}{{transform-origin:{centre};animation-name:{name}}}@keyframes {name}{{{steps}}}"
 
 
-def _shape(found: tuple[str, str, str], movers: set[str]) -> str:
+def _shape(names: tuple[str, str, str], movers: set[str]) -> str:
     """An element as matplotlib writes it, in the colours of the page, moving where its name is a mover's."""
-    name, before, after = found
+    name, before, after = names
     inked = re.sub("#[0-9a-f]{6}", lambda ink: f"var(--{COLOURS[ink[0]]})", f"{before}{after}")
     moves = f'class="{name}" ' if name in movers else ""
     return f"<path {moves}{' '.join(inked.split())}/>"

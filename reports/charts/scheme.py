@@ -175,8 +175,8 @@ def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Pins, fixed pivots, pins in slots, and the points where nothing is pinned."""
     linkage = scheme.linkage
-    held = {end for spring in linkage.springs for end in spring.points} | {slot.point for slot in linkage.slots}
-    pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (held & set(linkage.ground))
+    shared = {end for spring in linkage.springs for end in spring.points} | {slot.point for slot in linkage.slots}
+    pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (shared & set(linkage.ground))
     for name, spot in scheme.spots.items():
         draw = symbols.fixed_pivot if name in pivots else symbols.pin if name in scheme.joined else symbols.eye
         with part_of(axes, GROUND if name in pivots else scheme.carriers[name]):

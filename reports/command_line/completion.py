@@ -111,8 +111,8 @@ def _typed() -> list[str]:
 
 def _tables() -> list[dict[str, Any]]:
     """The linkage files among the words typed so far, as far as they can be read."""
-    found, known = [], _known()
+    tables, known = [], _known()
     for word in _typed():
         with contextlib.suppress(OSError, ValueError):
-            found.append(tomllib.loads(known.get(word, Path(word)).read_text(encoding="utf-8-sig")))
-    return found
+            tables.append(tomllib.loads(known.get(word, Path(word)).read_text(encoding="utf-8-sig")))
+    return tables

@@ -142,8 +142,8 @@ def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
 
 def files_of(*options: Any) -> dict[str, str]:  # noqa: ANN401 - dataclasses of options
     """The files that are to be written, by the option that names each."""
-    declared_files = [(each, one) for each in options for one in declared(type(each)) if one.name in FILES]
-    named = {f"--{one.name}": getattr(each, one.field.name) for each, one in declared_files}
+    declared_files = [(each, option) for each in options for option in declared(type(each)) if option.name in FILES]
+    named = {f"--{option.name}": getattr(each, option.field.name) for each, option in declared_files}
     return {option: file for option, file in named.items() if file is not None}
 
 

@@ -35,10 +35,10 @@ def journal(
     facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
     facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
     facts |= {f"file {name}": digest[:16] for name, digest in files.items()}
-    kept = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
+    records = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
     if not resume:
-        kept.clear()
-    return kept
+        records.clear()
+    return records
 
 
 @contextmanager

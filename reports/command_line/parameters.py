@@ -42,8 +42,8 @@ def command(
         for parameter in inspect.signature(function).parameters.values():
             kind = hints[parameter.name]
             if parameter.name in bags:
-                own = [one for one in declared(kind) if one.field.name not in without]
-                parameters += [_parameter(one, hidden, texts) for one in own]
+                own = [option for option in declared(kind) if option.field.name not in without]
+                parameters += [_parameter(option, hidden, texts) for option in own]
             elif get_origin(kind) is Annotated:
                 value, info = get_args(kind)
                 parameters.append(_typed(parameter.name, value, info, parameter.default))
@@ -51,12 +51,12 @@ def command(
         @wraps(function)
         def called(**given: Any) -> None:  # noqa: ANN401 - of all options
             for each, kind in bags.items():
-                own = {one.field.name: one for one in declared(kind) if one.field.name in given}
-                given[each] = kind(**{name: _value(one, given.pop(name)) for name, one in own.items()})
+                own = {option.field.name: option for option in declared(kind) if option.field.name in given}
+                given[each] = kind(**{name: _value(option, given.pop(name)) for name, option in own.items()})
             raise typer.Exit(function(**given) or 0)
 
         called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-        called.__annotations__ = {one.name: one.annotation for one in parameters}
+        called.__annotations__ = {number.name: number.annotation for number in parameters}
         del called.__wrapped__  # whose own signature would be read in place of this one
         app.command(name, short_help=summary)(called)
         return function
@@ -64,13 +64,13 @@ def command(
     return added
 
 
-def _parameter(one: Declared, hidden: Sequence[str], texts: Mapping[str, str]) -> inspect.Parameter:
+def _parameter(option: Declared, hidden: Sequence[str], texts: Mapping[str, str]) -> inspect.Parameter:
     """The parameter of a declared field."""
-    info = one.info
-    default = REQUIRED if isinstance(info, Argument) and info.is_required else one.field.default
-    if one.field.name in texts and isinstance(info, Option):
-        info = replace(info, help=texts[one.field.name])
-    return _typed(one.field.name, one.kind, info, default, is_hidden=one.field.name in hidden)
+    info = option.info
+    default = REQUIRED if isinstance(info, Argument) and info.is_required else option.field.default
+    if option.field.name in texts and isinstance(info, Option):
+        info = replace(info, help=texts[option.field.name])
+    return _typed(option.field.name, option.kind, info, default, is_hidden=option.field.name in hidden)
 
 
 def _typed(
@@ -101,14 +101,14 @@ def _typed(
     return inspect.Parameter(name, way, default=default, annotation=Annotated[kind, shown])
 
 
-def _value(one: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
+def _value(option: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
     """The value of a field, of what typer gives."""
-    member = item(one.kind)
+    member = item(option.kind)
     if member is float:
-        return None if given is None else _numbers(one.name, given)
+        return None if given is None else _numbers(option.name, given)
     if member is not None:
         return tuple(given or ())
-    return not given if one.field.default is True else given
+    return not given if option.field.default is True else given
 
 
 def _numbers(option: str, text: str) -> tuple[float, ...]:

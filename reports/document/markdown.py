@@ -47,13 +47,13 @@ def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
     return ""
 
 
-def table(found: Table) -> str:
+def table(result: Table) -> str:
     """Caption, table and note as paragraphs; a heading over several columns stands in the head of each."""
-    over = [words for words, columns in found.groups for _ in range(columns)] or [""] * len(found.head)
-    head = [f"{inline(words)} {_cell(cell)}".strip() for words, cell in zip(over, found.head, strict=True)]
-    rule = [RULES[found.side(column)] for column in range(len(found.head))]
-    rows = [head, rule, *(map(_cell, row) for row in found.rows)]
-    return "\n\n".join(filter(None, (inline(found.caption), "\n".join(map(_row, rows)), inline(found.note))))
+    over = [words for words, columns in result.groups for _ in range(columns)] or [""] * len(result.head)
+    head = [f"{inline(words)} {_cell(cell)}".strip() for words, cell in zip(over, result.head, strict=True)]
+    rule = [RULES[result.side(column)] for column in range(len(result.head))]
+    rows = [head, rule, *(map(_cell, row) for row in result.rows)]
+    return "\n\n".join(filter(None, (inline(result.caption), "\n".join(map(_row, rows)), inline(result.note))))
 
 
 def _cell(cell: TableCell | Words) -> str:

@@ -77,15 +77,15 @@ class Command:
 class TableCell:
     """A cell with more to it than words.
 
-    ``style`` is a class of the style sheet, ``colour`` a style of the terminal, ``note`` small print beneath, ``told``
-    a sentence for who points at it, ``span`` how many columns it takes.
+    ``style`` is a class of the style sheet, ``colour`` a style of the terminal, ``note`` small print beneath,
+    ``tooltip`` a sentence for who points at it, ``span`` how many columns it takes.
     """
 
     words: Words
     style: str = ""
     colour: str = ""
     note: str = ""
-    told: str = ""
+    tooltip: str = ""
     span: int = 1
 
 

@@ -27,8 +27,8 @@ def render(template: str, **values: object) -> Markup:
 def lines(macro: str, **values: object) -> list[str]:
     """The sentences of one macro of ``sentences.txt``, a line each, as plain text."""
     words: Any = _environment(escaped=False).get_template("sentences.txt").module
-    found = str(getattr(words, macro)(**values)).splitlines()
-    return [" ".join(line.split()) for line in found if line.strip()]
+    names = str(getattr(words, macro)(**values)).splitlines()
+    return [" ".join(line.split()) for line in names if line.strip()]
 
 
 def sentence(macro: str, **values: object) -> str:
@@ -48,7 +48,7 @@ def _environment(*, escaped: bool) -> jinja2.Environment:
     )
     own = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error,
            numbers.seconds, numbers.within_turn, plain, worded, listed, math.degrees)  # fmt: skip
-    environment.filters.update({one.__name__: one for one in own})
+    environment.filters.update({function.__name__: function for function in own})
     return environment
 
 

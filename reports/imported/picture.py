@@ -20,8 +20,8 @@ MOST_ON_PAGE: Final = 6
 
 def judged_curves(judgement: ImportedJudgement, most: int = MOST_ON_PAGE) -> list[JudgedCurve]:
     """The signals to be drawn."""
-    over = [one for one in judgement.verdicts if one.outcome is not Verdict.PASSED] or judgement.verdicts
-    return [_curve(judgement, one) for one in sorted(over, key=lambda one: -one.error_max)[:most]]
+    over = [verdict for verdict in judgement.verdicts if verdict.outcome is not Verdict.PASSED] or judgement.verdicts
+    return [_curve(judgement, verdict) for verdict in sorted(over, key=lambda verdict: -verdict.error_max)[:most]]
 
 
 def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
@@ -29,8 +29,8 @@ def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
     cause, without = judgement.without_cause(verdict)
     curves = {"file": verdict.samples.values, "truth": verdict.truth, "without": without}
     differences = [curve - verdict.truth for curve in curves.values() if curve is not None]
-    shown = (verdict.truth, *(np.nan_to_num(one) for one in differences))
-    few = np.unique(np.concatenate([*(extremes(one, STRETCHES) for one in shown), [verdict.worst]]))
+    shown = (verdict.truth, *(np.nan_to_num(difference) for difference in differences))
+    few = np.unique(np.concatenate([*(extremes(values, STRETCHES) for values in shown), [verdict.worst]]))
     drawn: dict[str, Any] = {
         key: None if y is None else [None if np.isnan(v) else v for v in (y[few] / value).tolist()]
         for key, y in curves.items()
@@ -42,5 +42,5 @@ def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
 def svg(judgement: ImportedJudgement, title: str) -> str:
     """The worst curves as an SVG file on white; ``title`` names linkage and files."""
     curves = judged_curves(judgement, MOST)
-    causes = dict.fromkeys(f"Likely cause: {one.cause}." for one in curves if one.cause)
+    causes = dict.fromkeys(f"Likely cause: {curve.cause}." for curve in curves if curve.cause)
     return draw.svg(draw.figure(judged_chart(curves, (title, sentence(judgement), *causes))), page="white")

@@ -99,7 +99,9 @@ def _with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
 
 def _open(judgement: ImportedJudgement) -> list[str]:
     """Why signals are open, those with the same cure together."""
-    reasons = grouped((one.detail, one.name) for one in judgement.verdicts if one.outcome is Verdict.UNDEFINED)
+    reasons = grouped(
+        (verdict.detail, verdict.name) for verdict in judgement.verdicts if verdict.outcome is Verdict.UNDEFINED
+    )
     return [f"{_few(names)} {'is' if len(names) == 1 else 'are'} undecided: {why}." for why, names in reasons.items()]
 
 

@@ -31,10 +31,10 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
     """
     text, name, names = linkage.text, linkage.name, tuple(names)
     own_variant = loading.document(text, name, name)[0].get("variant", "base")
-    found = [text] if linkage.variant == own_variant else []
+    texts = [text] if linkage.variant == own_variant else []
     with suppress(LinkproofError):
-        found.append(spelt_out(text, name, linkage.variant))
-    return [_template(one, written_numbers(one, name, None).places, names) for one in found]
+        texts.append(spelt_out(text, name, linkage.variant))
+    return [_template(key, written_numbers(key, name, None).places, names) for key in texts]
 
 
 def _template(text: str, places: Mapping[str, Place], names: Iterable[str]) -> FileTemplate:

@@ -28,11 +28,11 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[Pull]]:
     A point by which a group hangs on placed links belongs to those.
     """
     linkage, structure = mechanism.linkage, mechanism.structure
-    found = {point: [Pull(GROUND, "place")] for point in linkage.ground}
+    groups = {point: [Pull(GROUND, "place")] for point in linkage.ground}
 
     def put(point: str, body: str, way: Literal["place", "length", "crank"], about: str = "") -> None:
         if point not in linkage.ground:
-            found.setdefault(point, []).append(Pull(body, way, about))
+            groups.setdefault(point, []).append(Pull(body, way, about))
 
     if isinstance(structure.pivot, Revolute):
         for point in linkage.links[linkage.crank].points:
@@ -48,4 +48,4 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[Pull]]:
                         put(point, name, "length", hangs)
                 elif point not in (hangs, own.get(name)):
                     put(point, name, "place")
-    return found
+    return groups

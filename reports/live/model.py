@@ -42,12 +42,12 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
     if motion is None:
         return "its crank is released, so that the motion follows from masses and loads"
     listed = _listed(mechanism, motion)
-    looked_up = [one for one in listed.trace.inputs if isinstance(one, tuple)]
+    looked_up = [hashable for hashable in listed.trace.inputs if isinstance(hashable, tuple)]
     if len(listed.trace.operations) > MOST_OPERATIONS or any(order for _, order, _ in looked_up):
         return "its formulas are too many to be computed while a number is pulled"
     needed = set(listed.trace.leading_to(listed.lines))
     numbers = tuple(name for name in sorted(listed.varied) if listed.trace.inputs[name] in needed)
-    lines = [listed.trace.inputs.get(one, -1) for one in (*ALWAYS, *looked_up)]
+    lines = [listed.trace.inputs.get(entries, -1) for entries in (*ALWAYS, *looked_up)]
     source = javascript_source(listed.trace, [listed.trace.inputs[name] for name in numbers], lines, listed.lines)
     laws = list(dict.fromkeys(law for law, _, _ in looked_up))
     data = {
@@ -101,13 +101,13 @@ def _listed(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
 def _law(law: Law, mechanism: Mechanism) -> dict[str, Any]:
     """A load over φ as cubics, and which it is."""
     knots, pieces = law.pieces()
-    load = [one is law for one in loads(mechanism.linkage)].index(True)
+    load = [curve is law for curve in loads(mechanism.linkage)].index(True)
     return {"knots": knots, "pieces": pieces, "period": FULL_TURN if law.periodic else 0, "load": load}
 
 
 def _motion(motion: CrankMotion, *, is_linear: bool) -> dict[str, Any]:
     """The pieces of a motion; its ``speed``, rpm, where it has one alone, which can be changed."""
-    segments = [[one.start, one.end, list(one.coefficients)] for one in motion.segments]
+    segments = [[segment.start, segment.end, list(segment.coefficients)] for segment in motion.segments]
     first = motion.segments[0].coefficients
     is_steady = len(segments) == 1 and len(first) == 2
     turns = is_steady and not is_linear and abs(abs(first[1]) * motion.duration - FULL_TURN) < 1e-9

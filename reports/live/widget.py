@@ -38,16 +38,16 @@ def live(sheet: Sheet, model: Model, instead: tuple[Part, ...]) -> Widget:
 def _numbers(model: Model) -> dict[str, Any]:
     """Every number that the formulas are given or the file has, and the file as templates."""
     linkage, every = model.mechanism.linkage, named_numbers(model.mechanism.linkage)
-    chosen = {name: one for name, one in every.items() if one.kind != "direction"}
+    chosen = {name: number for name, number in every.items() if number.kind != "direction"}
     file = written_numbers(linkage.text, linkage.name, linkage.variant)
     files = templates(linkage, chosen)
     roles = dict.fromkeys(model.numbers, "given") | {
         name: "sketch" if name.startswith("sketch.") else "table"
-        for name, one in chosen.items()
-        if name.startswith("sketch.") or is_of_table(one, linkage)
+        for name, number in chosen.items()
+        if name.startswith("sketch.") or is_of_table(number, linkage)
     }
     rows = [
-        _number(name, every[name], file, [one.literals[name] for one in files if name in one.literals])
+        _number(name, every[name], file, [template.literals[name] for template in files if name in template.literals])
         | {"role": role, "load": load_of(every[name], linkage)}
         for name, role in roles.items()
     ]
@@ -59,7 +59,7 @@ def _numbers(model: Model) -> dict[str, Any]:
     return {
         "name": linkage.name,
         "numbers": rows,
-        "files": [{"parts": one.parts, "literals": one.literals} for one in files],
+        "files": [{"parts": template.parts, "literals": template.literals} for template in files],
         "length": {"unit": file.units["length"], "size": file.scale["length"]},
         "sketch": linkage.sketch_angle,
     }
@@ -86,8 +86,8 @@ def _number(name: str, number: Number, file: WrittenNumbers, literals: list[str]
 
 
 def _loads(linkage: Linkage) -> Iterator[str]:
-    yield from (f"force on {one.point}" for one in linkage.forces)
-    yield from (f"torque on {one.link}" for one in linkage.torques)
+    yield from (f"force on {force.point}" for force in linkage.forces)
+    yield from (f"torque on {torque.link}" for torque in linkage.torques)
 
 
 def _pseudo(name: str, label: str, role: str, value: float, unit: str) -> dict[str, Any]:
@@ -105,12 +105,21 @@ def _drawn(mechanism: Mechanism) -> dict[str, Any]:
         "bodies": {name: dict(link.points) for name, link in linkage.links.items()} | {GROUND: dict(linkage.ground)},
         "centres": [name for name, link in linkage.links.items() if link.mass and link.inertia is not None],
         "guides": [
-            {"link": link, "point": point, "host": one.host, "name": name, "through": one.through, "along": one.along}
-            for link, point, one, name in guides
+            {
+                "link": link,
+                "point": point,
+                "host": guide.host,
+                "name": name,
+                "through": guide.through,
+                "along": guide.along,
+            }
+            for link, point, guide, name in guides
         ],
-        "springs": [{"points": one.points, "bodies": one.links} for one in linkage.springs],
+        "springs": [{"points": spring.points, "bodies": spring.links} for spring in linkage.springs],
         "output": linkage.output.point if linkage.output else "",
         "crank": linkage.crank,
         "pivot": getattr(crank, "point", ""),
-        "pulls": {point: [one._asdict() for one in several] for point, several in pulls(mechanism).items() if several},
+        "pulls": {
+            point: [pull._asdict() for pull in several] for point, several in pulls(mechanism).items() if several
+        },
     }

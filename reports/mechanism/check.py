@@ -16,6 +16,6 @@ def printed(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[P
     """Everything found out; ``written`` writes a length, m, in the file's unit."""
     heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
     about = {"facts": facts, "written": written, "binds": math.degrees(BINDS)}
-    told = (line.partition(": ") for line in lines("check", **about))
+    rows = (line.partition(": ") for line in lines("check", **about))
     warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in lines("check_warnings", **about)]
-    return [heading, *(f"{label:<13}{text}" for label, _, text in told), *warnings]
+    return [heading, *(f"{label:<13}{text}" for label, _, text in rows), *warnings]

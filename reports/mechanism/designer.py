@@ -49,7 +49,7 @@ def sections(sheet: Sheet) -> tuple[Section, ...]:
     return tuple(section for section in every if section.parts)
 
 
-def told(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
+def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
     """Why parts of the sheet cannot be derived."""
     reasons = {key: sheet.missing[key] for key in keys if key in sheet.missing}
     words = {key: f"{WORDS.get(key, f'There is no {key}: ')}{reason}" for key, reason in reasons.items()}
@@ -68,19 +68,19 @@ def _motion(sheet: Sheet) -> Section:
     parts: tuple[Part, ...] = (FigureGroup(tuple(figures)),) if figures else ()
     if "S" not in sheet.values:
         parts += (Paragraph("The file names no output: there is no S, v and a.", "small"),)
-    return Section("motion", "Motion of the output", (*parts, *told(sheet, "normalised")))
+    return Section("motion", "Motion of the output", (*parts, *sentences(sheet, "normalised")))
 
 
-def _normalised(sheet: Sheet, found: Normalised) -> PageFigure:
+def _normalised(sheet: Sheet, normalised: Normalised) -> PageFigure:
     """Unit functions in colour, harmonics dashed, both from top dead centre."""
-    phase, words = np.degrees(found.phase), ("S / stroke", "v / max |v|", "a / max |a|")
+    phase, words = np.degrees(normalised.phase), ("S / stroke", "v / max |v|", "a / max |a|")
     panels = []
     for number, name in enumerate(OUTPUT):
-        ours = Curve(phase, found.functions[name], "mechanism", number)
-        harmonic = Curve(phase, found.harmonics[name], "harmonic", "muted", "--", 1.0)
+        ours = Curve(phase, normalised.functions[name], "mechanism", number)
+        harmonic = Curve(phase, normalised.harmonics[name], "harmonic", "muted", "--", 1.0)
         label = "crank angle from top dead centre, °" if name == "a" else ""
         panels.append(Panel((harmonic, ours), label, words[number], turn=True))
-    means = ", ".join(f"{name} {100.0 * found.means[name]:.2f} %" for name in OUTPUT)
+    means = ", ".join(f"{name} {100.0 * normalised.means[name]:.2f} %" for name in OUTPUT)
     caption = f"Normalised motion against simple harmonic motion (dashed); mean difference over a turn: {means}."
     return page_figure(sheet, "normalised", caption, "normalised motion", Chart(tuple(panels), TALL))
 
@@ -101,8 +101,8 @@ def _drive(sheet: Sheet) -> Section:
 
 def _jeq(sheet: Sheet) -> str:
     """The reduced moment of inertia in words."""
-    found = {end: jeq(sheet, end) for end in ("min", "max", "mean")}
-    return sentence("sheet_inertia", facts=sheet.facts["Jeq"], **found)
+    names = {end: jeq(sheet, end) for end in ("min", "max", "mean")}
+    return sentence("sheet_inertia", facts=sheet.facts["Jeq"], **names)
 
 
 def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
@@ -220,7 +220,7 @@ def _links(sheet: Sheet) -> Section:
     notes = (Bullets(linkage.notes),) if linkage.notes else ()
     cards = (*_scheme(sheet), Card("Links", (table, *notes)))
     return Section(
-        "made-of", "What it is made of", (Cards(cards, wide=True), *told(sheet, *(sheet.missing.keys() - WORDS)))
+        "made-of", "What it is made of", (Cards(cards, wide=True), *sentences(sheet, *(sheet.missing.keys() - WORDS)))
     )
 
 
@@ -246,7 +246,7 @@ def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
 
 def facts(sheet: Sheet) -> Facts:
     """The facts on the mechanism that hold for every motion: structure, range, output, rest, thread."""
-    told = {"equilibria": [], **sheet.facts}
-    said = [text.partition(": ")[::2] for text in lines("mechanism", facts=told) if not text.startswith("Jeq: ")]
+    table = {"equilibria": [], **sheet.facts}
+    pairs = [text.partition(": ")[::2] for text in lines("mechanism", facts=table) if not text.startswith("Jeq: ")]
     structure = sheet.facts.get("structure", "").replace("->", "→").replace("_", " ")
-    return Facts((("structure", structure), *said))
+    return Facts((("structure", structure), *pairs))

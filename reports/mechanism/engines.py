@@ -83,11 +83,11 @@ def errors_fold(view: View, regime: Regime) -> Fold:
 def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Table:
     """Quantities, then invariants, down; engines and settings across."""
     groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
-    found = [{record.quantity: record for record in run} for run in runs]
+    result = [{record.quantity: record for record in run} for run in runs]
     rows = tuple(
-        (*_row_head(view, [run[name] for run in found if name in run]), *(_cell(run.get(name)) for run in found))
+        (*_row_head(view, [run[name] for run in result if name in run]), *(_cell(run.get(name)) for run in result))
         for name in view.quantities(regime)
-        if any(name in run for run in found)
+        if any(name in run for run in result)
     )
     note = sentence("matrix_note", imported=is_imported(view)) if regime == view.regimes[0] else ""
     head = ("quantity", "limit", *(run[0].setting for run in runs))
@@ -113,20 +113,20 @@ def _cell(record: Record | None) -> TableCell | str:
     if record.outcome == Verdict.PASSED.value:
         return TableCell(numbers.steady_error(record.error_max), style=sign.style)
     words = sign.symbol if record.error_max is None else f"{numbers.steady_error(record.error_max)} {sign.symbol}"
-    return TableCell(words, style=sign.style, told=record.detail or sign.word)
+    return TableCell(words, style=sign.style, tooltip=record.detail or sign.word)
 
 
 def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
     """Why there is no error of a run or of a quantity of it, each reason once."""
-    told: dict[tuple[str, str], list[str]] = {}
+    groups: dict[tuple[str, str], list[str]] = {}
     for run in runs:
         without = [record for record in run if record.error_max is None]
         for record in without:
             names = "" if len(without) == len(run) else f", {plain(record.quantity)}"
             reason = f"{RUNS[record.outcome].word}: {record.detail}".removesuffix(": ")
-            who = told.setdefault((record.engine, reason), [])
+            who = groups.setdefault((record.engine, reason), [])
             who += [words] if (words := record.setting + names) not in who else []
-    return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in told.items())
+    return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in groups.items())
 
 
 def _meanings(runs: Sequence[Sequence[Record]]) -> list[str]:
@@ -149,7 +149,7 @@ def _printed_models(view: View, printed: Mapping[str, ByName]) -> list[Part]:
 
 def _printed_figure(view: View, regime: str, name: str, motion: ByName) -> PageFigure:
     """The crank's speed by both models and by the engines."""
-    at = next((one for one in view.regimes if one.name == regime), None)
+    at = next((entry for entry in view.regimes if entry.name == regime), None)
     traces = [trace for trace in view.traces(at, "omega") if trace.record.setting == view.standing(at)] if at else []
     names = engines(view.results)
     curves = [Curve(motion["time"], motion["corrected"], "corrected", "reference", width=3.4)]
@@ -206,5 +206,5 @@ def _runs(view: View, regime: Regime) -> Table:
 
 def settings_words(details: Mapping[str, Any]) -> str:
     """Settings as an engine's adapter states them: "step 1e-4, scheme …"."""
-    said = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
-    return ", ".join(f"{plain(name)} {value}" for name, value in said.items())
+    table = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
+    return ", ".join(f"{plain(name)} {value}" for name, value in table.items())

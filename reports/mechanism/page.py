@@ -46,14 +46,14 @@ def page(sheet: Sheet, results: Results | None = None) -> Page:
 
 def _verdict(results: Results | None) -> tuple[Part, ...]:
     """What there is to say of a file that was judged."""
-    told = results.document.get("judgement", []) if results else []
-    return (Paragraph(told[0], "verdict"), Bullets(tuple(told[1:]))) if told else ()
+    words = results.document.get("judgement", []) if results else []
+    return (Paragraph(words[0], "verdict"), Bullets(tuple(words[1:]))) if words else ()
 
 
 def _first_look(sheet: Sheet) -> Iterator[Part]:
     """The linkage in motion beside its key figures; where it can be computed anew, to pull at."""
     if sheet.positions is None:
-        yield Cards((Card("The mechanism", (*designer.told(sheet, "values"), designer.facts(sheet))),), wide=True)
+        yield Cards((Card("The mechanism", (*designer.sentences(sheet, "values"), designer.facts(sheet))),), wide=True)
         return
     drawing, model = moving_scheme(sheet.linkage, sheet.positions, "moving"), model_of(sheet)
     if not isinstance(model, str):

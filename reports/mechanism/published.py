@@ -33,8 +33,8 @@ def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> T
     for key in dict.fromkeys(map(_key, rows)):
         ours = {row["variant"]: row for row in rows if _key(row) == key}
         first = next(iter(ours.values()))
-        found: list[TableCell | Words] = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
-        cells.append((named(first["quantity"]), _printed(first), *found, first["source"]))
+        entries: list[TableCell | Words] = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
+        cells.append((named(first["quantity"]), _printed(first), *entries, first["source"]))
     return Table("", ("quantity", "printed", *variants, "place"), tuple(cells), "l")
 
 
@@ -44,13 +44,13 @@ def answers_table(rows: Sequence[Row], answers: Sequence[Row]) -> Table:
     ``answers`` have the fields of ``EngineAnswer``; a figure that is not requested of engines has a dash.
     """
     engines = list(dict.fromkeys(answer["engine"] for answer in answers))
-    told = {(answer["quantity"], answer["published"], answer["engine"]): answer for answer in answers}
+    tables = {(answer["quantity"], answer["published"], answer["engine"]): answer for answer in answers}
     cells = []
     for row in rows:
-        of = [told.get((row["quantity"], row["published"], name)) for name in engines]
+        of = [tables.get((row["quantity"], row["published"], name)) for name in engines]
         trusted = next((answer["uncertainty"] for answer in of if answer), row["half_digit"])
-        found = [_away(answer) if answer else ABSENT for answer in of]
-        cells.append((row["quantity"], _printed(row), f"±{trusted:.0e}", _away(row), *found, row["source"]))
+        entries = [_away(answer) if answer else ABSENT for answer in of]
+        cells.append((row["quantity"], _printed(row), f"±{trusted:.0e}", _away(row), *entries, row["source"]))
     return Table("", ("quantity", "printed", "itself", "closed form", *engines, "place"), tuple(cells), "l")
 
 
@@ -64,13 +64,13 @@ def _away(row: Row) -> TableCell | str:
 
 def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
     """What the file notes on some of them, each once, after the first figure that has it."""
-    found: dict[str, dict[str, None]] = {}
+    tables: dict[str, dict[str, None]] = {}
     for row in rows:
         if row["note"]:
-            found.setdefault(row["note"], {})[f"{named(row['quantity'])} {_printed(row)}"] = None
+            tables.setdefault(row["note"], {})[f"{named(row['quantity'])} {_printed(row)}"] = None
     return tuple(
         f"{next(iter(figures))}{f' and {len(figures) - 1} more' if len(figures) > 1 else ''}: {note}"
-        for note, figures in found.items()
+        for note, figures in tables.items()
     )
 
 

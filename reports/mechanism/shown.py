@@ -39,15 +39,15 @@ def _angle(value: float, unit: FileUnit) -> str:
     return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
-def number(sheet: Sheet, one: SignalFigure) -> str:
+def number(sheet: Sheet, signal_figure: SignalFigure) -> str:
     """A key figure in its unit."""
-    value = sheet.shown(one)
-    return _angle(value, sheet.unit_of(one)) if one.unit == "rad" else figure(value)
+    value = sheet.shown(signal_figure)
+    return _angle(value, sheet.unit_of(signal_figure)) if signal_figure.unit == "rad" else figure(value)
 
 
-def words(sheet: Sheet, one: SignalFigure) -> str:
+def words(sheet: Sheet, signal_figure: SignalFigure) -> str:
     """A key figure with its unit, as a page prints it."""
-    text, unit = number(sheet, one), sheet.unit_of(one).on_page
+    text, unit = number(sheet, signal_figure), sheet.unit_of(signal_figure).on_page
     return text if text == ABSENT else _signed(f"{text}°" if unit == "deg" else f"{text} {unit}")
 
 
@@ -60,9 +60,9 @@ def jeq(sheet: Sheet, end: str) -> str:
     return words(sheet, SignalFigure(end, "Jeq", sheet.facts["Jeq"][end], sheet.units["Jeq"]))
 
 
-def place(sheet: Sheet, one: SignalFigure) -> str:
+def place(sheet: Sheet, signal_figure: SignalFigure) -> str:
     """Where on the axis a key figure is, as a page prints it."""
-    at = sheet.at(one)
+    at = sheet.at(signal_figure)
     if at is None:
         return ""
     if sheet.is_turn:
@@ -75,13 +75,16 @@ def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) ->
     whats, labels = HEADS[name]
     if sheet.is_linear:
         labels = tuple(label.replace("torque", "force") for label in labels)
-    groups = [[*part] for _, part in groupby(sheet.figures[name], key=lambda one: (one.what, one.on))]
+    groups = [
+        [*part]
+        for _, part in groupby(sheet.figures[name], key=lambda signal_figure: (signal_figure.what, signal_figure.on))
+    ]
     rows = []
     for group in groups:
-        numbers = [number(sheet, one) for one in group] + [ABSENT] * (len(labels) - len(group))
+        numbers = [number(sheet, signal_figure) for signal_figure in group] + [ABSENT] * (len(labels) - len(group))
         names = map(named, (group[0].what, group[0].on)[: len(whats)])
         rows.append((*names, *numbers, *place_cells(sheet, group[0])))
-    units = [sheet.unit_of(one).name for one in groups[0]]
+    units = [sheet.unit_of(signal_figure).name for signal_figure in groups[0]]
     heads = (f"{label} {unit}".strip() for label, unit in zip(labels, units, strict=True))
     return Table("", (*whats, *heads, *places(sheet, "at ")), rows, "l" * len(whats) + "r")
 
@@ -92,35 +95,48 @@ def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
     return (phi,) if sheet.axis == "phi" else (f"{at}t s", phi)
 
 
-def place_cells(sheet: Sheet, one: SignalFigure) -> tuple[str, ...]:
+def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
     """Where a key figure is: the time, s, unless φ is the axis, and φ in the file's unit."""
-    if one.time is None or one.phi is None:
+    if signal_figure.time is None or signal_figure.phi is None:
         return (ABSENT,) * len(places(sheet))
-    phi = _angle(sheet.angle(one.phi), sheet.unit("phi"))
-    return (phi,) if sheet.axis == "phi" else (f"{one.time:#.6g}", phi)
+    phi = _angle(sheet.angle(signal_figure.phi), sheet.unit("phi"))
+    return (phi,) if sheet.axis == "phi" else (f"{signal_figure.time:#.6g}", phi)
 
 
 def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
     """Drive, output, largest forces, worst transmission angle: what, value with unit, where."""
-    drive = [one for one in sheet.figures["drive"] if one.what not in (MEAN, "peak speed")]
-    chosen = [one for one in drive if one.signal == ("Peq" if "power" in one.what else "Mkr")]
-    rows = [(one.what, words(sheet, one), place(sheet, one)) for one in (*chosen, *_besides(sheet))]
+    drive = [
+        signal_figure for signal_figure in sheet.figures["drive"] if signal_figure.what not in (MEAN, "peak speed")
+    ]
+    chosen = [
+        signal_figure
+        for signal_figure in drive
+        if signal_figure.signal == ("Peq" if "power" in signal_figure.what else "Mkr")
+    ]
+    rows = [
+        (signal_figure.what, words(sheet, signal_figure), place(sheet, signal_figure))
+        for signal_figure in (*chosen, *_besides(sheet))
+    ]
     inertia = [("mean Jeq", jeq(sheet, "mean"), "")] if "Jeq" in sheet.facts else []
     return (*rows[: len(chosen)], *inertia, *rows[len(chosen) :])
 
 
 def _besides(sheet: Sheet) -> Iterator[SignalFigure]:
     """What is not of the drive."""
-    yield from (one for one in sheet.figures["output"] if one.signal in "va" or one.what == "stroke")
-    forces = [one for one in sheet.figures["forces"] if one.unit == "N"]
-    joints = [one for one in forces if one.what != SHAKING]
-    for one in sorted(joints, key=lambda one: -(one.value or 0.0))[:1]:
-        yield replace(one, what=f"largest joint force, {plain(one.what)}")
-    yield from (one for one in forces if one.what == SHAKING)
-    yield from (replace(one, what="shaking moment") for one in sheet.figures["moment"])
-    groups = [one for one in sheet.figures["transmission"] if one.value is not None]
-    for one in sorted(groups, key=lambda one: one.value or 0.0)[:1]:
-        yield replace(one, what=f"least transmission angle, {plain(one.what)}")
+    yield from (
+        signal_figure
+        for signal_figure in sheet.figures["output"]
+        if signal_figure.signal in "va" or signal_figure.what == "stroke"
+    )
+    forces = [signal_figure for signal_figure in sheet.figures["forces"] if signal_figure.unit == "N"]
+    joints = [force for force in forces if force.what != SHAKING]
+    for joint in sorted(joints, key=lambda signal_figure: -(signal_figure.value or 0.0))[:1]:
+        yield replace(joint, what=f"largest joint force, {plain(joint.what)}")
+    yield from (force for force in forces if force.what == SHAKING)
+    yield from (replace(signal_figure, what="shaking moment") for signal_figure in sheet.figures["moment"])
+    groups = [signal_figure for signal_figure in sheet.figures["transmission"] if signal_figure.value is not None]
+    for joint in sorted(groups, key=lambda signal_figure: signal_figure.value or 0.0)[:1]:
+        yield replace(joint, what=f"least transmission angle, {plain(joint.what)}")
 
 
 def key_table(sheet: Sheet) -> Table:

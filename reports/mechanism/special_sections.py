@@ -57,37 +57,37 @@ def feed_chart(sheet: Sheet, thread: ThreadSheet, *, wide: bool) -> Chart:
 def released_section(sheet: Sheet) -> Section:
     """Where a released crank rests, how it settles and its speed, regime by regime of the linkage's own."""
     parts: list[Part] = []
-    for regime, one in sheet.released.items():
-        figures = (_speed(sheet, regime, one), *_last_turn(sheet, regime, one))
+    for regime, motion in sheet.released.items():
+        figures = (_speed(sheet, regime, motion), *_last_turn(sheet, regime, motion))
         parts.append(
-            Section(anchor("released", regime), regime, (Bullets(tuple(sentences(one))), FigureGroup(figures)))
+            Section(anchor("released", regime), regime, (Bullets(tuple(sentences(motion))), FigureGroup(figures)))
         )
     return Section("released", "Released crank", tuple(parts))
 
 
-def sentences(one: Released) -> list[str]:
+def sentences(motion: Released) -> list[str]:
     """What there is to say of a released crank, in this order: rest, rotation, own error, the articles' integrator."""
-    return lines("released_sheet", one=one.facts, rpm=RPM)
+    return lines("released_sheet", one=motion.facts, rpm=RPM)
 
 
-def _speed(sheet: Sheet, regime: str, one: Released) -> PageFigure:
+def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:
     """The crank's speed over time."""
-    curve = Curve(one.motion["time"], one.motion["omega"] / RPM)
+    curve = Curve(motion.motion["time"], motion.motion["omega"] / RPM)
     chart = Chart((Panel((curve,), "time, s", "n, rpm"),), 2.8)
     words = f"Crank speed under {regime}."
     return page_figure(sheet, anchor("released", regime), words, words, chart)
 
 
-def _last_turn(sheet: Sheet, regime: str, one: Released) -> tuple[PageFigure, ...]:
+def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure, ...]:
     """Speed and acceleration over the last whole turn, where the crank ends in one."""
-    if not one.last_turn:
+    if not motion.last_turn:
         return ()
-    degrees = np.degrees(one.last_turn["phi"])
-    speed, acceleration = one.last_turn["omega"] / RPM, one.last_turn["epsilon"]
+    degrees = np.degrees(motion.last_turn["phi"])
+    speed, acceleration = motion.last_turn["omega"] / RPM, motion.last_turn["epsilon"]
     panels = (
         Panel((Curve(degrees, speed),), "", "n, rpm", turn=True),
         Panel((Curve(degrees, acceleration, ink=1),), "crank angle φ, °", "ε, rad/s²", turn=True),
     )
-    caption = f"Its last turn, which ends at φ = {np.degrees(one.facts['end']):.1f}°."
+    caption = f"Its last turn, which ends at φ = {np.degrees(motion.facts['end']):.1f}°."
     name = anchor("released", regime, "last-turn")
     return (page_figure(sheet, name, caption, f"last turn under {regime}", Chart(panels, 2.8)),)

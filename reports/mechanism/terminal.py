@@ -31,7 +31,7 @@ def catalogue(shelves: Mapping[str, Sequence[Linkage]]) -> list[Printed]:
 
 
 def _shelf(linkages: Iterable[Linkage]) -> Table:
-    rows = [(one.name, one.title, ", ".join(one.variants), one.source) for one in linkages]
+    rows = [(linkage.name, linkage.title, ", ".join(linkage.variants), linkage.source) for linkage in linkages]
     return Table("", ("mechanism", "what", "variants", "source"), rows, "l")
 
 
@@ -49,7 +49,7 @@ def portrait(facts: Mapping[str, Any]) -> list[Printed]:
 
 def _facts(macro: str, **values: object) -> list[Printed]:
     """The lines of a macro of ``sentences.txt``, each with a name before its first colon."""
-    return [f"{name:<10} {fact}" for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
+    return [f"{name:<10} {fact}" for name, _, fact in (words.partition(": ") for words in lines(macro, **values))]
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
@@ -59,9 +59,9 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
         yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
 
 
-def thread(facts: Mapping[str, Any], held: FeedComparison | None) -> list[Printed]:
+def thread(facts: Mapping[str, Any], comparison: FeedComparison | None) -> list[Printed]:
     """Contour, feed and eyes of a thread, and how far its feed is from a required one."""
-    return [*_facts("thread_facts", thread=facts), *(_feed(held) if held else [])]
+    return [*_facts("thread_facts", thread=facts), *(_feed(comparison) if comparison else [])]
 
 
 def _feed(comparison: FeedComparison) -> list[Printed]:
@@ -99,8 +99,8 @@ def answered(
     blocks: list[Printed] = []
     for (mechanism, variant), part in groupby(map(vars, records), key=lambda row: (row["mechanism"], row["variant"])):
         rows = list(part)
-        told = [vars(one) for one in answers if (one.mechanism, one.variant) == (mechanism, variant)]
-        silent = dict.fromkeys(f"{one['engine']}: {one['reason']}" for one in told if one["reason"])
+        tables = [vars(answer) for answer in answers if (answer.mechanism, answer.variant) == (mechanism, variant)]
+        silent = dict.fromkeys(f"{table['engine']}: {table['reason']}" for table in tables if table["reason"])
         heading = Paragraph(f"{mechanism} ({variant})", colour="bold")
-        blocks += [heading, sources[mechanism], answers_table(rows, told), *silent, *notes(rows), ""]
+        blocks += [heading, sources[mechanism], answers_table(rows, tables), *silent, *notes(rows), ""]
     return [*blocks, f"{SIGNS}; columns are differences from the printed figure, 'itself' how far that can be trusted"]

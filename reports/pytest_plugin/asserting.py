@@ -35,16 +35,20 @@ class Assertion:
         key = repr((mechanisms, sorted(options.items())))
         if key not in self.made:
             self.made[key] = compare(*mechanisms, **{"jobs": 1, **options})
-        found = self.made[key]
-        wanted = found.campaign.options
-        texts = [failure(record, wanted, found.notes) for record in deciding(found.records) if _fails(record.outcome)]
-        texts += [changed(figure, wanted, found.notes) for figure in found.figures if figure.changed]
-        texts += found.departures
+        comparison = self.made[key]
+        wanted = comparison.campaign.options
+        texts = [
+            failure(record, wanted, comparison.notes)
+            for record in deciding(comparison.records)
+            if _fails(record.outcome)
+        ]
+        texts += [changed(figure, wanted, comparison.notes) for figure in comparison.figures if figure.changed]
+        texts += comparison.departures
         if texts:
             pytest.fail("\n\n".join(texts), pytrace=False)
-        if not any(Verdict(record.outcome).judged for record in found.records):
-            pytest.skip("; ".join(sorted({f"{record.outcome}: {record.detail}" for record in found.records})))
-        return found
+        if not any(Verdict(record.outcome).judged for record in comparison.records):
+            pytest.skip("; ".join(sorted({f"{record.outcome}: {record.detail}" for record in comparison.records})))
+        return comparison
 
 
 def _fails(outcome: str) -> bool:

@@ -94,7 +94,7 @@ class SetTest(pytest.Item):
 
     def runtest(self) -> None:
         """Fail with every departure that is not allowed."""
-        sentences = [one.sentence for one in self.departures if not one.is_allowed]
+        sentences = [departure.sentence for departure in self.departures if not departure.is_allowed]
         if sentences:
             pytest.fail("\n".join(sentences), pytrace=False)
 

@@ -77,7 +77,7 @@ class Comparison(PrintedResult):
         results = Results(self.campaign.document(self.judged), tuple(self.judged.runs))
         seen = {view.linkage.name: view for view in views(results)}
         view = _named("mechanism", mechanism, seen)
-        return figure(errors_chart(view, _named("regime", regime, {one.name: one for one in view.regimes})))
+        return figure(errors_chart(view, _named("regime", regime, {motion.name: motion for motion in view.regimes})))
 
     def _printout(self) -> Printout:
         notes = (*self.notes, *self.departures)
@@ -105,8 +105,8 @@ class Comparison(PrintedResult):
         places = {(record.run, record.quantity): record for record in self.records}
 
         def cells(field: str, lacking: float | str) -> tuple[tuple[str, str], list[list[Any]]]:
-            found = [[getattr(places.get((run, name)), field, None) for name in quantities] for run in runs]
-            return ("run", "quantity"), [[lacking if cell is None else cell for cell in row] for row in found]
+            groups = [[getattr(places.get((run, name)), field, None) for name in quantities] for run in runs]
+            return ("run", "quantity"), [[lacking if cell is None else cell for cell in row] for row in groups]
 
         labels = {name: ("run", [run[number] for run in runs]) for number, name in enumerate(RUN)}
         return xarray.Dataset(

@@ -52,11 +52,11 @@ def evaluate(
     moves: dict[str, Any] = {"acceleration": acceleration, "speed": None}
     if speed is not None:
         moves["speed"] = np.asarray(speed, dtype=float) * size
-    asked = None if quantities is None else words(quantities)
+    texts = None if quantities is None else words(quantities)
     if designs is not None:
-        return _of_designs(mechanism, angle, asked, designs, moves)
+        return _of_designs(mechanism, angle, texts, designs, moves)
     variables = _variables(mechanism)
-    chosen = _chosen(mechanism, asked, variables, moves=speed is not None)
+    chosen = _chosen(mechanism, texts, variables, moves=speed is not None)
     names = [name for variable in chosen for name in variables[variable]]
     values = evaluate_signals(mechanism, angle, names, **moves)
     return labelled(mechanism.linkage, "phi", {"phi": angle, **values}, {})
@@ -72,30 +72,30 @@ def _variables(mechanism: Mechanism) -> dict[str, list[str]]:
 
 
 def _chosen(
-    mechanism: Mechanism, asked: Sequence[str] | None, known: Mapping[str, Sequence[str]], *, moves: bool
+    mechanism: Mechanism, names: Sequence[str] | None, known: Mapping[str, Sequence[str]], *, moves: bool
 ) -> list[str]:
     """The requested variables, each once; all that the motion allows where none are named."""
     table = signals.table(mechanism)
-    if asked is None:
+    if names is None:
         whole = {name: parts for name, parts in known.items() if not name.startswith("Jeq:")}
         return [name for name, parts in whole.items() if moves or all(table[part].is_still for part in parts)]
-    for name in asked:
+    for name in names:
         if name not in known:
             raise UnknownNameError("quantity", name, known)
         if not moves and not all(table[part].is_still for part in known[name]):
             raise LinkproofError(f"speed: expected the crank's speed in rpm for {name}, got none; pass speed=...")
-    return list(dict.fromkeys(asked))
+    return list(dict.fromkeys(names))
 
 
 def _of_designs(
     mechanism: Mechanism,
     angle: Array,
-    asked: Sequence[str] | None,
+    names: Sequence[str] | None,
     designs: Mapping[str, ArrayLike],
     moves: Mapping[str, Any],
 ) -> xarray.Dataset:
     known = {name: parts for name, parts in _variables(mechanism).items() if name != "S" and parts == [name]}
-    chosen = _chosen(mechanism, asked, known, moves=moves["speed"] is not None)
+    chosen = _chosen(mechanism, names, known, moves=moves["speed"] is not None)
     values = evaluate_designs(mechanism, designs, angle, chosen, **moves)
     over = ("design", "phi")
     assembled = values.pop(ASSEMBLED)

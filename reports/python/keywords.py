@@ -38,27 +38,32 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
         signature = inspect.signature(function)
         bags: dict[str, Any] = {name: hints[name] for name in signature.parameters if is_dataclass(hints[name])}
         options = {
-            name: {one.field.name: one for one in declared(kind) if _has_keyword(one, without)}
+            name: {option.field.name: option for option in declared(kind) if _has_keyword(option, without)}
             for name, kind in bags.items()
         }
-        every = {name: one for own in options.values() for name, one in own.items()}
-        plain = [one for one in signature.parameters.values() if one.name not in bags]
+        every = {name: option for own in options.values() for name, option in own.items()}
+        plain = [parameter for parameter in signature.parameters.values() if parameter.name not in bags]
 
         @wraps(function)
         def called(*args: Any, **given: Any) -> Result:  # noqa: ANN401 - of all keywords
             for name in given:
-                if name not in every and name not in {one.name for one in plain}:
-                    known = [*(one.name for one in plain), *every]
+                if name not in every and name not in {parameter.name for parameter in plain}:
+                    known = [*(parameter.name for parameter in plain), *every]
                     raise TypeError(str(UnknownNameError("argument", name, known)))
             for bag, own in options.items():
-                values = {name: _value(one, given.pop(name)) for name, one in own.items() if name in given}
+                values = {name: _value(option, given.pop(name)) for name, option in own.items() if name in given}
                 given[bag] = bags[bag](**values)
             return function(*args, **given)
 
         way = inspect.Parameter.KEYWORD_ONLY
-        added = [inspect.Parameter(n, way, default=one.field.default, annotation=one.kind) for n, one in every.items()]
+        added = [
+            inspect.Parameter(n, way, default=option.field.default, annotation=option.kind)
+            for n, option in every.items()
+        ]
         called.__signature__ = signature.replace(parameters=[*plain, *added])  # type: ignore[attr-defined]
-        lines = [textwrap.fill(f"{name}: {_help(one)}", 110, subsequent_indent="    ") for name, one in every.items()]
+        lines = [
+            textwrap.fill(f"{name}: {_help(option)}", 110, subsequent_indent="    ") for name, option in every.items()
+        ]
         called.__doc__ = "\n".join(
             [inspect.cleandoc(function.__doc__ or ""), "", "Keywords of the command:", "", *lines]
         )
@@ -67,27 +72,27 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
     return decorated
 
 
-def _has_keyword(one: Declared, without: Sequence[str]) -> bool:
-    return isinstance(one.info, Option) and one.field.name not in without
+def _has_keyword(option: Declared, without: Sequence[str]) -> bool:
+    return isinstance(option.info, Option) and option.field.name not in without
 
 
-def _help(one: Declared) -> str:
-    text = one.info.help if isinstance(one.info, Option) else ""
-    return f"with False: {text}" if one.field.default is True else text
+def _help(option: Declared) -> str:
+    text = option.info.help if isinstance(option.info, Option) else ""
+    return f"with False: {text}" if option.field.default is True else text
 
 
-def _value(one: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
+def _value(option: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
     """The value of a field; raises LinkproofError for one of another type."""
-    name, kinds = one.field.name, (one.kind, *get_args(one.kind))
-    several = item(one.kind)
+    name, kinds = option.field.name, (option.kind, *get_args(option.kind))
+    several = item(option.kind)
     if given is None and (type(None) in kinds or several is str):
-        return one.field.default
+        return option.field.default
     if several is float:
-        return tuple(_number(name, each, one) for each in np.atleast_1d(np.asarray(given, dtype=object)).tolist())
+        return tuple(_number(name, each, option) for each in np.atleast_1d(np.asarray(given, dtype=object)).tolist())
     if several is not None:
         return words(given)
     if float in kinds or int in kinds:
-        return _number(name, given, one)
+        return _number(name, given, option)
     if bool in kinds and not isinstance(given, bool | np.bool_):
         raise LinkproofError(f"{name}: expected True or False, got {shortened(repr(given))}; pass one of them")
     if Path in kinds:
@@ -95,12 +100,12 @@ def _value(one: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
     return str(given) if str in kinds else given
 
 
-def _number(name: str, value: Any, one: Declared) -> float:  # noqa: ANN401 - whatever is passed
+def _number(name: str, value: Any, option: Declared) -> float:  # noqa: ANN401 - whatever is passed
     """A number; raises LinkproofError for anything else."""
-    is_whole = int in (one.kind, *get_args(one.kind))
+    is_whole = int in (option.kind, *get_args(option.kind))
     if isinstance(value, bool | np.bool_) or not isinstance(value, Integral if is_whole else Real):
         what = "a whole number" if is_whole else "a number"
-        unit = UNITS.get(one.info.metavar, "")
+        unit = UNITS.get(option.info.metavar, "")
         raise LinkproofError(f"{name}: expected {what}{unit}, got {shortened(repr(value))}; pass a number")
     return value  # type: ignore[return-value]
 
@@ -113,10 +118,10 @@ def words(given: Words) -> tuple[str, ...]:
 def chosen_linkage(linkage: Linkage | str | Path, variant: str | None = None, *, gravity: bool = True) -> Linkage:
     """A linkage by its name, its file or as it is, in another variant if one is named."""
     if not isinstance(linkage, Linkage):
-        found = load(linkage, variant)
+        result = load(linkage, variant)
     else:
-        found = linkage if variant is None else in_variant(linkage, variant)
-    return found if gravity else lacking(found, "gravity")
+        result = linkage if variant is None else in_variant(linkage, variant)
+    return result if gravity else lacking(result, "gravity")
 
 
 def of_linkage(linkage: Linkage | str | Path, options: OfLinkage) -> tuple[Linkage, OfLinkage]:

@@ -66,8 +66,8 @@ def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Ma
     for variable, names in variables.items():
         first = next(iter(names))
         sides = {
-            first.dimension: list(dict.fromkeys(one.part for one in names)),
-            "component": list(dict.fromkeys(one.component for one in names)),
+            first.dimension: list(dict.fromkeys(entry.part for entry in names)),
+            "component": list(dict.fromkeys(entry.component for entry in names)),
         }
         sides = {side: places for side, places in sides.items() if places != [""]}
         shape = [*map(len, sides.values()), -1]

@@ -38,32 +38,32 @@ def optimise(
     ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0 at a local optimum. Raises
     LinkproofError for bad input, and if no design holds the figures of ``keep``.
     """
-    held = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
+    table = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
     chosen, options = of_linkage(linkage, options)
     options = replace(
         options,
-        over=tuple(_word(*one) for one in over.items()),  # as the command that repeats the request has them
-        keep=tuple(_word(*one) for one in held.items()),
+        over=tuple(_word(*pair) for pair in over.items()),  # as the command that repeats the request has them
+        keep=tuple(_word(*pair) for pair in table.items()),
         step=None if step is None else str(step),
     )
-    found, conditions = optimum(chosen, options)
-    saved = document(found, command_line("optimise", options), conditions)
+    result, conditions = optimum(chosen, options)
+    saved = document(result, command_line("optimise", options), conditions)
     numbers = {
-        one.parameter.name: (
+        variable.parameter.name: (
             "design",
-            [side[one.parameter.name] / one.parameter.unit.size for side in (found.before, found.after)],
-            {"units": one.parameter.unit.name, "low": one.low / one.parameter.unit.size,
-             "high": one.high / one.parameter.unit.size},
+            [side[variable.parameter.name] / variable.parameter.unit.size for side in (result.before, result.after)],
+            {"units": variable.parameter.unit.name, "low": variable.low / variable.parameter.unit.size,
+             "high": variable.high / variable.parameter.unit.size},
         )
-        for one in found.problem.variables
+        for variable in result.problem.variables
     }  # fmt: skip
     figures = {
-        one.name: ("design", found.values[:, column] / one.unit.size, {"units": one.unit.name})
-        for column, one in enumerate(found.figures)
+        figure.name: ("design", result.values[:, column] / figure.unit.size, {"units": figure.unit.name})
+        for column, figure in enumerate(result.figures)
     }
     about = {name: saved[name] for name in ("mechanism", "variant", "conditions", "command")}
     cost = {name: value for name, value in saved["search"].items() if name != "ends"}
-    text = design_file(found.problem.mechanism, found.after)
+    text = design_file(result.problem.mechanism, result.after)
     return xarray.Dataset({**numbers, **figures}, {"design": ["before", "after"]}, {**about, **cost, "toml": text})
 
 

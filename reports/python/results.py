@@ -23,6 +23,6 @@ def results(linkage: Linkage | str | Path, *, options: ResultsOptions) -> xarray
     degrees, or ``time``, in s, choose the instants. Raises LinkproofError for what cannot be.
     """
     case, chosen = requested_results(*of_linkage(linkage, options))
-    found = sheet(case, chosen)
-    about = {"regime": case.motion.regime, "conditions": found.conditions}
-    return labelled(found.linkage, found.axis, found.table, about)
+    result = sheet(case, chosen)
+    about = {"regime": case.motion.regime, "conditions": result.conditions}
+    return labelled(result.linkage, result.axis, result.table, about)

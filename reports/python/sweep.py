@@ -71,10 +71,10 @@ def sweep(
     space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
     request, conditions = request_of(case, space, options)
     own_figures(request)  # complains of what no design can have
-    rows = _lazy(request, [*values.values()]) if is_lazy else _computed(request.on_one_path(), options.scheduler)
+    rows = _lazy(request, [*values.values()]) if is_lazy else _computed(request.on_single_path(), options.scheduler)
     about = {name: value for name, value in described(request, conditions, "").items() if name != "command"}
     dataset = labelled(request, values, rows, about)
-    return _with_engines(dataset, request.on_one_path(), options) if options.simulate else dataset
+    return _with_engines(dataset, request.on_single_path(), options) if options.simulate else dataset
 
 
 def _with_engines(dataset: xarray.Dataset, request: SweepRequest, options: SweepOptions) -> xarray.Dataset:
@@ -106,21 +106,23 @@ def _checked(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kind
 def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: bool) -> DesignSpace:
     if not is_table:
         return Grid(parts, tuple(values))
-    if len({len(one) for one in values}) > 1:
-        raise LinkproofError(f"table: expected columns of one length, got {[len(one) for one in values]}; correct it")
+    if len({len(value) for value in values}) > 1:
+        raise LinkproofError(
+            f"table: expected columns of one length, got {[len(value) for value in values]}; correct it"
+        )
     return Listed(parts, tuple(values))
 
 
 def _computed(request: SweepRequest, scheduler: object) -> Array:
     """Figures of all designs, (figures, *shape), worked out here or on the workers of a scheduler."""
-    found = np.empty((len(request.figures), request.space.count))
+    values = np.empty((len(request.figures), request.space.count))
 
     def keep(number: int, block: Array) -> None:
-        found[:, slice(*request.block(number))] = block
+        values[:, slice(*request.block(number))] = block
 
     with opened(scheduler, None) as pool:
         sweep_space(request if pool is None else replace(request, cores=1), keep=keep, pool=pool)
-    return found.reshape(-1, *request.space.shape)
+    return values.reshape(-1, *request.space.shape)
 
 
 def _lazy(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 - Dask's own array
@@ -129,7 +131,7 @@ def _lazy(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 
 
     shape = request.space.shape
     over = [0] * len(values) if len(shape) == 1 else range(len(shape))
-    arrays = [one if _is_lazy(one) else da.from_array(one, chunks=-1) for one in values]
+    arrays = [value if _is_lazy(value) else da.from_array(value, chunks=-1) for value in values]
     pairs = [part for array, axis in zip(arrays, over, strict=True) for part in (array, (axis,))]
     return da.blockwise(
         partial(_chunk, request), (len(shape), *range(len(shape))), *pairs, new_axes={len(shape): len(request.figures)},

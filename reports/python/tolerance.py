@@ -49,8 +49,8 @@ def tolerance(
 def dataset(study: ToleranceStudy) -> xarray.Dataset:
     """A study, labelled, in the units of the linkage's file."""
     request = study.request
-    size = np.array([one.unit.size for one in request.figures])
-    own = np.array([one.parameter.unit.size for one in request.tolerances])
+    size = np.array([figure.unit.size for figure in request.figures])
+    own = np.array([tolerance.parameter.unit.size for tolerance in request.tolerances])
     of, by = ("result",), ("result", "parameter")
     return xarray.Dataset(
         {
@@ -67,12 +67,12 @@ def dataset(study: ToleranceStudy) -> xarray.Dataset:
             "quantile": ((*of, "level"), study.quantiles / size[:, None]),
         },
         coords={
-            "result": [one.name for one in request.figures],
-            "units": (of, [one.unit.name for one in request.figures]),
-            "parameter": [one.name for one in request.tolerances],
-            "parameter_units": (("parameter",), [one.parameter.unit.name for one in request.tolerances]),
-            "plus_minus": (("parameter",), [one.plus_minus for one in request.tolerances] / own),
-            "distribution": (("parameter",), [str(one.distribution) for one in request.tolerances]),
+            "result": [figure.name for figure in request.figures],
+            "units": (of, [figure.unit.name for figure in request.figures]),
+            "parameter": [tolerance.name for tolerance in request.tolerances],
+            "parameter_units": (("parameter",), [tolerance.parameter.unit.name for tolerance in request.tolerances]),
+            "plus_minus": (("parameter",), [tolerance.plus_minus for tolerance in request.tolerances] / own),
+            "distribution": (("parameter",), [str(tolerance.distribution) for tolerance in request.tolerances]),
             "limit": ["lower", "upper"],
             "end": ["least", "largest"],
             "level": [*SHARES],

@@ -20,48 +20,53 @@ TIMES = "Steps and seconds of stepping, both on the same machine."
 STEPS = "Steps; seconds are not compared, for the machines are not the same."
 
 
-def difference_printout(found: FolderDifference) -> Printout:
+def difference_printout(difference: FolderDifference) -> Printout:
     """Tables of what has moved; the runs themselves, and what only one folder has, are details."""
     tables: list[Printed] = []
-    for table in (_facts(found), _linkages(found), moved_table(found), *_figures(found)):
+    for table in (_facts(difference), _linkages(difference), moved_table(difference), *_figures(difference)):
         if table.rows:
             tables += [table, ""]
-    details: list[Printed] = [_runs(found), ""]
+    details: list[Printed] = [_runs(difference), ""]
     lacking = [
-        *(f"only in the first folder: {words}" for words in found.only_before),
-        *(f"only in the second folder: {words}" for words in found.only_after),
+        *(f"only in the first folder: {words}" for words in difference.only_before),
+        *(f"only in the second folder: {words}" for words in difference.only_after),
     ]
-    return Printout(tables, [*lacking, closing_line(found)], details)
+    return Printout(tables, [*lacking, closing_line(difference)], details)
 
 
-def study_printout(found: StudyDifference) -> Printout:
+def study_printout(difference: StudyDifference) -> Printout:
     """A table of what has moved in a benchmark or in stability maps; what only one folder has is a detail."""
     head = ("run", "quantity", "before", "after", "error before", "after", "")
     rows = [
         (move.run, move.quantity, *move.outcomes, *map(error_words, move.errors), "worse" if move.is_worse else "")
-        for move in found.moves
+        for move in difference.moves
     ]
-    tables = [Table(f"{found.kind}: what is not the same.", head, rows, "lllllrl")] if rows else []
-    sides = (("first", found.only_before), ("second", found.only_after))
+    tables = [Table(f"{difference.kind}: what is not the same.", head, rows, "lllllrl")] if rows else []
+    sides = (("first", difference.only_before), ("second", difference.only_after))
     details = [f"only in the {side} folder: {key}" for side, keys in sides for key in keys]
     lacking = "".join(f"; {len(keys)} only in the {side}" for side, keys in sides if keys)
-    worse = sum(move.is_worse for move in found.moves)
-    closing = f"{found.kind}: {found.compared} runs in both folders: {len(rows)} moved; {worse} worse{lacking}"
+    worse = sum(move.is_worse for move in difference.moves)
+    closing = (
+        f"{difference.kind}: {difference.compared} runs in both folders: {len(rows)} moved; {worse} worse{lacking}"
+    )
     return Printout(tables, [closing], details)
 
 
-def closing_line(found: FolderDifference) -> str:
+def closing_line(difference: FolderDifference) -> str:
     """How much is compared, has moved, and by more than is allowed."""
-    figures = f", {len(found.figures)} key figures" if found.figures else ""
-    return f"{found.compared} records in both folders: {len(found.moves)} moved{figures}; {found.beyond} beyond limits"
+    figures = f", {len(difference.figures)} key figures" if difference.figures else ""
+    moved = f"{len(difference.moves)} moved{figures}"
+    return f"{difference.compared} records in both folders: {moved}; {difference.beyond} beyond limits"
 
 
-def _facts(found: FolderDifference) -> Table:
-    return Table("What the folders were made on, where it is not the same.", ("", "first", "second"), found.facts, "l")
+def _facts(difference: FolderDifference) -> Table:
+    return Table(
+        "What the folders were made on, where it is not the same.", ("", "first", "second"), difference.facts, "l"
+    )
 
 
-def _linkages(found: FolderDifference) -> Table:
-    rows = [(_name(old), _name(new)) for old, new in found.linkages if old != new]
+def _linkages(difference: FolderDifference) -> Table:
+    rows = [(_name(old), _name(new)) for old, new in difference.linkages if old != new]
     return Table("Linkages of other names or variants that are compared.", ("first", "second"), rows, "l")
 
 
@@ -69,19 +74,19 @@ def _name(name: Name) -> str:
     return f"{name[0]} ({name[1]})"
 
 
-def moved_table(found: FolderDifference) -> Table:
+def moved_table(difference: FolderDifference) -> Table:
     """A row for every record that has moved."""
     head = ("mechanism", "regime", "engine", "quantity", "error before", "after", "factor", "peak", "")
     return Table("Errors over the peak, and peaks of the closed form over the samples.", head,
-                 [tuple(_move(move)) for move in found.moves], "llllrrrrl")  # fmt: skip
+                 [tuple(_move(move)) for move in difference.moves], "llllrrrrl")  # fmt: skip
 
 
 def _move(move: MovedRecord) -> Iterator[TableCell | str]:
     record = move.after
     yield from (_name(record.run[:2]), record.regime, f"{record.engine} {record.setting}", record.quantity)
-    for one in (move.before, record):
-        sign = RUNS[one.outcome]
-        words = sign.word if one.error_max is None else f"{error_words(one.error_max)} {sign.symbol}"
+    for entry in (move.before, record):
+        sign = RUNS[entry.outcome]
+        words = sign.word if entry.error_max is None else f"{error_words(entry.error_max)} {sign.symbol}"
         yield TableCell(words, colour=sign.colour)
     yield ABSENT if move.factor is None else figure(move.factor, 2)
     share = move.peak_share
@@ -89,20 +94,22 @@ def _move(move: MovedRecord) -> Iterator[TableCell | str]:
     yield "beyond" if move.beyond else ""
 
 
-def _figures(found: FolderDifference) -> Iterator[Table]:
-    for table in changed_figures(found.figures):
+def _figures(difference: FolderDifference) -> Iterator[Table]:
+    for table in changed_figures(difference.figures):
         yield replace(table, caption=FIGURES)
 
 
-def _runs(found: FolderDifference) -> Table:
+def _runs(difference: FolderDifference) -> Table:
     head = ("run", "version", "steps before", "after")
-    times = ("seconds before", "after", "factor") if found.same_machine else ()
-    return Table(TIMES if times else STEPS, (*head, *times), [tuple(_run(run, found)) for run in found.runs], "llr")
+    times = ("seconds before", "after", "factor") if difference.same_machine else ()
+    return Table(
+        TIMES if times else STEPS, (*head, *times), [tuple(_run(run, difference)) for run in difference.runs], "llr"
+    )
 
 
-def _run(run: RunPair, found: FolderDifference) -> Iterator[str]:
+def _run(run: RunPair, difference: FolderDifference) -> Iterator[str]:
     old, new = run.versions
     yield from ("/".join(run.run), old if old == new else f"{old} → {new}", *map(str, run.steps))
-    if found.same_machine:
+    if difference.same_machine:
         yield from map(seconds, run.seconds)
         yield figure(run.seconds[1] / run.seconds[0], 2) if run.seconds[0] else ABSENT

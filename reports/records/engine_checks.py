@@ -20,10 +20,10 @@ def printout(name: str, checks: Sequence[CheckResult]) -> Printout:
     return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
 
 
-def _rows(found: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
+def _rows(results: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
     """A line of every check; of mutants that say the same, one line."""
     groups: dict[tuple[str, Finding, str], int] = {}
-    for each in found:
+    for each in results:
         alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
         key = (MUTANT if alike else each.check, each.finding, each.detail)
         groups[key] = groups.get(key, 0) + 1

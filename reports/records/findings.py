@@ -12,23 +12,24 @@ from reports.document.parts import Table
 from reports.document.terminal import Printed, Printout
 
 
-def verification_printout(found: Verification) -> Printout:
+def verification_printout(verification: Verification) -> Printout:
     """A row for all that differs, and how much was judged anew."""
-    rows = [(finding.place, finding.sentence) for finding in found.findings]
+    rows = [(finding.place, finding.sentence) for finding in verification.findings]
     table: list[Printed] = [Table("What differs.", ("where", "what"), rows, "l"), ""] if rows else []
-    return Printout(table, [*found.notes, closing_line(found)])
+    return Printout(table, [*verification.notes, closing_line(verification)])
 
 
-def closing_line(found: Verification) -> str:
+def closing_line(verification: Verification) -> str:
     """What was worked out again, what became of it, how much differs."""
-    counts = Counter(record.outcome for record in (*found.records, *found.invariants))
+    counts = Counter(record.outcome for record in (*verification.records, *verification.invariants))
     outcomes = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
-    again = f"computed again: curves {found.curves}, key figures {found.figures}, checksums {found.texts}"
+    texts = f"checksums {verification.texts}"
+    again = f"computed again: curves {verification.curves}, key figures {verification.figures}, {texts}"
     campaign = (again, f"{counts.total()} records: {outcomes}") if counts else ()
-    differs = "nothing differs" if not found.findings else f"differing: {len(found.findings)}"
-    return "; ".join((*campaign, *found.studies, differs))
+    differs = "nothing differs" if not verification.findings else f"differing: {len(verification.findings)}"
+    return "; ".join((*campaign, *verification.studies, differs))
 
 
-def verification_told(found: Verification) -> Mapping[str, Any]:
+def verification_as_dict(verification: Verification) -> Mapping[str, Any]:
     """All of it, JSON-ready."""
-    return asdict(found)
+    return asdict(verification)

@@ -46,9 +46,9 @@ def limit_table(results: Results) -> Table:
     groups = grouped((_limit(record, results.limits), record) for record in every_record(results))
     rows = []
     for (value, reason), records in groups.items():
-        held = {family(record.quantity) for record in records}
+        families = {family(record.quantity) for record in records}
         settings, regimes = {r.setting for r in records}, {r.regime for r in records}
-        quantities = [name for name in names if name in held]
+        quantities = [name for name in names if name in families]
         cells = (
             plain(", ".join(quantities)),
             ", ".join(s for s in SETTINGS if s in settings),

@@ -10,15 +10,15 @@ from engines.contract import Origin
 
 def origin_words(records: Sequence[Record]) -> str:
     """Of the records of one run: "1 run, read", "read in part", "4 runs, extrapolated", "control", "imported"."""
-    told = [record for record in records if record.origin]
-    if not told:
+    words = [record for record in records if record.origin]
+    if not words:
         return ""
-    if told[0].origin in (CONTROL, IMPORTED):
-        return told[0].origin
-    runs = max(record.runs for record in told)
+    if words[0].origin in (CONTROL, IMPORTED):
+        return words[0].origin
+    runs = max(record.runs for record in words)
     if runs > 1:
         return f"{runs} runs, {Origin.EXTRAPOLATED}"
-    return "read in part" if any(r.origin != Origin.READ for r in told) else f"1 run, {Origin.READ}"
+    return "read in part" if any(r.origin != Origin.READ for r in words) else f"1 run, {Origin.READ}"
 
 
 def exceptions(records: Sequence[Record]) -> str:

@@ -11,10 +11,10 @@ from reports.document.templates import plain
 HEAD = ("channel", "in the engine", "frame", "instant", "drive's share")
 
 
-def readout_table(name: str, told: Mapping[str, Mapping[str, str]]) -> Table:
-    """The read-outs of an engine, as ``Abilities.told`` has them."""
+def readout_table(name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
+    """The read-outs of an engine, as ``Abilities.as_dict`` has them."""
     rows = tuple(
-        (plain(channel), one["source"], one["frame"], one["instant"], one["drive"] or ABSENT)
-        for channel, one in told.items()
+        (plain(channel), names["source"], names["frame"], names["instant"], names["drive"] or ABSENT)
+        for channel, names in groups.items()
     )
     return Table(f"{name}: where its figures come from.", HEAD, rows, align="l")

@@ -78,8 +78,8 @@ class View:
 
     def runs(self, regime: Regime) -> list[list[Record]]:
         """Records and invariants of every run of a regime, those of the reference's control last."""
-        found = [list(run) for _, run in groupby(self.of(regime), key=lambda record: record.run)]
-        return sorted(found, key=lambda run: any(record.origin == CONTROL for record in run))
+        groups = [list(run) for _, run in groupby(self.of(regime), key=lambda record: record.run)]
+        return sorted(groups, key=lambda run: any(record.origin == CONTROL for record in run))
 
     def quantities(self, regime: Regime) -> tuple[str, ...]:
         """Names of the quantities and then of the invariants of a regime."""
@@ -172,9 +172,9 @@ def setting_rank(setting: str) -> int:
 
 def columns(results: Results) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Families of the quantities and names of the invariants, in the order of their definition."""
-    found = dict.fromkeys(family(record.quantity) for record in results.records)
-    known = [name for name in QUANTITIES if name in found]
-    quantities = (*known, *(name for name in found if name not in known))
+    table = dict.fromkeys(family(record.quantity) for record in results.records)
+    known = [name for name in QUANTITIES if name in table]
+    quantities = (*known, *(name for name in table if name not in known))
     return quantities, tuple(dict.fromkeys(record.quantity for record in results.invariants))
 
 

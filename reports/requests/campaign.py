@@ -27,17 +27,17 @@ def files(options: RunsOptions) -> list[LinkageFile]:
     Files of one name from different folders have the names of folders before theirs, as many as tell them apart.
     """
     names = tuple(dict.fromkeys(options.mechanisms or having(catalogue(), options.variant)))
-    found = [read(name) for name in names]
-    own = [file.name for file in found]
+    linkage_files = [read(name) for name in names]
+    own = [file.name for file in linkage_files]
     for depth in range(1, DEEPEST_FOLDER + 1):
-        counts = Counter(file.name for file in found)
-        found = [
+        counts = Counter(file.name for file in linkage_files)
+        linkage_files = [
             replace(file, name=printable("-".join((*Path(path).resolve().parent.parts[-depth:], name))))
             if counts[file.name] > 1 and Path(path).suffix
             else file
-            for path, name, file in zip(names, own, found, strict=True)
+            for path, name, file in zip(names, own, linkage_files, strict=True)
         ]
-    return found
+    return linkage_files
 
 
 def having(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
@@ -62,7 +62,7 @@ def _check_names_differ(chosen: list[Linkage]) -> None:
 
 def installed(engines: Sequence[str]) -> list[str]:
     """Those of the engines that are installed."""
-    return [name for name, one in zip(engines, adapters(engines), strict=True) if why_unavailable(one) is None]
+    return [name for name, engine in zip(engines, adapters(engines), strict=True) if why_unavailable(engine) is None]
 
 
 def named(engines: Sequence[str]) -> tuple[str, ...]:
@@ -100,16 +100,16 @@ def request(options: RunsOptions, known: Sequence[Linkage] = ()) -> CampaignRequ
     Regimes that other ``known`` linkages define may be requested: those that do not define them are not run in them.
     """
     check_motion(options)
-    found = linkages(options)
-    motions, conditions = prescribed(options, found)
+    result = linkages(options)
+    motions, conditions = prescribed(options, result)
     return CampaignRequest(
-        linkages=found,
+        linkages=result,
         motions=motions,
         conditions=conditions,
         engines=_engines(options),
         settings=_settings(options),
         quantities=tuple(dict.fromkeys(options.quantity)),
-        own_regimes=own_regimes(options, (*found, *known)),
+        own_regimes=own_regimes(options, (*result, *known)),
         own_settings=_own_settings(options),
         with_invariants=not options.quantity,
     )

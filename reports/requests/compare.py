@@ -64,10 +64,10 @@ class Campaign:
         self, judged: JudgedCampaign, errata: Sequence[ErratumRecord] = (), *, is_saved: bool = False
     ) -> dict[str, Any]:
         """Everything of the judged campaign but its runs, JSON-ready."""
-        readouts = {one.name: one.abilities.told() for one in engines(self.request.engines)}
+        readouts = {engine.name: engine.abilities.as_dict() for engine in engines(self.request.engines)}
         command = self.saved_command + (" --out DIR" if is_saved else "")
-        told = document(self.request, command, errata, readouts)
-        return {**told, **judged.told, "environment": told["environment"] | self.environment}
+        table = document(self.request, command, errata, readouts)
+        return {**table, **judged.as_dict, "environment": table["environment"] | self.environment}
 
 
 def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limits: RunLimits = UNBOUND) -> Campaign:

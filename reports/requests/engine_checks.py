@@ -20,10 +20,10 @@ def engine_findings(adapter: Engine, processes: int | None = None) -> list[Check
             raise LinkproofError(adapter.reason)
         with blamed_on(adapter):
             raise adapter.error
-    found = check_engine(adapter, processes)
+    results = check_engine(adapter, processes)
     absent = next(
-        (each.detail for each in found if each.check == INSTALLED and each.finding is Finding.NOT_TESTED), None
+        (each.detail for each in results if each.check == INSTALLED and each.finding is Finding.NOT_TESTED), None
     )
     if absent is not None:
         raise LinkproofError(f"expected an engine to check, got none: {absent}")
-    return found
+    return results

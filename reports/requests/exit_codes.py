@@ -36,9 +36,13 @@ def campaign_exit_code(
         if not verdict.judged:
             reasons[record.outcome, record.detail] += 1
     decisive = others or naive
-    is_ours = Verdict.SUITE_ERROR in naive | others or any(one.outcome == Failure.SUITE_ERROR for one in errata)
-    has_failed = any(one.failed for one in decisive) or any(figure.changed for figure in figures) or bool(departures)
-    return _code(is_ours, has_failed, any(one.judged for one in decisive), reasons)
+    is_ours = Verdict.SUITE_ERROR in naive | others or any(
+        erratum_record.outcome == Failure.SUITE_ERROR for erratum_record in errata
+    )
+    has_failed = (
+        any(entry.failed for entry in decisive) or any(figure.changed for figure in figures) or bool(departures)
+    )
+    return _code(is_ours, has_failed, any(entry.judged for entry in decisive), reasons)
 
 
 def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> int:
@@ -50,7 +54,7 @@ def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> i
     useful = {record.engine for record in records if record.outcome in excused or record.detail == OUT_OF_TIME}
     reasons = Counter((record.outcome, record.detail) for record in records)
     is_ours = any(outcome == Failure.SUITE_ERROR for outcome, _ in reasons)
-    return _code(is_ours, not useful.issuperset(engines), any(one.finished for one in records), reasons)
+    return _code(is_ours, not useful.issuperset(engines), any(record.finished for record in records), reasons)
 
 
 def stress_exit_code(cells: Iterable[CellResult]) -> int:

@@ -54,6 +54,6 @@ def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) 
     if options.regime or options.swings:
         ((motion, *_), _) = prescribed(options, [linkage])
         return motion
-    if imported.signals and all(one.axis == "phi" for one in imported.signals):
+    if imported.signals and all(signal.axis == "phi" for signal in imported.signals):
         return crank_motion("constant-speed", speed=abs(options.rpm) * RPM, clockwise=options.turns_back)
     return None

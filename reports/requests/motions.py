@@ -138,8 +138,8 @@ def prescribed(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tup
     unit = linkage.units.get("length", "m")
     (first, last), size = _ends(options, linkage), factor("length", unit)
     speed = abs(last - first) if options.speed is None else abs(options.speed) * size
-    found = tuple(swing(name, first, last, speed=speed) for name in dict.fromkeys(names) if name in LAWS)
-    return found, f"from {linkage.written(first)} to {linkage.written(last)}, at most {speed / size:.4g} {unit}/s"
+    motions = tuple(swing(name, first, last, speed=speed) for name in dict.fromkeys(names) if name in LAWS)
+    return motions, f"from {linkage.written(first)} to {linkage.written(last)}, at most {speed / size:.4g} {unit}/s"
 
 
 def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:

@@ -57,7 +57,7 @@ def sweep_request(linkage: Linkage, options: SweepOptions) -> tuple[SweepRequest
         )
     case = steady_case(linkage, options)
     request, conditions = request_of(case, designs_of(case.mechanism.linkage, options), options)
-    return request.on_one_path(), conditions
+    return request.on_single_path(), conditions
 
 
 def request_of(case: SteadyCase, space: DesignSpace, options: SweepOptions) -> tuple[SweepRequest, str]:
@@ -66,7 +66,7 @@ def request_of(case: SteadyCase, space: DesignSpace, options: SweepOptions) -> t
     figures = named_figures(case.mechanism, options.quantity) if options.quantity else usual_figures(case.mechanism)
     if not figures:
         raise LinkproofError(f"expected a figure of '{linkage.name}', got none: name one with --quantity")
-    conditions = case.conditions + mass_words(linkage, (one.name for one in space.parameters))
+    conditions = case.conditions + mass_words(linkage, (parameter.name for parameter in space.parameters))
     return SweepRequest(linkage, space, figures, case.motion, options.refine, options.jobs), conditions
 
 
@@ -79,7 +79,7 @@ def designs_of(linkage: Linkage, options: SweepOptions) -> DesignSpace:
 
 def simulated_campaign(request: SweepRequest, options: SweepOptions, folder: Path) -> SimulatedCampaign:
     """The campaign of engines on some of the designs, whose files are written into a folder."""
-    if any(one.kind == SPEED for one in request.space.parameters):
+    if any(parameter.kind == SPEED for parameter in request.space.parameters):
         raise LinkproofError("--simulate: expected designs of one speed, got several; leave --vary speed out")
     designs, motion = simulated_designs(request, options.designs, options.seed), request.motion
     of_files = replace(options.motion, variant=None)  # a written file has one variant

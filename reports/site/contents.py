@@ -39,38 +39,38 @@ class Contents(StudyFolder):
         return datasheet.load_sheets(self.path) if (self.path / datasheet.FILE).is_file() else ()
 
     @property
-    def is_of_one(self) -> bool:
+    def is_single(self) -> bool:
         """Whether it is a designer's results or a judgement of one linkage, whose page is the first one."""
         judged = self.campaign is None or "judgement" in self.campaign.document
         return len(self.sheets) == 1 and judged and self.bench is None and self.stress is None
 
     def file_of(self, sheet: Sheet) -> str:
         """Where the page of a mechanism is."""
-        return INDEX if self.is_of_one else mechanism_page.file_of(sheet)
+        return INDEX if self.is_single else mechanism_page.file_of(sheet)
 
     def links(self) -> tuple[PageLink, ...]:
         """Its pages in the order of a reader; raises LinkproofError where there is nothing to make one of."""
-        if self.is_of_one:
+        if self.is_single:
             return (PageLink(self.sheets[0].name, INDEX),)
         studies = ((BENCH, self.bench), (STRESS, self.stress))
         names = [sheet.name for sheet in self.sheets]
-        found = (
+        page_links = (
             *(
                 PageLink(name if names.count(name) == 1 else f"{name} ({sheet.variant})", self.file_of(sheet))
                 for name, sheet in zip(names, self.sheets, strict=True)
             ),
             *(link for link, study in studies if study is not None),
         )
-        if not found:
+        if not page_links:
             raise LinkproofError(
                 f"nothing to report in '{self.path}': expected the folder given to --out of compare, bench, stress, "
                 "judge or results"
             )
-        return (PageLink(INDEX_TITLE, INDEX), *found)
+        return (PageLink(INDEX_TITLE, INDEX), *page_links)
 
     def page(self, file: str) -> Page:
         """One of the pages, by its file."""
-        if file == INDEX and not self.is_of_one:
+        if file == INDEX and not self.is_single:
             return index(self.campaign, self.sheets, tuple(self._studies()))
         if file == BENCH.href and self.bench is not None:
             return bench_page.page(self.bench)
@@ -81,6 +81,6 @@ class Contents(StudyFolder):
 
     def _studies(self) -> Iterator[Words]:
         if self.bench is not None:
-            yield BENCH, ": ", sentence("index_bench", points=[one for one in self.bench.points if one.errors])
+            yield BENCH, ": ", sentence("index_bench", points=[point for point in self.bench.points if point.errors])
         if self.stress is not None:
             yield STRESS, ": ", sentence("index_stress", cells=len(self.stress.results), count=self.stress.count())

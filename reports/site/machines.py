@@ -93,13 +93,13 @@ def _engines(results: Results) -> Table:
 
 def _across(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:
     """Errors that are not the same on two machines; times are not compared."""
-    for one, other in combinations(groups, 2):
-        for first in one:
+    for folders, other in combinations(groups, 2):
+        for first in folders:
             for second in other:
-                found = _difference(first.campaign, second.campaign)
-                if found is not None:
-                    yield Paragraph(f"{first.name}, then {second.name}: {closing_line(found)}.")
-                    yield from [moved_table(found)] if found.moves else []
+                folder_difference = _difference(first.campaign, second.campaign)
+                if folder_difference is not None:
+                    yield Paragraph(f"{first.name}, then {second.name}: {closing_line(folder_difference)}.")
+                    yield from [moved_table(folder_difference)] if folder_difference.moves else []
 
 
 def _difference(before: Results | None, after: Results | None) -> FolderDifference | None:

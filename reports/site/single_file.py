@@ -31,9 +31,9 @@ FEW: Final = frozenset({Setting.TUNED.value, Setting.BEST.value})  # whose curve
 
 def write_single_file(saved: Path, file: Path) -> Path:
     """Write a page of all that ``saved`` holds; returns its path."""
-    found = Contents(saved)
-    links = found.links()
-    page = one_page([found.page(link.href) for link in links])
+    contents = Contents(saved)
+    links = contents.links()
+    page = joined_page([contents.page(link.href) for link in links])
     places = [PageLink(link.text, f"#{_stem(link.href) if number else MAIN}") for number, link in enumerate(links)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -43,7 +43,7 @@ def write_single_file(saved: Path, file: Path) -> Path:
     return file
 
 
-def one_page(pages: Sequence[Page]) -> Page:
+def joined_page(pages: Sequence[Page]) -> Page:
     """Pages as sections of the first one; names and links are those of the page that they were on."""
     first, *rest = pages
     files = {first.file: "", **{page.file: _stem(page.file) for page in rest}}
@@ -59,28 +59,28 @@ def _stem(file: str) -> str:
     return re.sub(r"\W+", "-", Path(file).stem)
 
 
-def _moved(found: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN401  any part of a page
+def _moved(result: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN401  any part of a page
     """A part of a page, with its names and links as they are on the one page."""
-    if isinstance(found, tuple):
-        return tuple(_moved(one, stem, files) for one in found)
-    if not is_dataclass(found) or isinstance(found, type):
-        return found
-    kept = ("data", "further", "drawing")
-    values = {field.name: getattr(found, field.name) for field in fields(found)}
-    changes = {name: _moved(value, stem, files) for name, value in values.items() if name not in kept}
+    if isinstance(result, tuple):
+        return tuple(_moved(entry, stem, files) for entry in result)
+    if not is_dataclass(result) or isinstance(result, type):
+        return result
+    names = ("data", "further", "drawing")
+    values = {field.name: getattr(result, field.name) for field in fields(result)}
+    changes = {name: _moved(value, stem, files) for name, value in values.items() if name not in names}
     own = f"{stem}-" if stem else ""
-    if isinstance(found, PageLink):
-        file, _, place = found.href.partition("#")
+    if isinstance(result, PageLink):
+        file, _, place = result.href.partition("#")
         if file in files or not file:
             target = files.get(file, stem)
             changes["href"] = f"#{'-'.join(filter(None, (target, place))) or MAIN}"
-    elif isinstance(found, Section):
-        changes["key"] = own + found.key
-    elif isinstance(found, (PageFigure, Widget)):
-        changes["name"] = own + found.name
-    if isinstance(found, (Drawn, Widget)):
-        changes["markup"] = _renamed(found.markup, own)
-    moved = replace(found, **changes)
+    elif isinstance(result, Section):
+        changes["key"] = own + result.key
+    elif isinstance(result, (PageFigure, Widget)):
+        changes["name"] = own + result.name
+    if isinstance(result, (Drawn, Widget)):
+        changes["markup"] = _renamed(result.markup, own)
+    moved = replace(result, **changes)
     return _with_few_curves(moved) if isinstance(moved, Widget) and moved.kind == "curves" else moved
 
 
@@ -88,18 +88,20 @@ def _with_few_curves(widget: Widget) -> Widget:
     """The curves of the regime first shown, at the settings that matter; errors stay all there."""
     data, number = widget.data, widget.data["first"].partition("-")[0]
     few = {key: curves for key, curves in widget.further.items() if key.partition("-")[0] == number}
-    kept = FEW & {*data["settings"]} or {*data["settings"]}
+    settings = FEW & {*data["settings"]} or {*data["settings"]}
     shown = data["regimes"][int(number or 0)]["name"]
     regimes = [
         {
-            **one,
-            "quantities": [{**name, "curves": name["curves"] and one["name"] == shown} for name in one["quantities"]],
+            **entry,
+            "quantities": [
+                {**name, "curves": name["curves"] and entry["name"] == shown} for name in entry["quantities"]
+            ],
         }
-        for one in data["regimes"]
+        for entry in data["regimes"]
     ]
-    told = sentence("few_curves", regime=shown, settings=sorted(kept, reverse=True))
-    own = {"regimes": regimes, "curves": _of(data["curves"], kept), "left_out": told}
-    further = {key: _of(curves, kept) for key, curves in few.items()}
+    words = sentence("few_curves", regime=shown, settings=sorted(settings, reverse=True))
+    own = {"regimes": regimes, "curves": _of(data["curves"], settings), "left_out": words}
+    further = {key: _of(curves, settings) for key, curves in few.items()}
     return replace(widget, data={**data, **own}, further=further, instead=())
 
 
@@ -124,8 +126,8 @@ def _whole(folder: Path, page: Page) -> str:
     digests = (b64encode(sha256(code.encode()).digest()).decode() for code in codes)
     text = text.replace(FILES, " ".join(f"'sha256-{digest}'" for digest in digests), 1)
     code = "".join(f"<script>{code}</script>\n" for code in codes)
-    text = STYLE.sub(lambda found: f"<style>\n{(folder / found[1]).read_text(encoding='utf-8')}</style>", text)
-    text = PICTURE.sub(lambda found: _picture(folder / found[2], found[1], found[3]), SCRIPT.sub("", text))
+    text = STYLE.sub(lambda match: f"<style>\n{(folder / match[1]).read_text(encoding='utf-8')}</style>", text)
+    text = PICTURE.sub(lambda match: _picture(folder / match[2], match[1], match[3]), SCRIPT.sub("", text))
     return text.replace("</body>", f"{code}</body>")
 
 
@@ -137,7 +139,7 @@ def _picture(path: Path, style: str, attributes: str) -> str:
     """A drawing inside the page, without what nobody sees of it."""
     text = " ".join(path.read_text(encoding="utf-8").partition("<svg")[2].split())
     used = set(re.findall(r"#([\w-]+)", text))
-    text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", text)
+    text = re.sub(r' id="([^"]*)"', lambda match: match[0] if match[1] in used else "", text)
     text = re.sub(r"(\d\.\d)\d(?=[ L])", r"\1", text)  # the points of a path
     text = re.sub(r"(?<=[\d.z\"]) ?([MLQCz]) ?(?=[-\d\"])", r"\1", text)
     for long in ("> <", ": #", "; stroke", "; fill"):

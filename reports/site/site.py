@@ -30,13 +30,13 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     ``processes`` worker processes write, one per core by default; with 0, or where none can be started, this one does.
     ``png`` writes every figure as PNG as well. Raises LinkproofError where another command writes there.
     """
-    found = Contents(saved)
-    folder, links = out or found.path, found.links()
+    contents = Contents(saved)
+    folder, links = out or contents.path, contents.links()
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
     files = sorted((link.href for link in links), key=_turn)
     jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(saved) else []))]
-    write = partial(_write, found, folder, links, png)
+    write = partial(_write, contents, folder, links, png)
     written: dict[int, tuple[str, ...]] = {}
     with suppress(LinkproofError):
         count = usual_processes(len(jobs)) if processes is None else processes
@@ -55,14 +55,14 @@ def _turn(file: str) -> int:
     return {BENCH.href: 1, STRESS.href: 2, INDEX: 3}.get(file, 0)
 
 
-def _write(found: Contents, folder: Path, links: Sequence[PageLink], png: bool, file: str) -> tuple[str, ...]:
+def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: bool, file: str) -> tuple[str, ...]:
     """Write one page; returns the names of its files. The garbage collector waits: its walks take long."""
     gc.disable()
     try:
-        if file == SUMMARY and found.campaign is not None:
-            write_text(folder / SUMMARY, markdown(found.campaign, found.sheets))
+        if file == SUMMARY and contents.campaign is not None:
+            write_text(folder / SUMMARY, markdown(contents.campaign, contents.sheets))
             return (SUMMARY,)
-        return tuple(html.write_all(found.page(file), folder, links, png=png))
+        return tuple(html.write_all(contents.page(file), folder, links, png=png))
     finally:
         gc.enable()
 

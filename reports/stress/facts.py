@@ -51,9 +51,9 @@ def border_words(border: Border) -> str:
     return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
 
 
-def against(found: QuantityRecord | None, name: Callable[[str], str] = str) -> str:
+def against(record: QuantityRecord | None, name: Callable[[str], str] = str) -> str:
     """An error and its limit, both over the peak, by the name of what it is of; "" where nothing was found."""
-    return "" if found is None else f"{name(found.quantity)} {error(found.error_max)}, limit {bound(found.limit)}"
+    return "" if record is None else f"{name(record.quantity)} {error(record.error_max)}, limit {bound(record.limit)}"
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:

@@ -67,7 +67,7 @@ def _panel(panel: Axes, block: Data, values: list[str]) -> None:
 
 def _cells(panel: Axes, lines: list[Data]) -> None:
     """Boxes and signs are markers, one set to a verdict: an element for every cell takes ten times as long."""
-    shown = np.array([[-1 if one is None else one["verdict"] for one in line["cells"]] for line in lines])
+    shown = np.array([[-1 if entry is None else entry["verdict"] for entry in line["cells"]] for line in lines])
     for number, sign in enumerate(SIGNS.values()):
         y, x = np.nonzero(shown == number)
         letter = _letter(sign.symbol)

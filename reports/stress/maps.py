@@ -36,7 +36,7 @@ def map_data(stress: Stress, axis: str) -> dict[str, Any]:
 
 def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]:
     """The cells of one engine and usage, None where none was made; a border stands left of each of ``bars``."""
-    cells = {one.cell.value: _cell(one) for one in stress.lines[line]}
+    cells = {result.cell.value: _cell(result) for result in stress.lines[line]}
     borders = stress.line_borders.get(line, ())
     return {
         "engine": line[2],

@@ -27,9 +27,9 @@ MOST_OPEN = 12
 def page(stress: Stress) -> Page:
     """The page of a saved stress test."""
     lead = (
-        Paragraph(tables.told(stress, "stress_verdict"), "verdict"),
+        Paragraph(tables.summary(stress, "stress_verdict"), "verdict"),
         Paragraph(tables.ranking(stress), "lead"),
-        Paragraph(tables.told(stress, "stress_scope"), "small"),
+        Paragraph(tables.summary(stress, "stress_scope"), "small"),
     )
     caption = sentence("stress_counts")
     by_axis = tables.count_table(stress, lambda axis: parts.PageLink(axis_title(axis), f"#map-{axis}"), caption)
@@ -51,9 +51,9 @@ def page(stress: Stress) -> Page:
 def _maps(stress: Stress) -> Section:
     maps = {axis: map_data(stress, axis) for axis in stress.axes}
     first, *others = maps
-    data = {"axes": {axis: found["title"] for axis, found in maps.items()}, "signs": signs(stress), "map": maps[first]}
+    data = {"axes": {axis: table["title"] for axis, table in maps.items()}, "signs": signs(stress), "map": maps[first]}
     widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
-    figures = FigureGroup(tuple(_figure(stress, found) for found in maps.values()))
+    figures = FigureGroup(tuple(_figure(stress, table) for table in maps.values()))
     borders = tables.border_table(stress, axis_title)
     folds = (
         Fold(f"Every map as a figure ({len(maps)})", (figures,)),
@@ -62,30 +62,30 @@ def _maps(stress: Stress) -> Section:
     return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, *folds[: 2 if borders.rows else 1]))
 
 
-def _figure(stress: Stress, found: Mapping[str, Any]) -> PageFigure:
-    seen = stress.count(axis=found["axis"])
+def _figure(stress: Stress, table: Mapping[str, Any]) -> PageFigure:
+    seen = stress.count(axis=table["axis"])
     shown = [(sign.symbol, verdict.value) for verdict, sign in SIGNS.items() if seen[verdict]]
-    caption = sentence("stress_caption", title=found["title"], label=found["label"], easy=found["easy"], signs=shown)
-    alt = f"Verdicts over {found['label']} for every engine and usage"
-    return PageFigure(f"map-{found['axis']}", caption, alt, partial(draw_map, found), wide=True)
+    caption = sentence("stress_caption", title=table["title"], label=table["label"], easy=table["easy"], signs=shown)
+    alt = f"Verdicts over {table['label']} for every engine and usage"
+    return PageFigure(f"map-{table['axis']}", caption, alt, partial(draw_map, table), wide=True)
 
 
 def _incidents(stress: Stress) -> Iterator[parts.Part]:
     """A table to each verdict that occurs, and a sentence on those that do not."""
-    cells = {one: stress.of(one) for one in (*OPEN, StressVerdict.CAUGHT)}
-    for one, found in cells.items():
-        if found:
+    cells = {stress_verdict: stress.of(stress_verdict) for stress_verdict in (*OPEN, StressVerdict.CAUGHT)}
+    for verdict, results in cells.items():
+        if results:
             table, words = (
-                tables.incident_table(found),
-                f"{one.value.capitalize()} ({len(found)}): {SIGNS[one].meaning}",
+                tables.incident_table(results),
+                f"{verdict.value.capitalize()} ({len(results)}): {SIGNS[verdict].meaning}",
             )
-            yield Fold(words, (table,), is_open=one in OPEN and len(table.rows) <= MOST_OPEN)
-    if absent := [one.value for one, found in cells.items() if not found]:
+            yield Fold(words, (table,), is_open=verdict in OPEN and len(table.rows) <= MOST_OPEN)
+    if absent := [stress_verdict.value for stress_verdict, cell_results in cells.items() if not cell_results]:
         yield Paragraph(f"None: {', '.join(absent)}.")
 
 
 def _run(stress: Stress) -> Section:
-    spent = sum(one.spent for one in stress.results)
+    spent = sum(result.spent for result in stress.results)
     cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each a line of {KIND}/{RECORDS}")
     facts = parts.Facts((*environment_facts(stress.document["environment"]), cells))
     where = Fold("Where and with what", (facts,))

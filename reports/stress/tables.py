@@ -20,10 +20,10 @@ INCIDENT = ("engine", "axis: row", "value", "usage", "reason", "command")
 RANKED = "tuned"  # the setting by which engines are ranked
 
 
-def told(stress: Stress, macro: str) -> str:
+def summary(stress: Stress, macro: str) -> str:
     """What a test comes to, in the words of one macro: what was run, wrong motions flagged and missed, false alarms."""
     count = stress.count()
-    caught, missed, alarms = (count[one] for one in (*SILENT, StressVerdict.ALARM))
+    caught, missed, alarms = (count[verdict] for verdict in (*SILENT, StressVerdict.ALARM))
     extent = {"cells": len(stress.results), "axes": len(stress.axes), "quick": stress.document["quick"]}
     counts = {"wrong": caught + missed, "caught": caught, "missed": missed, "alarms": alarms}
     return sentence(macro, facts={**extent, **counts})
@@ -35,12 +35,12 @@ def ranking(stress: Stress) -> str:
     These are cells of the tuned setting where there are any, without those of the bisections, which all lie where an
     engine fails.
     """
-    cells = [one for one in stress.results if one.cell.value in stress.columns[one.cell.axis]]
-    tuned = [one for one in cells if one.cell.usage == RANKED]
-    count = Counter((one.cell.engine, one.verdict is StressVerdict.WITHIN) for one in tuned or cells
-                    if one.verdict not in APART)  # fmt: skip
+    cells = [result for result in stress.results if result.cell.value in stress.columns[result.cell.axis]]
+    tuned = [cell for cell in cells if cell.cell.usage == RANKED]
+    count = Counter((result.cell.engine, result.verdict is StressVerdict.WITHIN) for result in tuned or cells
+                    if result.verdict not in APART)  # fmt: skip
     engines = [(name, count[name, True], count[name, True] + count[name, False]) for name in stress.engines]
-    ranked = sorted((one for one in engines if one[2]), key=lambda one: -one[1] / one[2])
+    ranked = sorted((engine for engine in engines if engine[2]), key=lambda row: -row[1] / row[2])
     return sentence("stress_ranking", engines=ranked, setting=RANKED if tuned else "") if ranked else ""
 
 
@@ -49,8 +49,8 @@ def verdict_facts(stress: Stress) -> Facts:
     count = stress.count()
     return Facts(
         tuple(
-            (f"{SIGNS[one].symbol} {one.value}", f"{count[one]}: {SIGNS[one].meaning}")
-            for one in shown_verdicts(stress)
+            (f"{SIGNS[verdict].symbol} {verdict.value}", f"{count[verdict]}: {SIGNS[verdict].meaning}")
+            for verdict in shown_verdicts(stress)
         )
     )
 
@@ -69,23 +69,25 @@ def _compact(count: Counter[StressVerdict]) -> TableCell:
     """``12✓ 3○ 2!``, in the colour of the worst."""
     text = " ".join(f"{count[verdict]}{SIGNS[verdict].symbol}" for verdict in StressVerdict if count[verdict])
     loud = next((SIGNS[verdict].terminal for verdict in LOUD if count[verdict]), "")
-    fine = count[StressVerdict.WITHIN] and not any(count[one] for one in FAULTS)
+    fine = count[StressVerdict.WITHIN] and not any(count[fault] for fault in FAULTS)
     return TableCell(text, style="failed" if loud else ("pass" if fine else ""), colour=loud)
 
 
 def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
     """A row to a border; what it shares with the one before is left out. ``name`` is how an axis is named."""
     rows = once(
-        ((name(one.axis), *one.line[1:], TableCell(border_words(one), colour=SIGNS[one.verdict].terminal))
-         for one in stress.borders), heads=4)  # fmt: skip
+        ((name(border.axis), *border.line[1:], TableCell(border_words(border), colour=SIGNS[border.verdict].terminal))
+         for border in stress.borders), heads=4)  # fmt: skip
     return Table("", ("axis", "row", "engine", "usage", "last within, first beyond"), tuple(rows), align="l")
 
 
 def incident_table(results: Iterable[CellResult]) -> Table:
     """A row per cell, with its reason and command; of many, the first of each axis and engine, with their number."""
-    found = sorted(results, key=lambda one: one.cell.engine)
-    is_long = len(found) > MOST_ALONE
-    groups = grouped(((one.cell.engine, one.cell.axis) if is_long else one.cell, one) for one in found)
+    cell_results = sorted(results, key=lambda result: result.cell.engine)
+    is_long = len(cell_results) > MOST_ALONE
+    groups = grouped(
+        ((result.cell.engine, result.cell.axis) if is_long else result.cell, result) for result in cell_results
+    )
     rows = tuple(_incident(first, len(others)) for first, *others in groups.values())
     return Table("", INCIDENT, rows, align="llrl", style="incidents")
 
@@ -93,5 +95,5 @@ def incident_table(results: Iterable[CellResult]) -> Table:
 def _incident(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
     cell = result.cell
     place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
-    told = (result.reason, Mono(result.cell.command))
-    return (cell.engine, place, value_words(cell.value), cell.usage, *told)
+    pair = (result.reason, Mono(result.cell.command))
+    return (cell.engine, place, value_words(cell.value), cell.usage, *pair)

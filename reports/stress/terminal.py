@@ -8,7 +8,7 @@ from reports.document.parts import Paragraph
 from reports.document.terminal import Printed, Printout
 from reports.stress.facts import SIGNS, axis_title, shown_verdicts, value_words
 from reports.stress.maps import story
-from reports.stress.tables import LOUD, border_table, count_table, told
+from reports.stress.tables import LOUD, border_table, count_table, summary
 
 
 def printout(stress: Stress) -> Printout:
@@ -19,7 +19,7 @@ def printout(stress: Stress) -> Printout:
     parts += [_incident(result) for result in stress.of(*LOUD)]
     return Printout(
         parts,
-        [f"{told(stress, 'stress_scope')} {told(stress, 'stress_outcome')}"],
+        [f"{summary(stress, 'stress_scope')} {summary(stress, 'stress_outcome')}"],
         [*map(cell_details, stress.results), ""],
     )
 

@@ -18,7 +18,7 @@ from reports.work_precision.words import judged_by, label_of, way_words
 
 # Errors that the page begins with, by their places among those wanted.
 NAMED = (0, 1, 4)
-Found = tuple[EngineFacts, BenchRecord]
+EnginePoint = tuple[EngineFacts, BenchRecord]
 
 
 def verdicts(regimes: Regimes) -> tuple[Paragraph, ...]:
@@ -37,24 +37,26 @@ def _share(error: float) -> str:
 
 def _winners(places: Sequence[PlaceFacts], column: int) -> list[tuple[str, str, int]]:
     """The engines that are the cheapest somewhere, their times and in how many places, those of most first."""
-    found = [_met((one for one in place.engines(place.foremost) if not one.is_control), column) for place in places]
-    wins = grouped((best[0].engine, best) for met in found if met for best in (min(met, key=_time),))
+    groups = [
+        _met((facts for facts in place.engines(place.foremost) if not facts.is_control), column) for place in places
+    ]
+    wins = grouped((best[0].engine, best) for met in groups if met for best in (min(met, key=_time),))
     return [(name, _span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
 
 
-def _met(engines: Iterable[EngineFacts], column: int) -> list[Found]:
+def _met(engines: Iterable[EngineFacts], column: int) -> list[EnginePoint]:
     """The cheapest points of those that get to an error."""
-    return [(one, record) for one in engines if one.choices and (record := one.choices[column].record)]
+    return [(engine, record) for engine in engines if engine.choices and (record := engine.choices[column].record)]
 
 
-def _time(found: Found) -> float:
+def _time(pair: EnginePoint) -> float:
     """Time of a point, set-up and stepping, s."""
-    return found[1].total_seconds
+    return pair[1].total_seconds
 
 
-def _span(found: Sequence[Found]) -> str:
+def _span(pairs: Sequence[EnginePoint]) -> str:
     """The shortest and the longest time; one where they read alike."""
-    times = [_time(one) for one in found]
+    times = [_time(pair) for pair in pairs]
     return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
 
 
@@ -78,7 +80,7 @@ def _table(caption: str, corner: str, groups: Mapping[str, Sequence[PlaceFacts]]
 
 def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[TableCell | str, ...]]:
     for name, places in groups.items():
-        engines = grouped((label_of(one), one) for place in places for one in place.engines(place.foremost))
+        engines = grouped((label_of(facts), facts) for place in places for facts in place.engines(place.foremost))
         for label, mine in engines.items():
             cells = [(cell, len(list(same))) for cell, same in groupby(_cell(mine, n) for n in range(len(WANTED)))]
             yield name, label, *(TableCell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)
@@ -91,5 +93,5 @@ def _cell(engines: Sequence[EngineFacts], column: int) -> TableCell:
         least = [facts.choices[column].closest.error_max or 0.0 for facts in engines if facts.choices]
         return TableCell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
     share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
-    taken = Counter(way_words(*found) for found in met).most_common(1)[0][0]
+    taken = Counter(way_words(*pair) for pair in met).most_common(1)[0][0]
     return TableCell(_span(met), note=f"{taken}{share}")

@@ -35,7 +35,7 @@ def _label(cost: MeasuredCost) -> str:
 
 def _cell(cost: MeasuredCost, whole: float) -> TableCell:
     if cost.outcome != Outcome.FINISHED:
-        return TableCell(cost.outcome, "failed", told=cost.reason)
+        return TableCell(cost.outcome, "failed", tooltip=cost.reason)
     least, median = min(cost.seconds), statistics.median(cost.seconds)
     more = f"median {seconds(median)}; stepping {seconds(min(cost.stepping, default=0.0))}, {cost.steps} steps"
-    return TableCell(f"{seconds(least)} ({100.0 * least / whole:.0f} %)", told=more)
+    return TableCell(f"{seconds(least)} ({100.0 * least / whole:.0f} %)", tooltip=more)

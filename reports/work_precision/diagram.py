@@ -22,7 +22,9 @@ OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "
 
 def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
     """The diagram of all places; the first one is on the page, the others are loaded when they are chosen."""
-    places = {anchor(one.mechanism, one.variant, one.regime): one for found in regimes.values() for one in found}
+    places = {
+        anchor(facts.mechanism, facts.variant, facts.regime): facts for factses in regimes.values() for facts in factses
+    }
     colours, (first, *others) = inks(labels), places
     data = {
         "places": [[key, f"{place.mechanism}, {place.regime}"] for key, place in places.items()],
@@ -42,17 +44,17 @@ def place_data(place: PlaceFacts) -> dict[str, Any]:
     names = sorted(place.quantities, key=lambda name: name != place.foremost)
     sweeps: dict[tuple[object, ...], dict[str, Any]] = {}
     peaks = {}
-    for facts in (one for name in names for one in place.engines(name)):
+    for facts in (entry for name in names for entry in place.engines(name)):
         for record in facts.records:
-            if record.finished and (found := record.error):
+            if record.finished and (quantity_record := record.error):
                 point = _point(sweeps.setdefault(_sweep(record), _shared(facts, record)), record)
-                errors = (drawn_error(record), found.error_max, found.error_rms)
+                errors = (drawn_error(record), quantity_record.error_max, quantity_record.error_rms)
                 point["errors"][record.quantity] = [*map(_digits, errors)]
-                peaks[record.quantity] = [found.unit, _digits(found.peak)]
+                peaks[record.quantity] = [quantity_record.unit, _digits(quantity_record.peak)]
         for sweep in facts.sweeps:
             sweeps[_sweep(sweep.first)]["ends"][sweep.first.quantity] = [limit_words(sweep), _digits(sweep.order)]
-    told = [{**sweep, "points": list(sweep["points"].values())} for sweep in sweeps.values()]
-    return {"quantities": [[name, plain(name), *peaks[name]] for name in names], "sweeps": told}
+    tables = [{**sweep, "points": list(sweep["points"].values())} for sweep in sweeps.values()]
+    return {"quantities": [[name, plain(name), *peaks[name]] for name in names], "sweeps": tables}
 
 
 def _sweep(record: BenchRecord) -> tuple[object, ...]:
@@ -61,14 +63,14 @@ def _sweep(record: BenchRecord) -> tuple[object, ...]:
 
 def _shared(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
     own, solver = record.kind == SETTING or facts.is_own(record), effort_words(record.effort, record.effort_unit)
-    told = {name: getattr(record, name) for name in SHARED}
-    return {**told, "way": way(facts, record), "own": own, "solver": solver, "ends": {}, "points": {}}
+    table = {name: getattr(record, name) for name in SHARED}
+    return {**table, "way": way(facts, record), "own": own, "solver": solver, "ends": {}, "points": {}}
 
 
 def _point(sweep: dict[str, Any], record: BenchRecord) -> dict[str, Any]:
-    told = {name: _digits(getattr(record, name)) for name in OWN}
-    found: dict[str, Any] = sweep["points"].setdefault(record.step, {**told, "errors": {}})
-    return found
+    words = {name: _digits(getattr(record, name)) for name in OWN}
+    table: dict[str, Any] = sweep["points"].setdefault(record.step, {**words, "errors": {}})
+    return table
 
 
 def _digits(value: object) -> object:

@@ -21,22 +21,24 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
 
     ``methods`` are what the benchmark's document says of each.
     """
-    about = {(one["engine"], one["name"]): one["about"] for one in methods}
+    about = {(method["engine"], method["name"]): method["about"] for method in methods}
 
     def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
-        for one in facts.setting_comparisons:
-            told = comparison_words(one, facts, noise).lstrip(":; ") if facts.sweeps else ""
-            words = f"{error(one.record.error_max)} in {seconds(one.record.total_seconds)}"
+        for setting_comparison in facts.setting_comparisons:
+            comparison = comparison_words(setting_comparison, facts, noise).lstrip(":; ") if facts.sweeps else ""
+            words = (
+                f"{error(setting_comparison.record.error_max)} in {seconds(setting_comparison.record.total_seconds)}"
+            )
             yield (
-                TableCell(one.record.setting),
-                TableCell(words.replace(" ", "\u00a0"), note=told.partition(":")[0], told=told),
+                TableCell(setting_comparison.record.setting),
+                TableCell(words.replace(" ", "\u00a0"), note=comparison.partition(":")[0], tooltip=comparison),
             )
 
     def sweeps(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
-        for one in facts.methods:
-            order = "no order" if one.order is None else f"order {one.order:.1f}"
-            row = TableCell(way(facts, one.first), note=about[facts.engine, one.first.setting])
-            yield row, TableCell(order, note=limit_words(one), told=one.floor.evidence)
+        for method in facts.methods:
+            order = "no order" if method.order is None else f"order {method.order:.1f}"
+            row = TableCell(way(facts, method.first), note=about[facts.engine, method.first.setting])
+            yield row, TableCell(order, note=limit_words(method), tooltip=method.floor.evidence)
 
     orders = _by_mechanism(regimes, "bench_orders", "Method", sweeps)
     folds = (Fold("The methods: orders and floors", (orders,)),) if orders.rows else ()
@@ -49,15 +51,15 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
 def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
     """Engines and their rows down, mechanisms by regime across; an engine is named in its first row."""
     places = [place for part in regimes.values() for place in part]
-    found: dict[str, dict[TableCell, dict[int, TableCell]]] = {}
+    table: dict[str, dict[TableCell, dict[int, TableCell]]] = {}
     for column, place in enumerate(places):
         for facts in place.engines(place.foremost):
             for row, cell in rows_of(facts):
-                found.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
+                table.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
     none = TableCell(ABSENT, "absent")
     rows = once(
         (label, row, *(mine.get(column, none) for column in range(len(places))))
-        for label, cells in found.items()
+        for label, cells in table.items()
         for row, mine in cells.items()
     )
     groups = (("", 2), *((f"regime {regime}", len(part)) for regime, part in regimes.items()))

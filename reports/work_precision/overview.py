@@ -97,7 +97,7 @@ def _fronts(records: Sequence[BenchRecord]) -> list[tuple[Array, Array]]:
 
 def _places(records: Sequence[BenchRecord]) -> tuple[Array, Array]:
     """Times, s, and errors over the peak of points (n,)."""
-    return np.array([one.total_seconds for one in records]), np.array([drawn_error(one) for one in records])
+    return np.array([record.total_seconds for record in records]), np.array([drawn_error(record) for record in records])
 
 
 def drawn_error(record: BenchRecord) -> float:

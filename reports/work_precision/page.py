@@ -27,30 +27,30 @@ def page(bench: Bench) -> Page:
     every, labels = places(bench), engine_labels(bench)
     first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
     sections: list[Section] = []
-    if found := by_regime(every):
-        as_figures = Fold("The same as figures", (FigureGroup(figures(found, inks(labels))),))
+    if groups := by_regime(every):
+        as_figures = Fold("The same as figures", (FigureGroup(figures(groups, inks(labels))),))
         reading = Paragraph(sentence("bench_reading"), "small")
-        first = (*choices.verdicts(found), widget(found, labels), reading, as_figures)
-        methods = method_section(found, bench.document["methods"], noise_share(bench))
-        sections += [choices.section(found, noise_note(bench)), methods]
+        first = (*choices.verdicts(groups), widget(groups, labels), reading, as_figures)
+        methods = method_section(groups, bench.document["methods"], noise_share(bench))
+        sections += [choices.section(groups, noise_note(bench)), methods]
     if failed := _failures(every):
         sections.append(Section("failed", "What gave nothing", (Fold(f"Failures: {len(failed)}", (Bullets(failed),)),)))
     if bench.costs:
         sections.append(cost_section(bench.costs))
     heading, about = "How accurate is an engine for its cost?", sentence("bench_subtitle")
     sections.append(_measured(bench))
-    return Page(FILE_NAME, "Work-precision", heading, about, first, tuple(sections), charts=bool(found))
+    return Page(FILE_NAME, "Work-precision", heading, about, first, tuple(sections), charts=bool(groups))
 
 
 def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
     """What gave nothing: each reason once, with the places it was given in."""
-    told = grouped(
+    groups = grouped(
         (f"{label_of(facts)}, {reason}", f"{place.mechanism} in {place.regime}")
         for place in every
         for facts in place.engines(place.foremost)
         for reason in failed_methods(facts)
     )
-    where = {reason: ", ".join(met) if len(met) < len(every) else "everywhere" for reason, met in told.items()}
+    where = {reason: ", ".join(met) if len(met) < len(every) else "everywhere" for reason, met in groups.items()}
     return tuple(f"{reason} ({place})" for reason, place in where.items())
 
 
@@ -58,8 +58,8 @@ def _measured(bench: Bench) -> Section:
     """How it was measured, in sentences, and everything that decides a figure or a time."""
     document, repeats = bench.document, sum(len(point.repeats) for point in bench.points)
     work, share = document["noise"]["work"], noise_share(bench)
-    told = lines("measurement", extent=document["extent"], noise=bench.noise, work=work, share=share)
-    known = {one["engine"]: one["seconds"] for one in document["first_use"] if one["seconds"]}
+    sentences = lines("measurement", extent=document["extent"], noise=bench.noise, work=work, share=share)
+    known = {entry["engine"]: entry["seconds"] for entry in document["first_use"] if entry["seconds"]}
     first = ", ".join(f"{name} {seconds(min(times))}" for name, times in known.items()) or "not measured"
     facts = Facts((
         ("Conditions", document["conditions"]),
@@ -68,5 +68,5 @@ def _measured(bench: Bench) -> Section:
         ("First use", f"{first}: the first run of a process beyond the second, import included"),
         ("Records", Mono(f"{KIND}/{RECORDS}")),
     ))  # fmt: skip
-    rounds = Fold("Rounds, times, errors and orders", (Bullets(tuple(told)),))
+    rounds = Fold("Rounds, times, errors and orders", (Bullets(tuple(sentences)),))
     return Section("measured", "How it was measured", (rounds, facts, Command(document["command"])))

@@ -39,13 +39,13 @@ def _points(bench: Bench) -> Table:
     """Every point measured."""
     rows = [
         (
-            one.mechanism, one.regime, engine_label(one.engine, one.is_control), one.setting, f"{one.runs}",
-            "" if one.effort is None else f"{one.effort:g}",
-            "" if one.step is None else f"{one.step:.4g}", one.quantity, one.outcome, error(one.error_max),
-            error(one.error.error_rms if one.error else None), seconds(one.setup_seconds),
-            seconds(one.seconds), f"{one.steps}", one.detail,
+            record.mechanism, record.regime, engine_label(record.engine, record.is_control), record.setting,
+            f"{record.runs}", "" if record.effort is None else f"{record.effort:g}",
+            "" if record.step is None else f"{record.step:.4g}", record.quantity, record.outcome,
+            error(record.error_max), error(record.error.error_rms if record.error else None),
+            seconds(record.setup_seconds), seconds(record.seconds), f"{record.steps}", record.detail,
         )
-        for one in bench.records
+        for record in bench.records
     ]  # fmt: skip
     return Table("", POINTS, tuple(rows), "l")
 
@@ -53,14 +53,15 @@ def _points(bench: Bench) -> Table:
 def _block(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
     name, engines = f"{place.mechanism} ({place.variant}), {place.regime}", place.engines(quantity)
     measured = plain(quantity) if place.quantities else ""
-    told = f"{measured}, largest error over the peak" if measured else "nothing finished"
-    yield Paragraph(f"{name}: {told}", colour="bold")
+    sentence = f"{measured}, largest error over the peak" if measured else "nothing finished"
+    yield Paragraph(f"{name}: {sentence}", colour="bold")
     if measured:
         yield from (_methods(place, quantity), "", _choices(place, quantity), "")
     for facts in engines if measured else ():
-        for one in facts.setting_comparisons:
-            told = f"{error(one.record.error_max)} in {seconds(one.record.total_seconds)}"
-            yield f"{facts.engine} {one.record.setting}: {told}{words.comparison_words(one, facts, noise)}"
+        for comparison in facts.setting_comparisons:
+            record, standing = comparison.record, words.comparison_words(comparison, facts, noise)
+            cost = f"{error(record.error_max)} in {seconds(record.total_seconds)}"
+            yield f"{facts.engine} {record.setting}: {cost}{standing}"
     for facts in engines:
         for reason in words.failed_methods(facts):
             yield Paragraph(f"{label_of(facts)} {reason}", colour="yellow")
@@ -71,11 +72,11 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
 def _methods(place: PlaceFacts, quantity: str) -> Table:
     """Order, least error with the step and the time there, and what limits it."""
     rows = []
-    for facts, sweep in [(one, sweep) for one in place.engines(quantity) for sweep in one.methods]:
+    for facts, sweep in [(entry, sweep) for entry in place.engines(quantity) for sweep in entry.methods]:
         least, floor = sweep.least, sweep.floor
         order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
-        found = (error(floor.error), words.per_turn(least), seconds(least.total_seconds), floor.cause.value)
-        rows.append((label_of(facts), words.way(facts, sweep.first), order, *found))
+        names = (error(floor.error), words.per_turn(least), seconds(least.total_seconds), floor.cause.value)
+        rows.append((label_of(facts), words.way(facts, sweep.first), order, *names))
     return Table("", METHODS, tuple(rows), "llrrrrl")
 
 
@@ -87,8 +88,8 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
             errors = [bound(error) for _, error in part]
             span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
             if record := choice.record:
-                found = (seconds(record.total_seconds), words.way_words(facts, record))
+                names = (seconds(record.total_seconds), words.way_words(facts, record))
             else:
-                found = (ABSENT, f"not reached; least {error(choice.closest.error_max)}")
-            rows.append((label_of(facts), span, *found))
+                names = (ABSENT, f"not reached; least {error(choice.closest.error_max)}")
+            rows.append((label_of(facts), span, *names))
     return Table("", CHOICES, tuple(rows), "llrl")

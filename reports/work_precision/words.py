@@ -91,7 +91,7 @@ def label_of(facts: EngineFacts) -> str:
 def engine_labels(bench: Bench) -> dict[str, str]:
     """The report on all engines of a benchmark, by name, the control last."""
     controls = {record.engine: record.is_control for record in bench.records}
-    return {name: engine_label(name, controls[name]) for name in sorted(controls, key=lambda one: (controls[one], one))}
+    return {name: engine_label(name, controls[name]) for name in sorted(controls, key=lambda own: (controls[own], own))}
 
 
 def judged_by(regimes: Regimes) -> str:

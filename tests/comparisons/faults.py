@@ -10,9 +10,11 @@ import sys
 import tempfile
 import threading
 import time
+from multiprocessing import forkserver
 from pathlib import Path
 
 from comparisons.runs.worker_pool import DEFAULT_BOUNDS
+from comparisons.runs.workers import run_jobs
 from engines.contract import Abilities, Outcome, Run
 
 LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits for what has to come
@@ -186,6 +188,12 @@ def escape_and_sleep(path):
         os._exit(0)
     tempfile.mkdtemp()
     time.sleep(LONG)
+
+
+def work_within(path):
+    """Have workers of this process do a job, and leave the process number of their server in a file."""
+    list(run_jobs(job, [("fine",)], processes=1))
+    Path(path).write_text(str(forkserver._forkserver._forkserver_pid))
 
 
 JOBS = {

@@ -58,10 +58,10 @@ class Segment:
         length = self.end - self.start
         terms = np.array(derivative(self.coefficients, order), dtype=float)
         terms *= np.float_power(length, np.arange(len(terms) - 1, -1, -1))
-        kept = np.flatnonzero(np.abs(terms) > NEGLIGIBLE * np.max(np.abs(terms)))
-        if not kept.size or kept[0] == len(terms) - 1:
+        leading = np.flatnonzero(np.abs(terms) > NEGLIGIBLE * np.max(np.abs(terms)))
+        if not leading.size or leading[0] == len(terms) - 1:
             return []
-        roots = np.roots(terms[kept[0] :])
+        roots = np.roots(terms[leading[0] :])
         return [self.start + length * float(x.real) for x in roots if abs(x.imag) < NEAR_REAL and 0.0 < x.real < 1.0]
 
 

@@ -133,12 +133,12 @@ def _segments(move: Move, begun: float, angle: float, target: float) -> list[Seg
         raise UnknownNameError("law", move.law, LAWS)
     if target == angle:
         return [Segment(begun, begun + move.time, (angle,))]
-    travel, found = target - angle, []
+    travel, segments = target - angle, []
     for piece in LAWS[move.law].pieces:
         terms = [travel * c / move.time**k for k, c in enumerate(piece.coefficients)]
         ends = (begun + move.time * piece.start, begun + move.time * piece.end)
-        found.append(Segment(*ends, (angle + terms[0], *terms[1:])))
-    return found
+        segments.append(Segment(*ends, (angle + terms[0], *terms[1:])))
+    return segments
 
 
 def _check_joins(motion: CrankMotion) -> None:

@@ -52,13 +52,13 @@ def _named(definition: str, description: str) -> Schema:
 def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
     """A part of a schema of pydantic's in the words of Draft 4, without nulls, which TOML has not."""
     if isinstance(part, list):
-        return [_draft_4(one) for one in part]
+        return [_draft_4(entry) for entry in part]
     if not isinstance(part, dict):
         return part
     part = {key: _draft_4(value) for key, value in part.items() if key != "title" or isinstance(value, dict)}
     if part.get("default", 0) is None:
         del part["default"]
-    choices = [one for one in part.get("anyOf", ()) if one != {"type": "null"}]
+    choices = [entry for entry in part.get("anyOf", ()) if entry != {"type": "null"}]
     if len(choices) == 1:
         part = {key: value for key, value in part.items() if key != "anyOf"} | choices[0]
     elif choices:
@@ -89,7 +89,7 @@ def _tables_in(part: object) -> list[str]:
     if isinstance(part, Mapping):
         own = [str(part["$ref"]).rpartition("/")[2]] if "$ref" in part else []
         return own + [name for value in part.values() for name in _tables_in(value)]
-    return [name for one in part for name in _tables_in(one)] if isinstance(part, list) else []
+    return [name for entry in part for name in _tables_in(entry)] if isinstance(part, list) else []
 
 
 def _changed(name: str, prefix: str, definitions: Schema, change: Callable[[Schema, str], Any]) -> str:
@@ -98,9 +98,9 @@ def _changed(name: str, prefix: str, definitions: Schema, change: Callable[[Sche
     if copy not in definitions:
         definitions[copy] = {}  # so that a circle ends
         definitions[copy] = change(definitions[name], prefix)
-        for one in _tables_in(definitions[copy]):
-            if one.startswith(prefix):
-                _changed(one.removeprefix(prefix), prefix, definitions, change)
+        for key in _tables_in(definitions[copy]):
+            if key.startswith(prefix):
+                _changed(key.removeprefix(prefix), prefix, definitions, change)
     return copy
 
 
@@ -112,14 +112,14 @@ def _loosened(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a sc
     if "items" in part:
         looser["items"] = part["items"]
     if "anyOf" in part:
-        looser["anyOf"] = [_loosened(one, prefix) for one in part["anyOf"]]
+        looser["anyOf"] = [_loosened(entry, prefix) for entry in part["anyOf"]]
     return _renamed(looser, prefix)
 
 
 def _templated(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
     """What may stand in a repeated part: a formula for every number."""
     if isinstance(part, list):
-        return [_templated(one, prefix) for one in part]
+        return [_templated(entry, prefix) for entry in part]
     if not isinstance(part, dict):
         return part
     if part.get("type") in ("number", "integer"):

@@ -44,9 +44,9 @@ def poses(k: PRPConstants, near: Poses) -> tuple[Poses, Closure]:
     """The pin C lies where the two lines cross: C = one + t e = two + u f."""
     e, f = frames.arm(near[0], k.first_along), frames.arm(near[1], k.second_along)
     determinant = frames.cross(e, f)
-    one = frames.point(near[0], k.first_base)
-    slide, _ = slides(e, f, frames.minus(frames.point(near[1], k.second_base), one), frames.inverse(determinant))
-    c = frames.ahead(one, slide, e)
+    pair = frames.point(near[0], k.first_base)
+    slide, _ = slides(e, f, frames.minus(frames.point(near[1], k.second_base), pair), frames.inverse(determinant))
+    c = frames.ahead(pair, slide, e)
     first = frames.pose_through(c, frames.turned(near[0], k.first_turn), k.first_pin)
     second = frames.pose_through(c, frames.turned(near[1], k.second_turn), k.second_pin)
     return (first, second), Closure(e, f, determinant, c)
@@ -57,13 +57,13 @@ def rates(k: PRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     a = frames.carried_rate(near[0], near_rates[0], closure.pin)
     b = frames.carried_rate(near[1], near_rates[1], closure.pin)
     scale = frames.inverse(closure.determinant)
-    one, two = slides(closure.u, closure.v, frames.minus(b, a), scale)
-    c = frames.ahead(a, one, closure.u)
+    first, two = slides(closure.u, closure.v, frames.minus(b, a), scale)
+    c = frames.ahead(a, first, closure.u)
     pair = (
         frames.rate_through(own[0], c, near_rates[0][2], k.first_pin),
         frames.rate_through(own[1], c, near_rates[1][2], k.second_pin),
     )
-    return pair, Travel(scale, one, two)
+    return pair, Travel(scale, first, two)
 
 
 def accelerations(k: PRPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:

@@ -61,9 +61,9 @@ def rates(k: RPPConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     host, moves, e = near[1], near_rates[1], closure.u
     a = frames.point_rate(near[0], near_rates[0], k.a)
     scale = frames.inverse(closure.determinant)
-    one, two = slides(e, closure.v, frames.minus(a, frames.carried_rate(host, moves, closure.pin)), scale)
-    x, y = frames.ahead(frames.carried_rate(host, moves, (own[1][0], own[1][1])), one, e)
-    return (frames.rate_through(own[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, one, two)
+    first, two = slides(e, closure.v, frames.minus(a, frames.carried_rate(host, moves, closure.pin)), scale)
+    x, y = frames.ahead(frames.carried_rate(host, moves, (own[1][0], own[1][1])), first, e)
+    return (frames.rate_through(own[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, first, two)
 
 
 def accelerations(k: RPPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
@@ -74,9 +74,9 @@ def accelerations(k: RPPConstants, hosts: Hosts, links: Links, closure: Closure,
     e, f = closure.u, closure.v
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
     under = frames.carried_acceleration(host, moves, seconds, closure.pin)
-    one, two = frames.coriolis(moves[2], travel.first, e), frames.coriolis(moves[2], travel.second, f)
-    gap = frames.minus(frames.minus(a, under), frames.minus(one, two))
+    first, two = frames.coriolis(moves[2], travel.first, e), frames.coriolis(moves[2], travel.second, f)
+    gap = frames.minus(frames.minus(a, under), frames.minus(first, two))
     slide, _ = slides(e, f, gap, travel.scale)
     home = frames.carried_acceleration(host, moves, seconds, (own[1][0], own[1][1]))
-    x, y = frames.plus(frames.ahead(home, slide, e), one)
+    x, y = frames.plus(frames.ahead(home, slide, e), first)
     return frames.acceleration_through(own[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])

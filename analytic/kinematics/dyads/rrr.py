@@ -30,15 +30,15 @@ class RRRConstants(NamedTuple):
 def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -> RRRConstants:
     """Arms and their lengths."""
     r, q = frames.minus(inner.far_local, first.far_local), frames.minus(inner.near_local, second.far_local)
-    one, two = frames.length(r), frames.length(q)
+    length_r, length_q = frames.length(r), frames.length(q)
     return RRRConstants(
         first.near_local,
         second.near_local,
         first.far_local,
         second.far_local,
-        over_square(r, one * one),
-        over_square(q, two * two),
-        (one, two),
+        over_square(r, length_r * length_r),
+        over_square(q, length_q * length_q),
+        (length_r, length_q),
         (sign, 0.0),
     )
 
@@ -50,8 +50,8 @@ def poses(k: RRRConstants, near: Poses) -> tuple[Poses, Closure]:
     as a difference of squares, to stay accurate near the dead positions. Where A is on B, C is undefined (nan).
     """
     a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
-    one, two = k.lengths
-    total, difference = one + two, one - two
+    value, two = k.lengths
+    total, difference = value + two, value - two
     d = frames.minus(b, a)
     square = frames.dot(d, d)
     determinant = (0.5 * k.sign[0]) * frames.root((total * total - square) * (square - difference * difference))
@@ -71,8 +71,8 @@ def rates(k: RRRConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     a, b = frames.point_rate(near[0], near_rates[0], k.a), frames.point_rate(near[1], near_rates[1], k.b)
     scale = frames.inverse(closure.determinant)
     apart = frames.minus(b, a)
-    one, two = frames.dot(apart, closure.v) * scale, frames.dot(apart, closure.u) * scale
-    pair = frames.rate_through(own[0], a, one, k.pin_a), frames.rate_through(own[1], b, two, k.pin_b)
+    first, two = frames.dot(apart, closure.v) * scale, frames.dot(apart, closure.u) * scale
+    pair = frames.rate_through(own[0], a, first, k.pin_a), frames.rate_through(own[1], b, two, k.pin_b)
     return pair, Travel(scale, 0.0, 0.0)
 
 
@@ -84,8 +84,8 @@ def accelerations(k: RRRConstants, hosts: Hosts, links: Links, closure: Closure,
     b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
     r, q = closure.u, closure.v
     w, v = own_rates[0][2], own_rates[1][2]
-    one, two = w * w, v * v
-    g = (b[0] - a[0] + one * r[0] - two * q[0], b[1] - a[1] + one * r[1] - two * q[1])
+    w_squared, v_squared = w * w, v * v
+    g = (b[0] - a[0] + w_squared * r[0] - v_squared * q[0], b[1] - a[1] + w_squared * r[1] - v_squared * q[1])
     first, second = frames.dot(g, q) * travel.scale, frames.dot(g, r) * travel.scale
     return (
         frames.acceleration_through(own[0], a, w, first, k.pin_a),
@@ -101,10 +101,10 @@ def least(k: RRRConstants, closure: Closure) -> Scalar:
 def missing(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """The sum of the arms less the gap AB, or the gap less their difference."""
     a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
-    one, two = k.lengths
+    first, two = k.lengths
     d = frames.minus(b, a)
     gap = np.sqrt(frames.dot(d, d))
-    return np.minimum(one + two - gap, gap - abs(one - two)), size(a, b) + one + two
+    return np.minimum(first + two - gap, gap - abs(first - two)), size(a, b) + first + two
 
 
 def toggle(dyad: Dyad, closure: Closure) -> str:

@@ -189,7 +189,7 @@ def _solved(matrix: Array, right: Array) -> Array:
     try:
         return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
     except np.linalg.LinAlgError:
-        return np.stack([_alone(one, side) for one, side in zip(matrix, right, strict=True)])
+        return np.stack([_alone(entry, side) for entry, side in zip(matrix, right, strict=True)])
 
 
 def _alone(matrix: Array, right: Array) -> Any:  # noqa: ANN401 - an array of the right side's shape

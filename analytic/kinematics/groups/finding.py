@@ -75,9 +75,9 @@ def _components(sizes: dict[str, int], edges: Sequence[Edge]) -> list[tuple[str,
     owners = np.repeat(np.arange(len(names)), list(sizes.values()))[matched]
     number = {name: at for at, name in enumerate(names)}
     needs = {(int(owner), number[end]) for owner, ends in zip(owners, equations, strict=True) for end in ends}
-    needs = {(one, other) for one, other in needs if one != other}
-    one, other = np.array(sorted(needs)).reshape(-1, 2).T
-    graph = csr_matrix((np.ones(len(one), dtype=np.int8), (one, other)), shape=(len(names), len(names)))
+    needs = {(first, other) for first, other in needs if first != other}
+    values, other = np.array(sorted(needs)).reshape(-1, 2).T
+    graph = csr_matrix((np.ones(len(values), dtype=np.int8), (values, other)), shape=(len(names), len(names)))
     count, labels = connected_components(graph, directed=True, connection="strong")
     waiting = {int(labels[a]) for a, b in needs if labels[a] != labels[b]}
     free = [

@@ -35,22 +35,22 @@ def nearest(linkage: Linkage, structure: Structure, group: Group, problem: Probl
     known = _known(linkage, group, problem.hosts(np.array([at])))
     guesses = _guesses(points, known, problem.unit)
     system = problem.system(np.full(len(guesses), at))
-    found = _distinct(corrected(system, _damped(system, guesses)), problem.unit)
+    groups = _distinct(corrected(system, _damped(system, guesses)), problem.unit)
     names = ", ".join(f"'{name}'" for name in group.links)
-    if not len(found):
+    if not len(groups):
         raise AssemblyError(
             f"'{linkage.name}': {names} cannot be assembled at {linkage.place(at)} from the sketch; check the "
             f"lengths, or place {', '.join(sorted(_names(points)))} under [sketch.points], nearer to where they belong"
         )
-    nearest_one, telling = meant(linkage, [named_places(points, poses_of(one[None])) for one in found])
+    nearest_root, telling = meant(linkage, [named_places(points, poses_of(values[None])) for values in groups])
     if telling is not None:
         telling = [point for point in telling if point not in linkage.sketch] or telling
         raise StructureError(
             f"sketch of '{linkage.name}': expected the rough position of {' or '.join(map(repr, telling))} at "
-            f"{linkage.coordinate(at)}, got a sketch that leaves open which of {len(found)} configurations "
+            f"{linkage.coordinate(at)}, got a sketch that leaves open which of {len(groups)} configurations "
             f"{names} have; place it under [sketch.points], nearer to one of them"
         )
-    return np.asarray(found[nearest_one])
+    return np.asarray(groups[nearest_root])
 
 
 def _names(points: Points) -> set[str]:
@@ -118,15 +118,15 @@ def _damped(system: GroupSystem, guess: Array) -> Array:
     return np.where(met[:, None, None], here, np.nan)
 
 
-def _distinct(found: Array, unit: float) -> list[Array]:
+def _distinct(values: Array, unit: float) -> list[Array]:
     """The different configurations among those found, in the order of their starts."""
     result: list[Array] = []
-    for one in found[np.all(np.isfinite(found), axis=(1, 2))]:
-        if not any(_same(one, other, unit) for other in result):
-            result.append(one)
+    for root in values[np.all(np.isfinite(values), axis=(1, 2))]:
+        if not any(_same(root, other, unit) for other in result):
+            result.append(root)
     return result
 
 
-def _same(one: Array, other: Array, unit: float) -> bool:
-    turned = np.abs(np.exp(1j * one[:, 2]) - np.exp(1j * other[:, 2]))
-    return bool(np.max(np.abs(one[:, :2] - other[:, :2])) < SAME * unit and np.max(turned) < SAME)
+def _same(values: Array, other: Array, unit: float) -> bool:
+    turned = np.abs(np.exp(1j * values[:, 2]) - np.exp(1j * other[:, 2]))
+    return bool(np.max(np.abs(values[:, :2] - other[:, :2])) < SAME * unit and np.max(turned) < SAME)

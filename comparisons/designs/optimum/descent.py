@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import AssemblyError
-from comparisons.designs.optimum.problem import HELD, DesignProblem, Linearised
+from comparisons.designs.optimum.problem import ALLOWED_EXCESS, DesignProblem, Linearised
 from comparisons.designs.optimum.tops import Window
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ class End:
     @property
     def is_feasible(self) -> bool:
         """Whether the kept figures are kept."""
-        return self.missed <= HELD
+        return self.missed <= ALLOWED_EXCESS
 
     @property
     def rank(self) -> tuple[float, float]:
@@ -67,13 +67,19 @@ class Descent:
         except AssemblyError:
             return None
         if not end.is_feasible:
-            end = self._towards_kept(end)
+            end = self._towards_constraints(end)
         radius = 1.0
         for _ in range(ROUNDS):
-            found = self._round(end, radius)
-            gain = -np.inf if found is None else end.missed - found.missed if end.missed > HELD else end.aim - found.aim
-            if found is not None and found.rank < end.rank:
-                end = found
+            result = self._round(end, radius)
+            gain = (
+                -np.inf
+                if result is None
+                else end.missed - result.missed
+                if end.missed > ALLOWED_EXCESS
+                else end.aim - result.aim
+            )
+            if result is not None and result.rank < end.rank:
+                end = result
             if gain < SETTLED:
                 radius *= 0.1
             done = self.residual(end.place) < STATIONARY if end.is_feasible else gain < SETTLED
@@ -94,8 +100,8 @@ class Descent:
         eye = np.eye(len(place))
         walls = [here.inside_slopes[here.inside < ACTIVE], here.equal_slopes, -here.equal_slopes,
                  eye[place < ACTIVE], -eye[place > 1.0 - ACTIVE]]  # fmt: skip
-        held = np.vstack(walls)
-        matrix = np.vstack([np.vstack([aims, -held]).T, np.append(np.ones(len(aims)), np.zeros(len(held)))])
+        normals = np.vstack(walls)
+        matrix = np.vstack([np.vstack([aims, -normals]).T, np.append(np.ones(len(aims)), np.zeros(len(normals)))])
         shares, _ = nnls(matrix, np.append(np.zeros(len(place)), 1.0))
         shares /= np.sum(shares[: len(aims)]) or 1.0
         return float(np.linalg.norm(matrix[:-1] @ shares))
@@ -110,62 +116,62 @@ class Descent:
         self.counter.gradients += 1
         return self.problem.at(place, windows)
 
-    def _towards_kept(self, end: End) -> End:
+    def _towards_constraints(self, end: End) -> End:
         """A design near by that keeps what is kept, or misses it by less."""
         from scipy.optimize import least_squares  # noqa: PLC0415 - seconds that help does not pay
 
-        held = _Held(self, end.place)
+        designs = _CachedDesigns(self, end.place)
 
         def residuals(place: Array) -> Array:
-            here = held(place)
+            here = designs(place)
             return np.concatenate([np.minimum(here.inside, 0.0), here.equal])
 
         def slopes(place: Array) -> Array:
-            here = held(place)
+            here = designs(place)
             return np.vstack([np.where(here.inside < 0.0, 1.0, 0.0)[:, None] * here.inside_slopes, here.equal_slopes])
 
         inside = np.clip(end.place, 1e-9, 1.0 - 1e-9)
-        found = least_squares(residuals, inside, slopes, bounds=(0.0, 1.0), xtol=1e-14, ftol=1e-14, gtol=1e-14,
+        result = least_squares(residuals, inside, slopes, bounds=(0.0, 1.0), xtol=1e-14, ftol=1e-14, gtol=1e-14,
                               max_nfev=STEPS)  # fmt: skip
-        return self._better(end, np.asarray(found.x))
+        return self._better(end, np.asarray(result.x))
 
     def _better(self, end: End, place: Array) -> End:
         try:
-            found = self.end(np.clip(place, 0.0, 1.0))
+            result = self.end(np.clip(place, 0.0, 1.0))
         except AssemblyError:
             return end
-        return found if found.rank < end.rank else end
+        return result if result.rank < end.rank else end
 
     def _round(self, end: End, radius: float) -> End | None:
         """The end of SLSQP within a radius; the aim is a variable of its own, above all tops."""
         from scipy.optimize import minimize  # noqa: PLC0415
 
-        held = _Held(self, end.place)
+        designs = _CachedDesigns(self, end.place)
         column = np.append(np.zeros(len(end.place)), 1.0)
 
         def above(z: Array) -> Array:
-            here = held(z[:-1])
+            here = designs(z[:-1])
             return np.concatenate([z[-1] - here.aim, here.inside])
 
         def above_slopes(z: Array) -> Array:
-            here = held(z[:-1])
+            here = designs(z[:-1])
             aim = np.column_stack([-here.aim_slopes, np.ones(len(here.aim))])
             return np.vstack([aim, np.column_stack([here.inside_slopes, np.zeros(len(here.inside))])])
 
         limits: list[dict[str, Any]] = [{"type": "ineq", "fun": above, "jac": above_slopes}]
-        free = independent(held(end.place).equal_slopes)
+        free = independent(designs(end.place).equal_slopes)
         if free:
             limits.append({
                 "type": "eq",
-                "fun": lambda z: held(z[:-1]).equal[free],
-                "jac": lambda z: np.column_stack([held(z[:-1]).equal_slopes[free], np.zeros(len(free))]),
+                "fun": lambda z: designs(z[:-1]).equal[free],
+                "jac": lambda z: np.column_stack([designs(z[:-1]).equal_slopes[free], np.zeros(len(free))]),
             })  # fmt: skip
         box = [(max(0.0, x - radius), min(1.0, x + radius)) for x in end.place]
-        found = minimize(
+        result = minimize(
             lambda z: z[-1], np.append(end.place, end.aim), jac=lambda _: column, bounds=[*box, (None, None)],
             constraints=limits, method="SLSQP", options={"maxiter": STEPS, "ftol": 1e-15},
         )  # fmt: skip
-        place = np.asarray(found.x[:-1])
+        place = np.asarray(result.x[:-1])
         try:
             return self.end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
         except AssemblyError:
@@ -181,23 +187,23 @@ def independent(slopes: Array) -> list[int]:
     return rows
 
 
-class _Held:
+class _CachedDesigns:
     """Designs of one round by their place, worked out once; infeasible designs get a large penalty."""
 
     def __init__(self, descent: Descent, start: Array) -> None:
         self.descent, self.windows = descent, descent.problem.windows(start)
-        self.last, self.found = start, descent.at(start, self.windows)
-        self.good = self.found
+        self.last, self.designs = start, descent.at(start, self.windows)
+        self.good = self.designs
 
     def __call__(self, place: Array) -> Linearised:
         if not np.array_equal(place, self.last):
             self.last = place.copy()
             try:
-                self.found = self.good = self.descent.at(place, self.windows)
+                self.designs = self.good = self.descent.at(place, self.windows)
             except AssemblyError:
                 self.descent.counter.beyond += 1
                 far = self.good
-                self.found = far._replace(
+                self.designs = far._replace(
                     aim=far.aim + OUT_OF_REACH, inside=far.inside - OUT_OF_REACH, equal=far.equal + OUT_OF_REACH
                 )
-        return self.found
+        return self.designs

@@ -20,7 +20,7 @@ from comparisons.designs.steady_motion import SteadyMotion
 
 Array = NDArray[np.float64]
 
-HELD: Final = 1e-9  # by which share of its size a kept figure may differ from what it is kept at
+ALLOWED_EXCESS: Final = 1e-9  # by which share of its size a kept figure may differ from what it is kept at
 
 
 class Variable(NamedTuple):
@@ -31,7 +31,7 @@ class Variable(NamedTuple):
     high: float
 
 
-class KeptFigure(NamedTuple):
+class Constraint(NamedTuple):
     """A figure that stays between two values, SI, or at one."""
 
     figure: NamedFigure
@@ -102,35 +102,35 @@ class DesignProblem:
     aims: tuple[NamedFigure, ...]
     sign: float
     variables: tuple[Variable, ...]
-    kept: tuple[KeptFigure, ...]
+    constraints: tuple[Constraint, ...]
     aim_size: float
-    kept_sizes: tuple[float, ...]
+    constraint_sizes: tuple[float, ...]
 
     @property
     def figures(self) -> tuple[NamedFigure, ...]:
         """The aims and the kept figures."""
-        return (*self.aims, *(one.figure for one in self.kept))
+        return (*self.aims, *(figure.figure for figure in self.constraints))
 
     @cached_property
     def tops(self) -> SeparateTops:
         """The extremes among the figures."""
-        every = [side for one in self.figures for side in sides(one.figure)]
+        every = [side for figure in self.figures for side in sides(figure.figure)]
         return SeparateTops(self.mechanism, self.motion, tuple(dict.fromkeys(every)))
 
     @cached_property
     def low(self) -> Array:
         """Lower bounds, SI."""
-        return np.array([one.low for one in self.variables])
+        return np.array([variable.low for variable in self.variables])
 
     @cached_property
     def width(self) -> Array:
         """The bounds' distances, SI."""
-        return np.array([one.high - one.low for one in self.variables])
+        return np.array([variable.high - variable.low for variable in self.variables])
 
     def numbers(self, place: Array) -> dict[str, float]:
         """A design's numbers, SI."""
         values = np.clip(self.low + self.width * place, self.low, self.low + self.width)
-        return dict(zip((one.parameter.name for one in self.variables), values.tolist(), strict=True))
+        return dict(zip((variable.parameter.name for variable in self.variables), values.tolist(), strict=True))
 
     def windows(self, place: Array) -> tuple[Window, ...]:
         """Where a design's tops are; raises AssemblyError."""
@@ -139,16 +139,16 @@ class DesignProblem:
     def at(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
         """The design at a place, with the same tops for the same windows; raises AssemblyError."""
         pieces = self._pieces(place, windows)
-        aims = [one.below(self.sign) for one in pieces[: len(self.aims)]]
+        aims = [piece.below(self.sign) for piece in pieces[: len(self.aims)]]
         inside, equal = [], []
-        for kept, one, size in zip(self.kept, pieces[len(self.aims) :], self.kept_sizes, strict=True):
-            if kept.is_equal:
-                values, slopes = one.top
-                equal.append(((one.sign * values - kept.low) / size, one.sign * slopes / size))
+        for figure, entry, size in zip(self.constraints, pieces[len(self.aims) :], self.constraint_sizes, strict=True):
+            if figure.is_equal:
+                values, slopes = entry.top
+                equal.append(((entry.sign * values - figure.low) / size, entry.sign * slopes / size))
                 continue
-            for sign, bound in ((1.0, kept.high), (-1.0, -kept.low)):
+            for sign, bound in ((1.0, figure.high), (-1.0, -figure.low)):
                 if np.isfinite(bound):
-                    values, slopes = one.below(sign)
+                    values, slopes = entry.below(sign)
                     inside.append(((bound - values) / size, -slopes / size))
         values, slopes = self._stacked(aims)
         return Linearised(values / self.aim_size, slopes / self.aim_size, *self._stacked(inside), *self._stacked(equal))
@@ -164,14 +164,19 @@ class DesignProblem:
         if windows:
             values, slopes = self.tops.heights(numbers, windows)
             for side in self.tops.sides:
-                rows = [row for row, one in enumerate(windows) if one.side == side]
+                rows = [row for row, window in enumerate(windows) if window.side == side]
                 heights[side] = values[rows], slopes[rows] * self.width
-        plain = [one.figure for one in self.figures if not sides(one.figure)]
+        plain = [figure.figure for figure in self.figures if not sides(figure.figure)]
         smooth = {}
         if plain:
             values, slopes = self.motion.gradients(self.mechanism, numbers, plain)
-            smooth = {one: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, one in enumerate(plain)}
-        return [smooth[one.figure] if one.figure in smooth else _made(one.figure, heights) for one in self.figures]
+            smooth = {
+                figure: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, figure in enumerate(plain)
+            }
+        return [
+            smooth[figure.figure] if figure.figure in smooth else _made(figure.figure, heights)
+            for figure in self.figures
+        ]
 
     def sampled(self, places: Array, angles: Array) -> Array:
         """Aim and how far the kept figures are missed, scaled, of many designs (designs, variables): (2, designs).
@@ -179,12 +184,12 @@ class DesignProblem:
         Nan where a design cannot be assembled; extremes are those of the sampled angles.
         """
         values = self.low + self.width * places
-        named = {one.parameter.name: values[:, column] for column, one in enumerate(self.variables)}
-        figures = [one.figure for one in self.figures]
-        found = design_figures(self.mechanism, named, figures, angles, speed=self.motion.speed)
-        aim = np.max(self.sign * found[: len(self.aims)], axis=0) / self.aim_size
-        missed = [one.missed(row) / size for one, row, size in
-                  zip(self.kept, found[len(self.aims) :], self.kept_sizes, strict=True)]  # fmt: skip
+        named = {variable.parameter.name: values[:, column] for column, variable in enumerate(self.variables)}
+        figures = [figure.figure for figure in self.figures]
+        array = design_figures(self.mechanism, named, figures, angles, speed=self.motion.speed)
+        aim = np.max(self.sign * array[: len(self.aims)], axis=0) / self.aim_size
+        missed = [figure.missed(row) / size for figure, row, size in
+                  zip(self.constraints, array[len(self.aims) :], self.constraint_sizes, strict=True)]  # fmt: skip
         return np.array([aim, np.sum(missed, axis=0) if missed else np.zeros(len(places))])
 
 
@@ -196,4 +201,4 @@ def _made(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) 
         slopes = up_slopes[:, None] + down_slopes[None]
         return Pieces(1.0, (up[:, None] + down[None]).ravel(), slopes.reshape(-1, slopes.shape[-1]))
     sign = -1.0 if figure.reduction is Reduction.MIN else 1.0
-    return Pieces(sign, np.concatenate([one for one, _ in parts]), np.vstack([one for _, one in parts]))
+    return Pieces(sign, np.concatenate([values for values, _ in parts]), np.vstack([values for _, values in parts]))

@@ -18,7 +18,7 @@ NEAR = 1e-9  # of a step: a bound that is a multiple but for rounding
 
 def step_size(variables: Sequence[Variable], text: str) -> float:
     """The step, m, that is typed as ``0.1mm`` or in the file's unit; raises LinkproofError for none."""
-    lengths = [one.parameter for one in variables if one.parameter.kind == "length"]
+    lengths = [variable.parameter for variable in variables if variable.parameter.kind == "length"]
     if not lengths:
         raise LinkproofError("--round: expected a length among the numbers of --over, got none; leave it out")
     step = replace(lengths[0], name="--round").si(text)
@@ -34,11 +34,15 @@ def rounded(problem: DesignProblem, numbers: Mapping[str, float], step: float) -
     anew, so that what is kept stays kept as long as there are any. Raises LinkproofError for bounds without a multiple.
     """
     best, left = dict(numbers), list(problem.variables)
-    for one in [one for one in problem.variables if one.parameter.kind == "length"]:
-        left.remove(one)
-        name, unit = one.parameter.name, one.parameter.unit
+    for variable in [entry for entry in problem.variables if entry.parameter.kind == "length"]:
+        left.remove(variable)
+        name, unit = variable.parameter.name, variable.parameter.unit
         below = math.floor(best[name] / step + NEAR)
-        near = [n * step for n in (below, below + 1) if one.low - NEAR * step <= n * step <= one.high + NEAR * step]
+        near = [
+            n * step
+            for n in (below, below + 1)
+            if variable.low - NEAR * step <= n * step <= variable.high + NEAR * step
+        ]
         tried = [_solved(problem, {**best, name: value}, left) for value in near]
         ranked = [(rank, number) for number, (rank, _) in enumerate(tried) if rank is not None]
         if not ranked:
@@ -54,14 +58,16 @@ def _solved(
     problem: DesignProblem, numbers: dict[str, float], left: Sequence[Variable]
 ) -> tuple[tuple[float, float] | None, dict[str, float]]:
     """Numbers with those that are ``left`` searched for anew, and their rank; None where there is no such design."""
-    fixed = {name: value for name, value in numbers.items() if name not in {one.parameter.name for one in left}}
+    fixed = {
+        name: value for name, value in numbers.items() if name not in {variable.parameter.name for variable in left}
+    }
     if left:
         mechanism = problem.mechanism.redesigned(with_numbers(problem.mechanism.linkage, fixed))
         rest = replace(problem, mechanism=mechanism, variables=tuple(left))
-        start = np.array([numbers[one.parameter.name] for one in left])
+        start = np.array([numbers[variable.parameter.name] for variable in left])
         end = Descent(rest).run(np.clip((start - rest.low) / rest.width, 0.0, 1.0))
         numbers = numbers if end is None else {**fixed, **rest.numbers(end.place)}
-    values = np.array([numbers[one.parameter.name] for one in problem.variables])
+    values = np.array([numbers[variable.parameter.name] for variable in problem.variables])
     try:
         return Descent(problem).end((values - problem.low) / problem.width).rank, numbers
     except AssemblyError:

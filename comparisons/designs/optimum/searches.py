@@ -45,15 +45,15 @@ class Search:
 
 
 def _best(ends: Sequence[End | None]) -> End | None:
-    return min((one for one in ends if one is not None), key=lambda one: one.rank, default=None)
+    return min((end for end in ends if end is not None), key=lambda end: end.rank, default=None)
 
 
 def _elsewhere(ends: Sequence[End | None]) -> tuple[End, ...]:
     """Ends that are higher than the best, or miss a kept figure."""
     best = _best(ends)
     return tuple(
-        one for one in ends if best is not None and one is not None
-        and (not one.is_feasible or one.aim > best.aim + APART * max(1.0, abs(best.aim)))
+        end for end in ends if best is not None and end is not None
+        and (not end.is_feasible or end.aim > best.aim + APART * max(1.0, abs(best.aim)))
     )  # fmt: skip
 
 
@@ -85,11 +85,11 @@ def search(
     if ends == [None]:  # the file's design is out of the bounds, and the nearest within cannot be assembled
         ends += map(descent.run, _drawn(problem, counter, 1, seed))
     method = "SLSQP" + (", from the best of a Sobol sample" if everywhere else "")
-    found = Search(method, tuple(ends), counter, np.nan)
-    best = found.best
+    result = Search(method, tuple(ends), counter, np.nan)
+    best = result.best
     if best is None:
-        return found
-    return replace(found, residual=descent.residual(best.place))
+        return result
+    return replace(result, residual=descent.residual(best.place))
 
 
 def _drawn(problem: DesignProblem, counter: Counter, count: int, seed: int) -> list[Array]:
@@ -106,7 +106,7 @@ def _picked(problem: DesignProblem, counter: Counter, seed: int) -> list[Array]:
     for number in np.argsort(merits):
         if len(picked) == PICKED or not np.isfinite(merits[number]):
             break
-        if all(np.max(np.abs(places[number] - one)) > SPACED for one in picked):
+        if all(np.max(np.abs(places[number] - values)) > SPACED for values in picked):
             picked.append(places[number])
     return picked
 

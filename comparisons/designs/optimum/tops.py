@@ -79,7 +79,9 @@ class SeparateTops:
         """The motion of a design cut at the bottoms between its tops, for every side."""
         values = self._values(numbers, self._signals, self.grid)
         return tuple(
-            one for side in self.sides for one in self._cut(side, side.way * values[self._signals.index(side.signal)])
+            window
+            for side in self.sides
+            for window in self._cut(side, side.way * values[self._signals.index(side.signal)])
         )
 
     def heights(self, numbers: Mapping[str, float], windows: Sequence[Window]) -> tuple[Array, Array]:
@@ -88,18 +90,20 @@ class SeparateTops:
         Raises AssemblyError where the design cannot be assembled at every angle.
         """
         grid, names = self.grid, self._signals
-        rows = np.array([names.index(one.side.signal) for one in windows])
-        ways = np.array([one.side.way for one in windows])
+        rows = np.array([names.index(window.side.signal) for window in windows])
+        ways = np.array([window.side.way for window in windows])
         sampled = self._values(numbers, names, grid)
-        near = np.array([_about_top(one, one.side.way * sampled[row]) for one, row in zip(windows, rows, strict=True)])
+        near = np.array(
+            [_about_top(window, window.side.way * sampled[row]) for window, row in zip(windows, rows, strict=True)]
+        )
         own = ways[:, None] * sampled[rows[:, None], near % len(grid)]
-        found = Tops(np.arange(len(windows)), grid[0] + (grid[1] - grid[0]) * near, own)
+        tops = Tops(np.arange(len(windows)), grid[0] + (grid[1] - grid[0]) * near, own)
 
         def heights(top: Integers, places: Array) -> Array:
             seen = self._values(numbers, names, places.ravel()).reshape(len(names), *places.shape)
             return np.asarray(ways[top, None] * seen[rows[top], np.arange(len(top))])
 
-        _, places = climb(found, heights)
+        _, places = climb(tops, heights)
         every = np.arange(len(windows))
         values, slopes = signal_gradients(self.mechanism, numbers, names, places, speed=self.motion.speed)
         if not np.all(np.isfinite(slopes)):

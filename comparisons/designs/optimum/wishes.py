@@ -12,7 +12,7 @@ from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure, named_figures
-from comparisons.designs.optimum.problem import KeptFigure, Variable
+from comparisons.designs.optimum.problem import Constraint, Variable
 from comparisons.designs.parameters import Parameter, parameter
 
 SHARE: Final = re.compile(r"\s*(?:±|\+-|\+/-)\s*(?P<percent>\d+\.?\d*|\.\d+)\s*%\s*")
@@ -26,35 +26,35 @@ def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Var
     """
     if not texts:
         raise LinkproofError("expected numbers to vary, got none: name them with their bounds, --over rod.B.x=170:180")
-    found: dict[str, Variable] = {}
+    result: dict[str, Variable] = {}
     for text in texts:
         name, mark, bounds = text.rpartition("=")
         if not mark:
             raise LinkproofError(f"--over: expected NAME=LOW:HIGH or NAME=±10%, got '{text}'; correct it")
-        one = parameter(linkage, name.strip(), speed)
-        if one.name in found:
-            raise LinkproofError(f"--over: expected each number once, got {one.name} twice; leave one out")
-        found[one.name] = Variable(one, *_bounds(one, bounds))
-    return tuple(found.values())
+        number = parameter(linkage, name.strip(), speed)
+        if number.name in result:
+            raise LinkproofError(f"--over: expected each number once, got {number.name} twice; leave one out")
+        result[number.name] = Variable(number, *_bounds(number, bounds))
+    return tuple(result.values())
 
 
-def _bounds(one: Parameter, text: str) -> tuple[float, float]:
+def _bounds(number: Parameter, text: str) -> tuple[float, float]:
     """Bounds, SI, checked."""
     share = SHARE.fullmatch(text)
     if share is not None:
         part = 0.01 * float(share["percent"])
-        low, high = sorted((one.value * (1.0 - part), one.value * (1.0 + part)))
+        low, high = sorted((number.value * (1.0 - part), number.value * (1.0 + part)))
     else:
         ends = text.split(":")
         if len(ends) != 2:
-            raise LinkproofError(f"--over {one.name}: expected LOW:HIGH or ±10%, got '{text}'; correct it")
-        low, high = map(one.si, ends)
+            raise LinkproofError(f"--over {number.name}: expected LOW:HIGH or ±10%, got '{text}'; correct it")
+        low, high = map(number.si, ends)
     if not low < high:
-        about = f"; {one.name} is {one.value / one.unit.size:g}" if share else ""
-        raise LinkproofError(f"--over {one.name}: expected LOW below HIGH, got '{text}'{about}; correct it")
-    if one.kind in NOT_NEGATIVE and low < 0.0:
-        raise LinkproofError(f"--over {one.name}: expected bounds that are not negative, got '{text}'; correct it")
-    if one.kind == SPEED and low <= 0.0:
+        about = f"; {number.name} is {number.value / number.unit.size:g}" if share else ""
+        raise LinkproofError(f"--over {number.name}: expected LOW below HIGH, got '{text}'{about}; correct it")
+    if number.kind in NOT_NEGATIVE and low < 0.0:
+        raise LinkproofError(f"--over {number.name}: expected bounds that are not negative, got '{text}'; correct it")
+    if number.kind == SPEED and low <= 0.0:
         raise LinkproofError(f"--over speed: expected bounds above 0, got '{text}'; --clockwise turns the other way")
     return low, high
 
@@ -65,29 +65,29 @@ def split(text: str) -> tuple[str, str | None]:
     return (name.strip(), values) if mark else (text.strip(), None)
 
 
-def kept_figures(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
+def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
     """The figures to be kept, with what is typed for their values."""
-    return {one: values for name, values in map(split, texts) for one in named_figures(mechanism, [name])}
+    return {figure: values for name, values in map(split, texts) for figure in named_figures(mechanism, [name])}
 
 
-def kept(one: NamedFigure, text: str | None, own: float) -> KeptFigure:
+def constraint(figure: NamedFigure, text: str | None, own: float) -> Constraint:
     """A figure kept at a value or between two, either of which may be left out; at its ``own``, SI, where none is."""
     if text is None:
-        return KeptFigure(one, own, own)
+        return Constraint(figure, own, own)
     ends = text.split(":")
-    numbers = [_number(one, end, open_end) for end, open_end in zip(ends, (-math.inf, math.inf), strict=False)]
+    numbers = [_number(figure, end, open_end) for end, open_end in zip(ends, (-math.inf, math.inf), strict=False)]
     low, high = numbers * 2 if len(ends) == 1 else numbers[:2] if len(ends) == 2 else (math.nan, math.nan)
     if len(ends) == 1 and not text.strip():
         low = math.nan
     if not low <= high or low == -high == -math.inf:
         raise LinkproofError(
-            f"--keep {one.name}: expected LOW:HIGH, LOW:, :HIGH or a value, got '{text}'; correct it, or give the name "
-            "alone to keep what the file has"
+            f"--keep {figure.name}: expected LOW:HIGH, LOW:, :HIGH or a value, got '{text}'; correct it, "
+            "or give the name alone to keep what the file has"
         )
-    return KeptFigure(one, low * one.unit.size, high * one.unit.size)
+    return Constraint(figure, low * figure.unit.size, high * figure.unit.size)
 
 
-def _number(one: NamedFigure, text: str, open_end: float) -> float:
+def _number(figure: NamedFigure, text: str, open_end: float) -> float:
     if not text.strip():
         return open_end
     try:
@@ -95,6 +95,6 @@ def _number(one: NamedFigure, text: str, open_end: float) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        unit = f" of {one.unit.name}" if one.unit.name else ""
-        raise LinkproofError(f"--keep {one.name}: expected finite numbers{unit}, got '{text}'; correct it")
+        unit = f" of {figure.unit.name}" if figure.unit.name else ""
+        raise LinkproofError(f"--keep {figure.name}: expected finite numbers{unit}, got '{text}'; correct it")
     return number

@@ -42,10 +42,13 @@ def labelled(
     import xarray  # noqa: PLC0415 - half a second that a sweep without files does not pay
 
     over = request.space.dimensions
-    units = {one.name: {"units": one.unit.name} for one in request.space.parameters}
+    units = {parameter.name: {"units": parameter.unit.name} for parameter in request.space.parameters}
     return xarray.Dataset(
-        {one.name: (over, row, {"units": one.unit.name}) for one, row in zip(request.figures, figures, strict=True)},
-        coords={name: (name if name in over else ONE_BY_ONE, one, units[name]) for name, one in values.items()},
+        {
+            figure.name: (over, row, {"units": figure.unit.name})
+            for figure, row in zip(request.figures, figures, strict=True)
+        },
+        coords={name: (name if name in over else ONE_BY_ONE, entry, units[name]) for name, entry in values.items()},
         attrs=about,
     )
 
@@ -93,7 +96,7 @@ class SavedSweep:
                 f"expected a folder of its own, got '{self.folder}' with unfinished work of `{begun}`: finish that, or "
                 "give another folder"
             )
-        free = shutil.disk_usage(next(one for one in self.folder.parents if one.exists())).free / 1e6
+        free = shutil.disk_usage(next(parent for parent in self.folder.parents if parent.exists())).free / 1e6
         wanted = 16e-6 * self._shape[0] * self._shape[1]  # twice: the plain file and the netCDF file
         if wanted > free and not self._path.exists():
             raise LinkproofError(
@@ -110,12 +113,12 @@ class SavedSweep:
             done = set()
         return done
 
-    def keep(self, number: int, found: Array) -> None:
+    def keep(self, number: int, figures: Array) -> None:
         """Write a block, then note that it is written."""
         with self._writing():
             self._path.parent.mkdir(parents=True, exist_ok=True)
             with os.fdopen(os.open(self._path, os.O_RDWR | os.O_CREAT), "r+b") as file:
-                for row, values in enumerate(found):
+                for row, values in enumerate(figures):
                     file.seek(8 * (row * self._shape[1] + self.request.blocks[number]))
                     file.write(np.ascontiguousarray(values).data)
                 file.truncate(8 * self._shape[0] * self._shape[1])  # its size from the first block on
@@ -134,7 +137,7 @@ class SavedSweep:
     def dataset(self) -> xarray.Dataset:
         """All designs, their figures left on the disk."""
         space = self.request.space
-        values = dict(zip((one.name for one in space.parameters), space.columns, strict=True))
+        values = dict(zip((parameter.name for parameter in space.parameters), space.columns, strict=True))
         return labelled(self.request, values, self._figures().reshape(-1, *space.shape), self.about)
 
     def finish(self, *, keeps: bool) -> None:
@@ -152,14 +155,14 @@ class SavedSweep:
 
         space = self.request.space
         over = space.dimensions
-        beside = [one.name for one in space.parameters if one.name not in over]
+        beside = [number.name for number in space.parameters if number.name not in over]
         with h5netcdf.File(path, "w") as file:
             file.attrs.update(self.about)
             file.dimensions = dict(zip(over, space.shape, strict=True))
 
-            def add(one: Parameter | NamedFigure, dimensions: tuple[str, ...], values: Array) -> h5netcdf.Variable:
-                variable = file.create_variable(one.name.replace("/", SLASH), dimensions, float, data=values)
-                variable.attrs["units"] = one.unit.name
+            def add(entry: Parameter | NamedFigure, dimensions: tuple[str, ...], values: Array) -> h5netcdf.Variable:
+                variable = file.create_variable(entry.name.replace("/", SLASH), dimensions, float, data=values)
+                variable.attrs["units"] = entry.unit.name
                 return variable
 
             for parameter, column in zip(space.parameters, space.columns, strict=True):

@@ -91,7 +91,7 @@ def simulated_designs(request: SweepRequest, count: int, seed: int) -> Simulated
         places = (cube.random(min(count, space.count)) * space.shape).astype(int)
         numbers = np.ravel_multi_index(tuple(places.T), space.shape).tolist()
         numbers = range(space.count) if space.count <= count else dict.fromkeys(numbers)
-        for number in [one for one in numbers if one not in tried]:
+        for number in [entry for entry in numbers if entry not in tried]:
             tried.add(number)
             figures = sweep_block(request, number, number + 1)
             design = {name: float(values[0]) for name, values in space.block(number, number + 1).items()}
@@ -108,7 +108,7 @@ def simulated_designs(request: SweepRequest, count: int, seed: int) -> Simulated
         raise LinkproofError(
             f"--simulate: expected designs that assemble, got none among {len(tried)} drawn; vary less"
         )
-    names = [one.shown for one in space.parameters] + [one.shown for one in request.figures]
+    names = [parameter.shown for parameter in space.parameters] + [figure.shown for figure in request.figures]
     return SimulatedDesigns(files, dict(zip(names, np.array(columns).T, strict=True)), tuple(chosen))
 
 
@@ -117,7 +117,7 @@ def engines_over_designs(designs: SimulatedDesigns, records: Iterable[Record]) -
     engines: dict[str, list[Record]] = {}
     for record in records:
         engines.setdefault(f"{record.engine} {record.setting}", []).append(record)
-    found = []
+    trusted = []
     for engine, own in engines.items():
         judged = [record for record in own if Verdict(record.outcome).judged]
         failing = {record.mechanism for record in judged if Verdict(record.outcome).failed}
@@ -125,8 +125,8 @@ def engines_over_designs(designs: SimulatedDesigns, records: Iterable[Record]) -
         worst = max(judged, key=share_of_limit, default=None)
         telling = telling_number(designs.numbers, np.array([name in failing for name in designs.files]))
         names = tuple(name for name in designs.files if name in failing)
-        found.append(EngineOverDesigns(engine, tuple(designs.files), names, silent, worst, telling))
-    return found
+        trusted.append(EngineOverDesigns(engine, tuple(designs.files), names, silent, worst, telling))
+    return trusted
 
 
 def share_of_limit(record: Record) -> float:
@@ -160,11 +160,11 @@ def telling_number(numbers: Mapping[str, Array], fails: NDArray[np.bool_]) -> Te
         return None
     there = {name: values for name, values in numbers.items() if np.all(np.isfinite(values))}
     tests = {name: ks_2samp(values[fails], values[~fails]) for name, values in there.items()}
-    name = min(tests, key=lambda one: float(tests[one].pvalue))
+    name = min(tests, key=lambda key: float(tests[key].pvalue))
     chance = min(1.0, float(tests[name].pvalue) * len(tests))
     if chance >= BY_CHANCE:
         return None
     below, value = bool(tests[name].statistic_sign > 0), float(tests[name].statistic_location)
     side = (there[name] <= value) == below
-    failing, others = (int(np.sum(side & one)) for one in (fails, ~fails))
+    failing, others = (int(np.sum(side & values)) for values in (fails, ~fails))
     return TellingNumber(name, below, value, (failing, int(np.sum(fails))), (others, int(np.sum(~fails))), chance)

@@ -37,7 +37,7 @@ class DesignSpace(ABC):
     columns: tuple[Array, ...]
 
     def __post_init__(self) -> None:
-        names = [one.name for one in self.parameters]
+        names = [number.name for number in self.parameters]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise LinkproofError(f"expected every parameter once, got {twice} twice: leave one of the two out")
@@ -73,7 +73,7 @@ class DesignSpace(ABC):
     def block(self, first: int, last: int) -> dict[str, Array]:
         """SI values (designs,) of the designs from number ``first`` up to ``last``, by parameter."""
         values = self.shown(first, last)
-        return {one.name: row * one.unit.size for one, row in zip(self.parameters, values, strict=True)}
+        return {number.name: row * number.unit.size for number, row in zip(self.parameters, values, strict=True)}
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Grid(DesignSpace):
     @property
     def dimensions(self) -> tuple[str, ...]:
         """The axes, by their parameters."""
-        return tuple(one.name for one in self.parameters)
+        return tuple(number.name for number in self.parameters)
 
     def shown(self, first: int, last: int) -> Array:
         """Values of a range of designs, (parameters, designs)."""
@@ -137,8 +137,8 @@ def steps(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
     words = ends.split(":")
     if not equals or len(words) != 3:
         raise LinkproofError(f"--vary: expected {WRITTEN}, got '{text}'; correct it")
-    one = parameter(linkage, name.strip())
-    first, last = (one.in_file(word) for word in words[:2])
+    number = parameter(linkage, name.strip())
+    first, last = (number.in_file(word) for word in words[:2])
     count = int(words[2]) if re.fullmatch(r"\s*\d{1,18}\s*", words[2], re.ASCII) else 0
     if not 1 <= count <= LONGEST:
         raise LinkproofError(
@@ -149,4 +149,4 @@ def steps(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
             f"--vary {name}: expected {'two values that differ' if count > 1 else 'a single value, twice'} for "
             f"{count} value{'s' if count > 1 else ''}, got {words[0]} and {words[1]}; correct the range or the count"
         )
-    return one, np.linspace(first, last, count)
+    return number, np.linspace(first, last, count)

@@ -49,15 +49,18 @@ class SweepRequest:
     cores: int | None = None
     path: str = "auto"
 
-    def on_one_path(self) -> SweepRequest:
+    def on_single_path(self) -> SweepRequest:
         """The same on the path that its size calls for."""
         size = self.space.count * len(self.motion.places)
-        return replace(self, path=usual_path([one.figure for one in self.figures], size))
+        return replace(self, path=usual_path([figure.figure for figure in self.figures], size))
 
     @property
     def own(self) -> dict[str, float]:
         """The file's own numbers, SI, by parameter; of a speed that of the motion."""
-        return {one.name: abs(self.motion.speed) if one.kind == SPEED else one.value for one in self.space.parameters}
+        return {
+            parameter.name: abs(self.motion.speed) if parameter.kind == SPEED else parameter.value
+            for parameter in self.space.parameters
+        }
 
     @cached_property
     def blocks(self) -> range:
@@ -101,11 +104,11 @@ class Summary:
     @property
     def extremes(self) -> set[int]:
         """The designs with the least and the largest figures."""
-        return {one.design for one in (*self.least, *self.largest)} - {NONE}
+        return {design.design for design in (*self.least, *self.largest)} - {NONE}
 
-    def add(self, first: int, found: Array) -> None:
+    def add(self, first: int, figures: Array) -> None:
         """Count in the figures (figures, designs) of the designs from number ``first`` on; blocks come in any order."""
-        there = ~np.all(np.isnan(found), axis=0)
+        there = ~np.all(np.isnan(figures), axis=0)
         self.designs += len(there)
         self.assembled += int(np.count_nonzero(there))
         if not np.any(there):
@@ -113,7 +116,7 @@ class Summary:
         shown = self.request.space.shown(first, first + len(there))[:, there]
         self.reach[:, 0] = np.fmin(self.reach[:, 0], np.min(shown, axis=1))
         self.reach[:, 1] = np.fmax(self.reach[:, 1], np.max(shown, axis=1))
-        for row, values in enumerate(found):
+        for row, values in enumerate(figures):
             for ends, signed in ((self.least, values), (self.largest, -values)):
                 at = int(np.argmin(np.where(np.isfinite(values), signed, np.inf)))
                 if np.isfinite(values[at]):
@@ -123,7 +126,7 @@ class Summary:
 def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
     """The figures where nobody names any: peaks of torque, forces and transmission angles, and the stroke."""
     there = names(mechanism)
-    usual = [name for name in USUAL if any(one.partition(":")[0] == name.partition(".")[0] for one in there)]
+    usual = [name for name in USUAL if any(key.partition(":")[0] == name.partition(".")[0] for key in there)]
     return named_figures(mechanism, [*usual, *([STROKE] if "S" in there else [])])
 
 
@@ -133,11 +136,11 @@ def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
 
 
 def _figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
-    figures = [one.figure for one in request.figures]
-    found = request.motion.figures(
+    figures = [figure.figure for figure in request.figures]
+    values = request.motion.figures(
         Mechanism(request.linkage), numbers, figures, refine=request.refine, cores=request.cores, path=request.path
     )
-    return np.asarray(found / np.array([one.unit.size for one in request.figures])[:, None])
+    return np.asarray(values / np.array([figure.unit.size for figure in request.figures])[:, None])
 
 
 def own_figures(request: SweepRequest) -> Array:
@@ -145,12 +148,15 @@ def own_figures(request: SweepRequest) -> Array:
 
     Raises LinkproofError where the space has values that no design can.
     """
-    for one, (least, most) in zip(request.space.parameters, request.space.ends, strict=True):
-        if one.kind == SPEED and least <= 0.0 <= most:
-            raise LinkproofError(f"{one.name}: expected speeds on one side of 0, got {least:g} to {most:g}; correct it")
-        if one.kind in ("mass", "inertia") and least < 0.0:
+    for parameter, (least, most) in zip(request.space.parameters, request.space.ends, strict=True):
+        if parameter.kind == SPEED and least <= 0.0 <= most:
             raise LinkproofError(
-                f"{one.name}: expected no negative {one.kind}, got {least:g} {one.unit.name}; correct the range"
+                f"{parameter.name}: expected speeds on one side of 0, got {least:g} to {most:g}; correct it"
+            )
+        if parameter.kind in ("mass", "inertia") and least < 0.0:
+            raise LinkproofError(
+                f"{parameter.name}: expected no negative {parameter.kind}, got {least:g} {parameter.unit.name}; "
+                "correct the range"
             )
     own = {name: np.array([value]) for name, value in request.own.items()}
     return _figures(replace(request, path="numpy"), own)[:, 0]
@@ -172,9 +178,9 @@ def sweep(
     """
     total = begun or Summary(request)
     todo = [number for number in range(len(request.blocks)) if number not in done]
-    for number, found in _made(request, todo, pool):
-        keep(number, found)
-        total.add(request.blocks[number], found)
+    for number, values in _made(request, todo, pool):
+        keep(number, values)
+        total.add(request.blocks[number], values)
         announce(total.designs)
     return total
 
@@ -184,11 +190,11 @@ def _made(request: SweepRequest, todo: Sequence[int], pool: Pool | None) -> Iter
         for number in todo:
             yield number, sweep_block(request, *request.block(number))
         return
-    for place, found in pool.run(sweep_block, _Jobs(request, todo), BOUNDS):
-        if isinstance(found, Lost):
+    for place, result in pool.run(sweep_block, _Jobs(request, todo), BOUNDS):
+        if isinstance(result, Lost):
             first, last = request.block(todo[place])
-            raise LinkproofError(f"designs {first} to {last - 1}: expected their figures, got none: {found.reason}")
-        yield todo[place], found
+            raise LinkproofError(f"designs {first} to {last - 1}: expected their figures, got none: {result.reason}")
+        yield todo[place], result
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ def read_table(path: Path, linkage: Linkage) -> Listed:
     values = np.concatenate(parts or [np.empty((1, 0))], axis=1)
     if not values.size:
         raise LinkproofError(f"{start} a head that names parameters and a row per design below, got none; add some")
-    return Listed(tuple(one for one, _ in columns), tuple(values))
+    return Listed(tuple(number for number, _ in columns), tuple(values))
 
 
 def _columns(start: str, names: list[str], linkage: Linkage) -> list[tuple[Parameter, float]]:
@@ -69,9 +69,9 @@ def _columns(start: str, names: list[str], linkage: Linkage) -> list[tuple[Param
                 "column out"
             )
         name, bracket, unit = cell.strip().partition("[")
-        one = parameter(linkage, name.strip())
-        size = one.si(f"1 {unit.strip().removesuffix(']').strip()}") / one.unit.size if bracket else 1.0
-        columns.append((one, size))
+        entry = parameter(linkage, name.strip())
+        size = entry.si(f"1 {unit.strip().removesuffix(']').strip()}") / entry.unit.size if bracket else 1.0
+        columns.append((entry, size))
     return columns
 
 

@@ -55,20 +55,20 @@ class ToleranceRequest:
 
         Masses and inertias that a wide normal distribution makes negative are zero.
         """
-        own, found = self._own, {}
+        own, table = self._own, {}
         polar: dict[str, dict[str, Array]] = {}
-        for one, offset in zip(self.tolerances, offsets, strict=True):
-            if one.point:
-                polar.setdefault(one.point, {})[one.name.removeprefix(one.point)] = offset
+        for tolerance, offset in zip(self.tolerances, offsets, strict=True):
+            if tolerance.point:
+                polar.setdefault(tolerance.point, {})[tolerance.name.removeprefix(tolerance.point)] = offset
             else:
-                least = 0.0 if one.parameter.kind in ("mass", "inertia") else -math.inf
-                found[one.name] = np.maximum(own[one.name] + offset, least)
+                least = 0.0 if tolerance.parameter.kind in ("mass", "inertia") else -math.inf
+                table[tolerance.name] = np.maximum(own[tolerance.name] + offset, least)
         for point, moved in polar.items():
             x, y = own[f"{point}.x"], own[f"{point}.y"]
             length, angle = math.hypot(x, y) + moved.get(LENGTH, 0.0), moved.get(ANGLE, np.zeros(offsets.shape[1]))
             c, s = (length / math.hypot(x, y) * part for part in (np.cos(angle), np.sin(angle)))
-            found |= {f"{point}.x": c * x - s * y, f"{point}.y": s * x + c * y}
-        return found
+            table |= {f"{point}.x": c * x - s * y, f"{point}.y": s * x + c * y}
+        return table
 
     def results(self, offsets: Array, announce: Announce = lambda *_: None) -> Array:
         """The results of designs, (results, designs)."""
@@ -77,22 +77,22 @@ class ToleranceRequest:
         for start in range(0, count, size):
             announce("designs", start, count)
             some = {name: values[start : start + size] for name, values in designs.items()}
-            parts.append(self.motion.figures(self.mechanism, some, [one.figure for one in self.figures]))
+            parts.append(self.motion.figures(self.mechanism, some, [figure.figure for figure in self.figures]))
         return np.concatenate(parts, axis=1)
 
     def derivatives(self) -> Array:
         """Derivatives of the results by what has a tolerance, (results, tolerances)."""
         own = self._own
-        figures = [one.figure for one in self.figures]
+        figures = [figure.figure for figure in self.figures]
         _, gradients = self.motion.gradients(self.mechanism, {name: own[name] for name in self.names}, figures)
         by = dict(zip(self.names, gradients.T, strict=True))
         columns = []
-        for one in self.tolerances:
-            if not one.point:
-                columns.append(by[one.name])
+        for tolerance in self.tolerances:
+            if not tolerance.point:
+                columns.append(by[tolerance.name])
                 continue
-            (x, y), (over_x, over_y) = ([of[f"{one.point}.{part}"] for part in "xy"] for of in (own, by))
-            turns = one.name.endswith(ANGLE)
+            (x, y), (over_x, over_y) = ([of[f"{tolerance.point}.{part}"] for part in "xy"] for of in (own, by))
+            turns = tolerance.name.endswith(ANGLE)
             columns.append(x * over_y - y * over_x if turns else (x * over_x + y * over_y) / math.hypot(x, y))
         return np.stack(columns, axis=1)
 
@@ -100,7 +100,7 @@ class ToleranceRequest:
 def tolerance_request(
     mechanism: Mechanism,
     motion: SteadyMotion,
-    asked: Tolerances,
+    requested: Tolerances,
     *,
     samples: int | None = None,
     seed: int = 0,
@@ -111,13 +111,13 @@ def tolerance_request(
     Of random designs there are 10 000, or 200 of a linkage that goes design by design. Raises LinkproofError for names
     that are not there.
     """
-    found = tolerances(mechanism.linkage, asked.table, f"{asked.origin}tolerances.", motion.speed)
-    if not asked.results:
-        raise LinkproofError(f'{asked.origin}results: expected a figure, as "Mkr.peak", got none; name one')
+    result = tolerances(mechanism.linkage, requested.table, f"{requested.origin}tolerances.", motion.speed)
+    if not requested.results:
+        raise LinkproofError(f'{requested.origin}results: expected a figure, as "Mkr.peak", got none; name one')
     try:
-        figures = named_figures(mechanism, asked.results)
+        figures = named_figures(mechanism, requested.results)
     except LinkproofError as error:
-        raise LinkproofError(f"{asked.origin}{error}") from error
+        raise LinkproofError(f"{requested.origin}{error}") from error
     if samples is None:
         samples = SAMPLES if is_exact(mechanism) else FEW_SAMPLES
     if samples < FEWEST:
@@ -126,5 +126,5 @@ def tolerance_request(
         raise LinkproofError(f"--samples: expected {MOST} random designs or fewer, got {samples}; draw fewer")
     if seed < 0:
         raise LinkproofError(f"--seed: expected a number from 0 on, got {seed}; give another")
-    request = ToleranceRequest(mechanism, found, figures, motion, samples, seed)
+    request = ToleranceRequest(mechanism, result, figures, motion, samples, seed)
     return replace(request, conditions=conditions + mass_words(mechanism.linkage, request.names))

@@ -106,26 +106,28 @@ class ToleranceStudy:
 
     @property
     def _sizes(self) -> Array:
-        return np.array([one.plus_minus for one in self.request.tolerances])
+        return np.array([tolerance.plus_minus for tolerance in self.request.tolerances])
 
     @property
     def _variances(self) -> Array:
-        deviation = np.array([one.distribution.deviation for one in self.request.tolerances])
+        deviation = np.array([tolerance.distribution.deviation for tolerance in self.request.tolerances])
         return np.asarray(np.square(self.contributions * deviation))
 
     def tornado(self, row: int) -> Tornado:
         """One result for a picture, in the units of the file."""
-        one = self.request.figures[row]
+        figure = self.request.figures[row]
         bars = [
             (tolerance.name, float(low), float(high))
-            for tolerance, (low, high) in zip(self.request.tolerances, self.changes[row] / one.unit.size, strict=True)
+            for tolerance, (low, high) in zip(
+                self.request.tolerances, self.changes[row] / figure.unit.size, strict=True
+            )
         ]
-        return Tornado(one.name, one.unit.name, float(self.nominal[row] / one.unit.size), tuple(bars))
+        return Tornado(figure.name, figure.unit.name, float(self.nominal[row] / figure.unit.size), tuple(bars))
 
 
 def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: None) -> ToleranceStudy:
     """Work tolerances through; raises LinkproofError where the nominal design or hardly any random one assembles."""
-    count, sizes = len(request.tolerances), np.array([one.plus_minus for one in request.tolerances])
+    count, sizes = len(request.tolerances), np.array([tolerance.plus_minus for tolerance in request.tolerances])
     derivatives = request.derivatives()
     alone = np.concatenate([np.zeros((count, 1)), np.diag(-sizes), np.diag(sizes)], axis=1)
     corners = sizes[:, None] * _corners(derivatives)
@@ -133,12 +135,15 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
 
     drawn = LatinHypercube(count, rng=request.seed).random(request.samples).T
     random = np.stack(
-        [one.plus_minus * one.distribution.drawn(row) for one, row in zip(request.tolerances, drawn, strict=True)]
+        [
+            tolerance.plus_minus * tolerance.distribution.drawn(row)
+            for tolerance, row in zip(request.tolerances, drawn, strict=True)
+        ]
     )
-    found = request.results(np.concatenate([alone, corners, random], axis=1), announce)
+    values = request.results(np.concatenate([alone, corners, random], axis=1), announce)
     first, last = alone.shape[1], alone.shape[1] + corners.shape[1]
-    nominal, changes = found[:, 0], found[:, 1:first] - found[:, :1]
-    scattered = found[:, last:]
+    nominal, changes = values[:, 0], values[:, 1:first] - values[:, :1]
+    scattered = values[:, last:]
     whole = np.isfinite(scattered).all(axis=0)
     if not np.all(np.isfinite(nominal)) or np.count_nonzero(whole) < 2:
         raise LinkproofError(
@@ -150,9 +155,9 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
         nominal,
         derivatives,
         np.stack([changes[:, :count], changes[:, count:]], axis=2),
-        _ends(found[:, first:last]),
+        _ends(values[:, first:last]),
         scattered,
-        int(np.count_nonzero(np.isnan(found[:, first:last]).any(axis=0))),
+        int(np.count_nonzero(np.isnan(values[:, first:last]).any(axis=0))),
     )
 
 

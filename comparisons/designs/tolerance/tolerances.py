@@ -103,7 +103,7 @@ def read_tolerances(path: Path) -> Tolerances:
         if key not in KEYS:
             raise LinkproofError(f"{path}: {UnknownNameError('key', key, KEYS)}")
     results, speed, table = (raw.get(key) for key in KEYS)
-    if not isinstance(results, list) or not results or not all(isinstance(one, str) for one in results):
+    if not isinstance(results, list) or not results or not all(isinstance(result, str) for result in results):
         raise LinkproofError(f'{path}: results: expected a list of figures, as ["Mkr.peak"], got {_shown(results)}')
     if speed is not None and not (_is_number(speed) and speed):
         raise LinkproofError(f"{path}: speed: expected a finite number other than 0, got {_shown(speed)}; correct it")
@@ -124,15 +124,15 @@ def tolerances(
     """
     driven = {SPEED: parameter(linkage, SPEED, speed)}
     own, known = parameters(linkage) | driven, _known(linkage) | driven
-    found = tuple(_tolerance(own, known, name, value, where) for name, value in _flat(table))
-    cartesian = {one.name[:-2] for one in found if not one.point}
-    for one in found:
-        if one.point and one.point in cartesian:
+    result = tuple(_tolerance(own, known, name, value, where) for name, value in _flat(table))
+    cartesian = {entry.name[:-2] for entry in result if not entry.point}
+    for tolerance in result:
+        if tolerance.point and tolerance.point in cartesian:
             raise LinkproofError(
-                f"{where}{one.name}: expected either x and y, or length and angle, of '{one.point}', got of both; "
-                "leave one out"
+                f"{where}{tolerance.name}: expected either x and y, or length and angle, of '{tolerance.point}', "
+                "got of both; leave one out"
             )
-    return found
+    return result
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -146,20 +146,20 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
 
 def _known(linkage: Linkage) -> dict[str, Parameter]:
     """Every number by name, with the length and the angle of what has an x and a y of its own."""
-    found = parameters(linkage)
+    numbers = parameters(linkage)
     unit = linkage.units.get("angle", "rad")
-    for name, one in list(found.items()):
+    for name, number in list(numbers.items()):
         point = name.removesuffix(".x")
-        if one.kind not in ("length", "direction") or point == name:
+        if number.kind not in ("length", "direction") or point == name:
             continue
-        x, y = one.value, found[f"{point}.y"].value
+        x, y = number.value, numbers[f"{point}.y"].value
         angle = Parameter(point + ANGLE, "angle", math.atan2(y, x), FileUnit(unit, factor("angle", unit)))
         if x or y:
-            found.setdefault(angle.name, angle)
-            if one.kind == "length":
-                length = replace(one, name=point + LENGTH, value=math.hypot(x, y))
-                found.setdefault(length.name, length)
-    return found
+            numbers.setdefault(angle.name, angle)
+            if number.kind == "length":
+                length = replace(number, name=point + LENGTH, value=math.hypot(x, y))
+                numbers.setdefault(length.name, length)
+    return numbers
 
 
 def _tolerance(own: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str) -> Tolerance:
@@ -170,10 +170,10 @@ def _tolerance(own: Collection[str], known: Mapping[str, Parameter], name: str, 
         for key in value:
             if key not in (PLUS_MINUS, DISTRIBUTION):
                 raise LinkproofError(f"{where}{name}: {UnknownNameError('key', key, (PLUS_MINUS, DISTRIBUTION))}")
-        said = value.get(DISTRIBUTION, distribution)
-        if said not in tuple(Distribution):
-            raise LinkproofError(f"{where}{name}: expected distribution normal or uniform, got {_shown(said)}")
-        distribution, value = Distribution(said), value.get(PLUS_MINUS)
+        words = value.get(DISTRIBUTION, distribution)
+        if words not in tuple(Distribution):
+            raise LinkproofError(f"{where}{name}: expected distribution normal or uniform, got {_shown(words)}")
+        distribution, value = Distribution(words), value.get(PLUS_MINUS)
     size = _size(known[name], value, f"{where}{name}")
     if known[name].kind in ("mass", "inertia") and size > known[name].value:
         raise LinkproofError(f"{where}{name}: expected a ± up to the number itself, got a larger one; lessen it")
@@ -182,15 +182,15 @@ def _tolerance(own: Collection[str], known: Mapping[str, Parameter], name: str, 
     return Tolerance(known[name], size, distribution, "" if name in own else name.rpartition(".")[0])
 
 
-def _size(one: Parameter, value: object, where: str) -> float:
+def _size(number: Parameter, value: object, where: str) -> float:
     """The ±, SI."""
     if isinstance(value, str):
         try:
-            size = one.si(value.replace("±", ""))
+            size = number.si(value.replace("±", ""))
         except LinkproofError as error:
-            raise LinkproofError(f"{where.removesuffix(one.name)}{error}") from error
+            raise LinkproofError(f"{where.removesuffix(number.name)}{error}") from error
     elif _is_number(value):
-        size = float(value) * one.unit.size  # type: ignore[arg-type]  # it is a number
+        size = float(value) * number.unit.size  # type: ignore[arg-type]  # it is a number
     else:
         raise LinkproofError(f"{where}: expected a number, or one with its unit, got {_shown(value)}; correct it")
     if not size > 0.0:

@@ -48,8 +48,8 @@ def columns(file: ResultText) -> list[Column]:
         raise file.fail(error.position[0], f"expected valid XML of Adams, got {error.msg}; export it again") from error
     except ValueError as error:
         raise file.fail(1, f"expected a number for the id of '{entity}', got another; export it again") from error
-    found = [*tables(ResultText(f"{file.name}[steps]", "\n".join(steps)))]
-    if len(found) > 1 or len(found[0][1]) != len(names):
+    blocks = [*tables(ResultText(f"{file.name}[steps]", "\n".join(steps)))]
+    if len(blocks) > 1 or len(blocks[0][1]) != len(names):
         raise file.fail(1, f"expected {len(names)} numbers in every step, got another count; export the results again")
-    every = zip(found[0][1], sorted(names.items()), strict=True)
+    every = zip(blocks[0][1], sorted(names.items()), strict=True)
     return [replace(column, header=header, unit=unit) for column, (_, (header, unit)) in every]

@@ -165,7 +165,7 @@ def _header(file: ResultText, above: Sequence[_Part], layout: Layout, row: Seque
             if len(cells) == len(row) and not any(is_number(cell) or NOT_FINITE.fullmatch(cell) for cell in cells):
                 fitting.append(_Header(line, cells, [""] * len(row)))
                 break
-    _refuse_rows(file, [one for one in above if not fitting or one.line > fitting[-1].line], layout, len(row))
+    _refuse_rows(file, [part for part in above if not fitting or part.line > fitting[-1].line], layout, len(row))
     if not fitting:
         raise file.fail(
             above[-1].line,

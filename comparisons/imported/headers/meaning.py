@@ -116,7 +116,7 @@ class Recognition:
             slides = any(slider.point == output.point for slider in linkage.sliders)
             others |= {f":{output.link}", *([f":{output.point}"] if slides else [])}
         elif kind in ("point", "joint_force"):
-            others |= {f":{n}" for n, one in linkage.links.items() if point in one.points and link in ("", n)}
+            others |= {f":{n}" for n, body in linkage.links.items() if point in body.points and link in ("", n)}
             others |= {"path"} if kind == "point" else {"reaction"}
             owner |= {f":{point}"} if kind == "joint_force" else set()
         elif kind != "link":
@@ -202,7 +202,7 @@ class Recognition:
         kind = kind or [name for name in self._true if unit and unit.measures(self.unit(name).dimension)]
         if "elsewhere" in stated or not kind:
             return "the closed form has no such quantity"
-        return f"its name fits none of {listed(dict.fromkeys(one.rpartition(':')[0] or one for one in kind))}"
+        return f"its name fits none of {listed(dict.fromkeys(name.rpartition(':')[0] or name for name in kind))}"
 
     def _taken(self, signal: str, stated: Meanings, column: Column) -> str:
         """What is taken for granted of a column that means a signal; raises NotJudgedError where its values differ."""

@@ -50,7 +50,7 @@ def _named() -> dict[str, Unit]:
 
 NAMED: Final[Mapping[str, Unit]] = _named()
 _LOWER: Final = {name.lower(): unit for name, unit in reversed(tuple(NAMED.items())) if len(name) > 1}
-ONE: Final = Unit(1.0, (0, 0, 0, 0))
+DIMENSIONLESS: Final = Unit(1.0, (0, 0, 0, 0))
 SUPERSCRIPTS: Final = str.maketrans("²³⁻¹", "23-1")
 BETWEEN: Final = re.compile(r"\s*[*·.⋅×]\s*|(?<=\w)-(?=[^\W\d])|\s+")
 POWER: Final = re.compile(r"(.+?)(?:\^?\s*\(?(-?[1-4])\)?)?")
@@ -71,11 +71,11 @@ def parsed(text: str) -> Unit | None:
     if not text or len(text) > LONGEST:
         return None
     if text == "-" or _unit(text):
-        return _unit(text) or ONE
+        return _unit(text) or DIMENSIONLESS
     above, *below = text.translate(SUPERSCRIPTS).replace("**", "^").split("/")
     parts = [] if below and above.strip() in ("", "1") else [(above, 1)]
     parts += [(part.strip().removeprefix("(").removesuffix(")"), -1) for part in below]
-    result = ONE
+    result = DIMENSIONLESS
     for part, sign in parts:
         for word in BETWEEN.split(part.strip()):
             power = POWER.fullmatch(word)

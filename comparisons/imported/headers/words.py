@@ -70,7 +70,7 @@ def words(header: str, names: Table) -> Iterator[tuple[str, Meanings]]:
         text, at = " ".join(part), end
         if meanings or not text.isdigit():
             together = [meanings] if meanings else known_parts(plain(text)) or [meanings]
-            yield from ((text, one) for one in together if one != NOTHING)
+            yield from ((text, texts) for texts in together if texts != NOTHING)
 
 
 @lru_cache(maxsize=4096)

@@ -33,15 +33,15 @@ class SignalVerdict:
 
     ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``floor``
     is the largest that the file's rounding leaves open; ``worst`` is the sample with the largest error. Samples at a
-    jump of the crank's acceleration are not ``kept``: their errors count beyond the jump's size, those that are still
-    over the limit are ``over``, and ``truth_there`` is the side of the jump that is nearer to the file. ``shown`` is
-    the unit of the linkage's file and its SI value.
+    jump of the crank's acceleration are not ``counted``: their errors count beyond the jump's size, those that are
+    still over the limit are ``over``, and ``truth_there`` is the side of the jump that is nearer to the file. ``shown``
+    is the unit of the linkage's file and its SI value.
     """
 
     samples: Samples
     truth: Array
     open: Array
-    kept: NDArray[np.bool_]
+    counted: NDArray[np.bool_]
     over: NDArray[np.bool_]
     unit: str
     scale: float
@@ -63,15 +63,15 @@ class SignalVerdict:
     @property
     def floor(self) -> float:
         """The rounding over the scale."""
-        return float(np.max(self.open[self.kept], initial=0.0)) / self.scale
+        return float(np.max(self.open[self.counted], initial=0.0)) / self.scale
 
     @property
     def evidence(self) -> Evidence:
         """What causes are fitted to."""
         own, over = self.samples, np.abs(self.samples.values - self.truth) > self.limit * self.scale
-        alone = self.over & ~np.any(over & self.kept)  # nothing but samples at a jump is off
+        alone = self.over & ~np.any(over & self.counted)  # nothing but samples at a jump is off
         return Evidence(
-            own.name, own.time, own.values, self.truth, self.open, self.kept | alone, alone, self.scale, *self.shown
+            own.name, own.time, own.values, self.truth, self.open, self.counted | alone, alone, self.scale, *self.shown
         )
 
     @property
@@ -87,7 +87,7 @@ class SignalVerdict:
     @property
     def left_out(self) -> int:
         """Samples at a jump, whose errors count beyond its size."""
-        return int(np.sum(~self.kept))
+        return int(np.sum(~self.counted))
 
     @property
     def detail(self) -> str:
@@ -95,7 +95,7 @@ class SignalVerdict:
         if self.outcome is Verdict.PASSED:
             return ""
         if self.outcome is Verdict.UNDEFINED:
-            if not self.kept.any():
+            if not self.counted.any():
                 return "every sample lies at a jump of the crank's acceleration: export a longer run"
             return (
                 "the rounding of the crank's motion causes an uncertainty over the limit: export its angle with more "
@@ -108,7 +108,7 @@ class SignalVerdict:
         time = self.samples.time
         return Deviation(
             time, motion.angle(time), self.samples.values, self.truth, self.scale, self.error_max, self.error_rms,
-            self.worst_time, int(np.sum(self.kept)), self.left_out,
+            self.worst_time, int(np.sum(self.counted)), self.left_out,
         )  # fmt: skip
 
     def record(self, blank: Record) -> Record:
@@ -125,7 +125,7 @@ class SignalVerdict:
             detail=self.detail,
             peak=self.scale,
             worst_time=self.worst_time,
-            samples=int(np.sum(self.kept)),
+            samples=int(np.sum(self.counted)),
             left_out=self.left_out,
             origin=IMPORTED,
             runs=1,
@@ -138,46 +138,46 @@ def verdicts(
     """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
     scales = natural_scales(model, samples, truth)
     return [
-        _verdict(model, one, values, open_, limit=limit, natural=natural)
-        for one, values, open_, natural in zip(samples, truth, floors, scales, strict=True)
+        _verdict(model, signal, values, open_, limit=limit, natural=natural)
+        for signal, values, open_, natural in zip(samples, truth, floors, scales, strict=True)
     ]
 
 
 def _verdict(
-    model: Simulation, one: Samples, truth: Array, open_: Array, *, limit: float, natural: float
+    model: Simulation, signal: Samples, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
-    jump = jumps_of(model, one)
-    kept, size = jump == 0.0, np.abs(jump)
-    peak = float(np.max(np.abs(truth[kept] if kept.any() else truth)))
+    jump = jumps_of(model, signal)
+    counted, size = jump == 0.0, np.abs(jump)
+    peak = float(np.max(np.abs(truth[counted] if counted.any() else truth)))
     least = NEAR_ZERO * natural
     near_zero = peak < least
     scale = (least if near_zero else peak) or 1.0
-    error = np.maximum(np.abs(one.values - truth) - size, 0.0)
+    error = np.maximum(np.abs(signal.values - truth) - size, 0.0)
     worst = int(np.argmax(error))
     over = error > limit * scale
     sides = (float(truth[worst]), float(truth[worst] + jump[worst]))
     outcome = Verdict.PASSED
     if np.any(over & (error > open_)):
         outcome = Verdict.OVER_LIMIT
-    elif np.any(over & (error > one.rounding)) or not kept.any():
+    elif np.any(over & (error > signal.rounding)) or not counted.any():
         outcome = Verdict.UNDEFINED  # what the rounding of the crank's motion leaves open is over the limit
     return SignalVerdict(
-        samples=one,
+        samples=signal,
         truth=truth,
         open=open_,
-        kept=kept,
-        over=over & ~kept,
-        unit=unit(one.name, model.linkage),
+        counted=counted,
+        over=over & ~counted,
+        unit=unit(signal.name, model.linkage),
         scale=scale,
         near_zero=near_zero,
         limit=limit,
         error_max=float(error[worst]) / scale,
-        error_rms=float(np.sqrt(np.sum(error**2) / max(1, np.sum(kept)))) / scale,
+        error_rms=float(np.sqrt(np.sum(error**2) / max(1, np.sum(counted)))) / scale,
         worst=worst,
-        worst_angle=float(model.motion.angle(one.time[worst])),
-        truth_there=min(sides, key=lambda side: abs(side - one.values[worst])),
+        worst_angle=float(model.motion.angle(signal.time[worst])),
+        truth_there=min(sides, key=lambda side: abs(side - signal.values[worst])),
         outcome=outcome,
-        shown=in_file_units(unit(one.name, model.linkage), model.linkage.units),
+        shown=in_file_units(unit(signal.name, model.linkage), model.linkage.units),
     )
 
 
@@ -199,9 +199,11 @@ def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequenc
     length, speed = linkage.extent(), motion.peak_speed
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, 101))))) + speed**2
     mass = sum(link.mass for link in linkage.links.values())
-    forces = [float(np.max(np.abs(curve))) for one, curve in zip(samples, truth, strict=True) if "force" in one.name]
+    forces = [
+        float(np.max(np.abs(curve))) for signal, curve in zip(samples, truth, strict=True) if "force" in signal.name
+    ]
     force = max(mass * float(np.hypot(*linkage.gravity)), mass * length * hardest * 0.1, *forces, 0.0)
     torque = force * length * 0.1
     turning = {"rad": 1.0, "rad/s": speed, "rad/s²": hardest, "J": torque, "N m": torque, "W": torque * speed}
     scales = {**turning, "m": length, "m/s": length * speed, "m/s²": length * hardest, "N": force}
-    return [scales.get(unit(one.name, model.linkage), 0.0) for one in samples]
+    return [scales.get(unit(sample.name, model.linkage), 0.0) for sample in samples]

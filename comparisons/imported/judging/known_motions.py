@@ -134,12 +134,12 @@ class KnownColumn:
 
     def _shape(self, time: float) -> Array:
         """The column of size 1 with that time, (n,): of one motion for all times, on another clock."""
-        one, order = _unit(self.name.removesuffix(BACK)), int(self.of_speed)
+        motion, order = _unit(self.name.removesuffix(BACK)), int(self.of_speed)
         if self.name.endswith(BACK):
             returns = self.time > 0.5 * self.duration
-            shape = one._evaluate(np.where(returns, self.duration - self.time, self.time) / time, order)
+            shape = motion._evaluate(np.where(returns, self.duration - self.time, self.time) / time, order)
             return np.asarray(np.where(returns, -shape, shape) if order else shape)
-        return np.asarray(one._evaluate(self.time / time, order))
+        return np.asarray(motion._evaluate(self.time / time, order))
 
     def _rest(self, time: float, size: float, start: float) -> Array:
         return np.asarray(self.values - start - size * self._shape(time))
@@ -184,7 +184,7 @@ class KnownFit:
     def motion(self) -> CrankMotion:
         """The motion, rad and s; the size is that of a shape in 1 s."""
         column = self.column
-        one = FAMILIES[column.name](self.time, column.duration)
+        entry = FAMILIES[column.name](self.time, column.duration)
         runs_up = column.name in RUN_UPS  # to speed 1; a swing has travel 1
         size = self.size * (1.0 if runs_up is column.of_speed else 1.0 / self.time if runs_up else self.time)
         pieces = tuple(
@@ -193,7 +193,7 @@ class KnownFit:
                 p.end,
                 (self.start + size * p.coefficients[0], *(size * c for c in p.coefficients[1:])),
             )
-            for p in one.segments
+            for p in entry.segments
         )
         return CrankMotion(self.column.name, pieces)
 

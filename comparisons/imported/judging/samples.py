@@ -37,12 +37,12 @@ def floor(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array])
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
     others = [model.moving(motion).predicted(samples) for motion in likewise]
-    early, late = (model.predicted([_moved(one, sign) for one in samples]) for sign in (-1.0, 1.0))
-    for number, one in enumerate(samples):
+    early, late = (model.predicted([_moved(sample, sign) for sample in samples]) for sign in (-1.0, 1.0))
+    for number, signal in enumerate(samples):
         by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
-        apart = [np.where(at_jumps(one.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others]
+        apart = [np.where(at_jumps(signal.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others]
         by_angle = _near_largest(apart, model.motion) if apart else 0.0
-        floors.append(one.rounding + np.where(one.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
+        floors.append(signal.rounding + np.where(signal.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
     return floors
 
 
@@ -55,21 +55,21 @@ def _near_largest(differences: Sequence[Array], motion: Motion) -> Array:
     return np.asarray(maximum_filter1d(largest, size, mode="nearest"))
 
 
-def _moved(one: Samples, sign: float) -> Samples:
-    return replace(one, time=one.time + sign * one.time_rounding)
+def _moved(signal: Samples, sign: float) -> Samples:
+    return replace(signal, time=signal.time + sign * signal.time_rounding)
 
 
-def jumps_of(model: Simulation, one: Samples) -> Array:
+def jumps_of(model: Simulation, signal: Samples) -> Array:
     """By how much the closed form of a signal changes at the jump near each sample, (n,); 0 away from jumps."""
-    sizes = np.zeros(len(one.time))
-    if not holds_acceleration(one.name):
+    sizes = np.zeros(len(signal.time))
+    if not holds_acceleration(signal.name):
         return sizes
     for jump in model.motion.jumps:
         at_rest = model.moving(ChangedMotion(model.motion, order=0))  # as the crank is before the start
         earlier = model if jump > 0.0 else at_rest
-        (after,) = model.predicted([replace(one, time=np.array([jump]))])
-        (before,) = earlier.predicted([replace(one, time=np.array([np.nextafter(jump, 0.0)]))])
+        (after,) = model.predicted([replace(signal, time=np.array([jump]))])
+        (before,) = earlier.predicted([replace(signal, time=np.array([np.nextafter(jump, 0.0)]))])
         size = float((after - before)[0]) or np.finfo(float).tiny
-        larger = near_jump(one.time, model.motion, jump) & (np.abs(size) > np.abs(sizes))
-        sizes = np.where(larger, np.where(one.time < jump, size, -size), sizes)
+        larger = near_jump(signal.time, model.motion, jump) & (np.abs(size) > np.abs(sizes))
+        sizes = np.where(larger, np.where(signal.time < jump, size, -size), sizes)
     return sizes

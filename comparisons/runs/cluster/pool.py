@@ -44,7 +44,9 @@ class ClusterPool:
     hosts: dict[str, str] = field(default_factory=dict)  # the kind of every machine so far, by its name
     machines: dict[str, DaskMachine] = field(default_factory=dict)  # by the address of the worker that takes jobs
     _threads: dict[str, int] = field(default_factory=dict)
-    _asked: dict[str, futures.Future[object]] = field(default_factory=dict)  # a worker's machine, or an exception
+    _fact_requests: dict[str, futures.Future[object]] = field(
+        default_factory=dict
+    )  # a worker's machine, or an exception
     _preferred: dict[Hashable, str] = field(default_factory=dict)  # machine of each place
     _looked: float = -PULSE
     _seen: float = field(default_factory=time.monotonic)  # when a worker was there
@@ -68,14 +70,14 @@ class ClusterPool:
         if fault := self._difference({name: packages[name] for name in DASK}, DASK):
             raise LinkproofError(f"scheduler {self.address}: {fault}")
         self.refresh()
-        if not self._asked:
+        if not self._fact_requests:
             raise LinkproofError(
                 f"expected workers at {self.address}, got none: start some with: dask worker {self.address} --no-nanny"
             )
-        futures.wait(self._asked.values(), STARTUP_TIMEOUT)
+        futures.wait(self._fact_requests.values(), STARTUP_TIMEOUT)
         self._take_answers()
-        for address, asked in self._asked.items():
-            if fault := self._fault(asked.result() if asked.done() else TimeoutError()):
+        for address, future in self._fact_requests.items():
+            if fault := self._fault(future.result() if future.done() else TimeoutError()):
                 raise LinkproofError(f"worker {address}: {fault}")
         if self.alone and any(self._answer(self.client.scheduler.processing, workers=None).values()):
             raise LinkproofError(f"expected idle workers at {self.address} for timed runs, got some at work: wait")
@@ -90,7 +92,9 @@ class ClusterPool:
         if time.monotonic() < self._looked + PULSE:
             return False
         self._threads = self._answer(self.client.scheduler.ncores)
-        self._asked = {address: self._asked.get(address) or self._ask(address) for address in self._threads}
+        self._fact_requests = {
+            address: self._fact_requests.get(address) or self._ask(address) for address in self._threads
+        }
         self._take_answers()
         self._looked = time.monotonic()
         if self.machines:
@@ -143,30 +147,32 @@ class ClusterPool:
     def _take_answers(self) -> None:
         """Find the workers that have answered by now, and can do the jobs; ``alone`` takes one of each machine."""
         self.machines = {}
-        for address, found in [(address, asked.result()) for address, asked in self._asked.items() if asked.done()]:
-            if isinstance(found, DaskMachine) and not self._fault(found):
-                self.hosts[found.host] = found.kind
-                if not self.alone or found.host not in {machine.host for machine in self.machines.values()}:
-                    self.machines[address] = found
+        for address, result in [
+            (address, future.result()) for address, future in self._fact_requests.items() if future.done()
+        ]:
+            if isinstance(result, DaskMachine) and not self._fault(result):
+                self.hosts[result.host] = result.kind
+                if not self.alone or result.host not in {machine.host for machine in self.machines.values()}:
+                    self.machines[address] = result
 
-    def _fault(self, found: object) -> str:
+    def _fault(self, result: object) -> str:
         """Why a worker cannot do the jobs of this process; empty if it can."""
-        if isinstance(found, ImportError):
-            return f"expected linkproof, as here, got none ({found}): install the same there"
-        if not isinstance(found, DaskMachine):
-            return f"expected its versions, got {type(found).__name__}: {found}; restart it"
-        if found.is_daemon:
+        if isinstance(result, ImportError):
+            return f"expected linkproof, as here, got none ({result}): install the same there"
+        if not isinstance(result, DaskMachine):
+            return f"expected its versions, got {type(result).__name__}: {result}; restart it"
+        if result.is_daemon:
             return (
                 "expected one that may start processes, which keep engines apart, got a daemonic one: start it with "
                 "DASK_DISTRIBUTED__WORKER__DAEMON=False in its environment, or with --no-nanny"
             )
-        kinds = [kind for kind in self.hosts.values() if self.alone and kind != found.kind]
+        kinds = [kind for kind in self.hosts.values() if self.alone and kind != result.kind]
         if kinds:
             return (
-                f"expected machines of one kind, so that times are comparable, got {found.kind} beside {kinds[0]}: "
+                f"expected machines of one kind, so that times are comparable, got {result.kind} beside {kinds[0]}: "
                 "measure on each of them into a folder of its own and join these with: linkproof merge"
             )
-        return self._difference(found.versions, {**self.here.versions, **found.versions})
+        return self._difference(result.versions, {**self.here.versions, **result.versions})
 
     def _difference(self, versions: Mapping[str, str], names: Iterable[str]) -> str:
         for name in names:
@@ -208,19 +214,19 @@ class Dispatcher:
             if not (self.submitted or self.waiting):
                 return
             try:
-                future, found = self.arrived.get(timeout=PULSE)
+                future, result = self.arrived.get(timeout=PULSE)
             except Empty:
                 continue
             job, workers = self.submitted.pop(future)
             number = job[0]
-            if isinstance(found, bytes):
-                yield number, pickle.loads(found)
-            elif isinstance(found, _RECALLED) and self.attempts[number] < ATTEMPTS:
+            if isinstance(result, bytes):
+                yield number, pickle.loads(result)
+            elif isinstance(result, _RECALLED) and self.attempts[number] < ATTEMPTS:
                 self.waiting.appendleft(job)
-            elif isinstance(found, (*_RECALLED, KilledWorker)):
+            elif isinstance(result, (*_RECALLED, KilledWorker)):
                 yield number, Lost(Failure.CRASHED, "all Dask workers that ran it have died")
             else:
-                reason = f"expected a result, got {type(found).__name__}: {found}; restart them"
+                reason = f"expected a result, got {type(result).__name__}: {result}; restart them"
                 raise LinkproofError(f"workers {', '.join(workers)}: {reason}")
 
     def close(self) -> None:
@@ -259,7 +265,7 @@ class Dispatcher:
         its creation.
         """
         try:
-            found: object = await future
+            result: object = await future
         except BaseException as error:  # that of a future that is cancelled is an interruption by its type
-            found = error
-        self.arrived.put((future, found))
+            result = error
+        self.arrived.put((future, result))

@@ -44,25 +44,29 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
     check_scheduler(scheduler)
     if scheduler is not None and options.costs:
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
-    asked = request(_campaign(options))
-    wanted = _request(options, asked)
+    requested = request(_campaign(options))
+    wanted = _request(options, requested)
     with (
         closing(LastingPool()) as here,
         opened(scheduler, here, alone=True) as pool,
         interruptible(out) as counting,
     ):
-        kept = journal(out, wanted.command, asked.engines, asked.linkages, resume=destination.resume) if out else None
+        records = (
+            journal(out, wanted.command, requested.engines, requested.linkages, resume=destination.resume)
+            if out
+            else None
+        )
         wanted = replace(wanted, pool=pool)
         with destination.progress() as announce:
-            found = measure_all(wanted, counting(announce), kept)
-        destination.write_json(found.told)
+            result = measure_all(wanted, counting(announce), records)
+        destination.write_json(result.as_dict)
         if out:
-            save(out, found)
+            save(out, result)
             destination.write_pages()
-        if kept:
-            kept.clear()
-    destination.print_out(printout(found, options.quantity))
-    return bench_exit_code(found.records, wanted.engines)
+        if records:
+            records.clear()
+    destination.print_out(printout(result, options.quantity))
+    return bench_exit_code(result.records, wanted.engines)
 
 
 def _campaign(options: BenchOptions) -> RunsOptions:
@@ -80,19 +84,19 @@ def _campaign(options: BenchOptions) -> RunsOptions:
     return options
 
 
-def _request(options: BenchOptions, asked: CampaignRequest) -> BenchRequest:
-    every = tuple(cases(asked))
+def _request(options: BenchOptions, requested: CampaignRequest) -> BenchRequest:
+    every = tuple(cases(requested))
     quantities = tuple(dict.fromkeys(options.quantity)) or QUANTITIES
     for name in quantities:
         if name not in (*COMPARED, JOINTS):
             raise UnknownNameError("quantity", name, (*COMPARED, JOINTS))
     for case in every:
-        found = chosen(case, quantities)
-        if not found:
+        groups = chosen(case, quantities)
+        if not groups:
             raise LinkproofError(_nothing_to_measure(case, quantities))
-        check_defined(case, [quantity for family in found.values() for quantity in family])
+        check_defined(case, [quantity for family in groups.values() for quantity in family])
     extent, command = QUICK if options.quick else FULL, command_line("bench", options)
-    return BenchRequest(every, asked.engines, quantities, extent=extent, with_costs=options.costs, command=command)
+    return BenchRequest(every, requested.engines, quantities, extent=extent, with_costs=options.costs, command=command)
 
 
 def _nothing_to_measure(case: Case, quantities: Iterable[str]) -> str:

@@ -47,12 +47,12 @@ def compare(
         _ = wanted.tasks  # what cannot run is refused before the folder is touched
     with wanted.running.pool() as pool, interruptible(out) as counting:
         engines, linkages = request.engines, request.linkages
-        kept = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
+        records = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
         with destination.progress() as announce, destination.own_stdout():
-            judged = wanted.compared(pool, announce=counting(announce), journal=kept)
+            judged = wanted.compared(pool, announce=counting(announce), journal=records)
             of_errata = linkages if (destination.json or out) and request.own_regimes else ()
             has_speed = SPEED in (request.quantities or (SPEED,))  # so that its runs serve for printed models too
-            known = kept if has_speed else None
+            known = records if has_speed else None
             errata = list(
                 judge_errata(of_errata, installed(engines), bounds=wanted.running.bounds, pool=pool, journal=known)
             )
@@ -72,8 +72,8 @@ def compare(
     shown = words(judged) if words else printout(judged.runs, judged.figures, notes, wanted.environment)
     destination.print_out(shown)
     code = campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
-    if kept:
-        kept.clear()  # last, since the runs are read from it
+    if records:
+        records.clear()  # last, since the runs are read from it
     return code
 
 
@@ -120,6 +120,6 @@ def _answered(linkages: Sequence[Linkage], records: Sequence[PublishedRecord], d
         answers = list(engine_answers(linkages, installed(engine_names()), announce))
     sources = {linkage.name: linkage.source for linkage in linkages}
     destination.print(*terminal.answered(records, answers, sources))
-    rows = [[asdict(one) for one in part] for part in (records, answers)]
+    rows = [[asdict(record) for record in part] for part in (records, answers)]
     destination.write_json({"records": rows[0], "answers": rows[1], "sources": sources})
     return PASSED

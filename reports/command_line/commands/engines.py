@@ -30,12 +30,12 @@ from reports.requests.options.declaring import command_line
 
 def list_engines(names: Sequence[str], destination: Destination) -> None:
     """Print or write the abilities and read-outs of these engines, of all by default."""
-    told = [_told(adapter) for adapter in engines(names or engine_names())]
-    destination.print(*(part for one in told for part in _shown(one)))
-    destination.write_json({"records": told})
+    tables = [_described(adapter) for adapter in engines(names or engine_names())]
+    destination.print(*(part for table in tables for part in _shown(table)))
+    destination.write_json({"records": tables})
 
 
-def _told(adapter: Engine) -> dict[str, Any]:
+def _described(adapter: Engine) -> dict[str, Any]:
     """What an engine takes and offers, and why it cannot be used here, where it cannot."""
     error = adapter.error if isinstance(adapter, Unusable) else None
     reason = why_unavailable(adapter) if error is None else str(error)
@@ -50,23 +50,23 @@ def _told(adapter: Engine) -> dict[str, Any]:
         "varying_loads": able.varying_loads,
         "massless_bodies": able.massless,
         "settings": [setting.value for setting in Setting if setting in able.settings],
-        "readouts": able.told(),
+        "readouts": able.as_dict(),
         "unusable": reason or "",
     }
 
 
 def _names(types: Iterable[type]) -> list[str]:
-    return sorted(one.__name__ for one in types)
+    return sorted(entry.__name__ for entry in types)
 
 
-def _shown(told: Mapping[str, Any]) -> list[Printed]:
-    version = told["unusable"] or told["version"]
-    control = ", the reference's control, no engine" if told["control"] else ""
+def _shown(table: Mapping[str, Any]) -> list[Printed]:
+    version = table["unusable"] or table["version"]
+    control = ", the reference's control, no engine" if table["control"] else ""
     kinds = ("drives", "joints", "loads", "settings")
     return [
-        Paragraph(f"{told['engine']} ({version}{control})", colour="bold"),
-        *(f"  {kind}: {', '.join(told[kind])}" for kind in kinds),
-        readout_table(told["engine"], told["readouts"]),
+        Paragraph(f"{table['engine']} ({version}{control})", colour="bold"),
+        *(f"  {kind}: {', '.join(table[kind])}" for kind in kinds),
+        readout_table(table["engine"], table["readouts"]),
         "",
     ]
 
@@ -99,16 +99,16 @@ def _exported_run(options: ExportOptions) -> str:
     wanted = request(CompareOptions(mechanisms=mechanisms, engine=engine, setting=setting, **vars(options.motion)))
     if not engine:
         raise LinkproofError("expected one --engine to export, got 0: name one")
-    found, settings = cases(wanted), wanted.settings
-    if len(found) != 1 or len(settings) != 1:
-        raise LinkproofError(f"expected one regime and setting, got {len(found)} and {len(settings)}: name one each")
-    return exported(found[0], engine[0], settings[0], command_line("export", options))
+    result, settings = cases(wanted), wanted.settings
+    if len(result) != 1 or len(settings) != 1:
+        raise LinkproofError(f"expected one regime and setting, got {len(result)} and {len(settings)}: name one each")
+    return exported(result[0], engine[0], settings[0], command_line("export", options))
 
 
 def check(name: str, destination: Destination, processes: int | None = None) -> int:
     """Make every check of an engine, print a line of each; returns the exit code. Raises as ``findings``."""
     adapter = engine(name)
-    found = engine_findings(adapter, processes)
-    destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
-    destination.print_out(printout(name, found))
-    return FAILED if any(each.finding is Finding.FAILED for each in found) else PASSED
+    results = engine_findings(adapter, processes)
+    destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in results]})
+    destination.print_out(printout(name, results))
+    return FAILED if any(each.finding is Finding.FAILED for each in results) else PASSED

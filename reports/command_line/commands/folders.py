@@ -18,7 +18,7 @@ from reports.command_line.commands.compare import report as report_saved
 from reports.command_line.destination import Destination
 from reports.document.terminal import show
 from reports.records.differences import difference_printout, study_printout
-from reports.records.findings import verification_printout, verification_told
+from reports.records.findings import verification_as_dict, verification_printout
 from reports.requests import FAILED, PASSED
 
 
@@ -26,10 +26,10 @@ def verify(saved: Path, limits: Path | None, destination: Destination) -> int:
     """Judge a folder anew; returns the exit code: 1 where something differs."""
     destination.check("")
     _refuse_merged(saved)
-    found = verify_folder(saved, limits)
-    destination.write_json(verification_told(found))
-    destination.print_out(verification_printout(found))
-    return FAILED if found.findings else PASSED
+    verification = verify_folder(saved, limits)
+    destination.write_json(verification_as_dict(verification))
+    destination.print_out(verification_printout(verification))
+    return FAILED if verification.findings else PASSED
 
 
 def diff(before: Path, after: Path, destination: Destination) -> int:
@@ -41,7 +41,7 @@ def diff(before: Path, after: Path, destination: Destination) -> int:
     if (is_saved(before) and is_saved(after)) or not studies:
         campaign = difference(load(before, with_sheets=False), load(after, with_sheets=False))
     others = {study.kind: asdict(study) for study in studies}
-    destination.write_json({**(campaign.told if campaign else {}), **others})
+    destination.write_json({**(campaign.as_dict if campaign else {}), **others})
     for printout in (*([difference_printout(campaign)] if campaign else []), *map(study_printout, studies)):
         destination.print_out(printout)
     is_worse = any(move.is_worse for study in studies for move in study.moves)

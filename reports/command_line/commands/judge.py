@@ -35,7 +35,9 @@ def judge(
     """Judge result files, print and write what came of it; returns the exit code."""
     destination.check(PAGE)
     named = files_of(pictures, OutputOptions(json=destination.json))
-    check_files(named, {"the linkage's file": Path(options.mechanism), **{f"'{one}'": one for one in options.results}})
+    check_files(
+        named, {"the linkage's file": Path(options.mechanism), **{f"'{result}'": result for result in options.results}}
+    )
     check_judgement(options)
     if write_mapping is not None:
         _check_is_new(write_mapping, options.mapping)
@@ -98,5 +100,5 @@ def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: st
     lines = [*sentences(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
     lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
     curves = [asdict(curve) for curve in judged_curves(judgement)]
-    told = {**saved_document(request, command), "judgement": lines, "judged_curves": curves}
-    save(folder, told, [run], [usual_sheet(linkage, motions, options.regime)])
+    table = {**saved_document(request, command), "judgement": lines, "judged_curves": curves}
+    save(folder, table, [run], [usual_sheet(linkage, motions, options.regime)])

@@ -48,7 +48,7 @@ def list_names(figures: str | None, numbers: str | None, destination: Destinatio
         _list_figures(figures, destination)
     elif numbers is not None:
         linkage = load(numbers)
-        rows = [(one.name, one.unit, one.value) for one in parameters(linkage).values()]
+        rows = [(parameter.name, parameter.unit, parameter.value) for parameter in parameters(linkage).values()]
         beside = (
             f"speed, {speed_unit(linkage).name}, may be varied too, and tolerances be of a point's length and angle"
         )
@@ -63,8 +63,10 @@ def _list_figures(name: str, destination: Destination) -> None:
 
     mechanism, motion, conditions = steady_case(load(name), SteadyOptions())
     every = named_figures(mechanism, figure_names(mechanism))
-    values = motion.figures(mechanism, {SPEED: np.array([abs(motion.speed)])}, [one.figure for one in every])[:, 0]
-    rows = [(one.name, one.unit, value) for one, value in zip(every, values.tolist(), strict=True)]
+    values = motion.figures(mechanism, {SPEED: np.array([abs(motion.speed)])}, [figure.figure for figure in every])[
+        :, 0
+    ]
+    rows = [(figure.name, figure.unit, value) for figure, value in zip(every, values.tolist(), strict=True)]
     _list("figure", mechanism.linkage, rows, conditions, destination)
 
 
@@ -88,9 +90,9 @@ def list_mechanisms(destination: Destination) -> None:
     project = find_project(Path())
     paths = [os.path.relpath(path) for path in project.linkages] if project else []
     names = (catalogue(), literature(), installed())
-    shelves = {shelf: [load(name) for name in held] for shelf, held in zip(SHELVES, names, strict=False)}
+    shelves = {shelf: [load(name) for name in shelf_names] for shelf, shelf_names in zip(SHELVES, names, strict=False)}
     shelves["project"] = [replace(load(path), name=printable(path)) for path in paths]
-    destination.print(*terminal.catalogue({SHELVES[shelf]: held for shelf, held in shelves.items()}))
+    destination.print(*terminal.catalogue({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()}))
     destination.write_json({"records": [_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
 
 
@@ -113,9 +115,9 @@ def thread(name: str, variant: str | None, required: Path | None, destination: D
         raise LinkproofError(f"'{linkage.name}' has no thread: add a [thread] with its stops to its file")
     mechanism = Mechanism(linkage)
     facts = {"mechanism": linkage.name, "variant": linkage.variant, **thread_facts(mechanism, linkage.thread)}
-    held = compare_feed(mechanism, linkage.thread, read_required_feed(required)) if required else None
-    destination.print(*terminal.thread(facts, held))
-    if held is not None:
-        curves = {name: getattr(held, name).tolist() for name in ("required", "actual", "difference")}
-        facts["comparison"] = {"angle": np.degrees(held.angle).tolist(), **curves}
+    comparison = compare_feed(mechanism, linkage.thread, read_required_feed(required)) if required else None
+    destination.print(*terminal.thread(facts, comparison))
+    if comparison is not None:
+        curves = {name: getattr(comparison, name).tolist() for name in ("required", "actual", "difference")}
+        facts["comparison"] = {"angle": np.degrees(comparison.angle).tolist(), **curves}
     destination.write_json(facts)

@@ -63,19 +63,19 @@ def optimise(options: OptimiseOptions, destination: Destination) -> int:
     return PASSED
 
 
-def _picture(found: Optimum, conditions: str) -> str:
+def _picture(result: Optimum, conditions: str) -> str:
     """The curves before and after."""
     from reports.charts.draw import svg  # noqa: PLC0415 - half a second that nothing else pays for
     from reports.designs.optimum.before_after_picture import Change, before_after_figure  # noqa: PLC0415
 
-    linkage, grid = found.problem.mechanism.linkage, found.problem.tops.grid
+    linkage, grid = result.problem.mechanism.linkage, result.problem.tops.grid
     places = grid / file_unit("m", linkage).size if linkage.is_linear else np.degrees(grid)
     changes = {}
-    for name, (before, after) in found.curves().items():
+    for name, (before, after) in result.curves().items():
         unit = file_unit(signals.unit(name, linkage), linkage)
         changes[name.removesuffix(MAGNITUDE)] = Change(places, before / unit.size, after / unit.size, unit.name)
     axis = f"travel of the drive, {file_unit('m', linkage).name}" if linkage.is_linear else "crank angle φ, °"
-    return svg(before_after_figure(changes, aim(found), conditions, axis=axis), page="white")
+    return svg(before_after_figure(changes, aim(result), conditions, axis=axis), page="white")
 
 
 def _simulate(engines: tuple[str, ...], motion: MotionOptions, destination: Destination, name: str, text: str) -> int:

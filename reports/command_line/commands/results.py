@@ -36,19 +36,19 @@ def results(
     if strict:
         check_slips(linkage)
     case, chosen = requested_results(linkage, options)
-    found = sheet(case, chosen, every_peak=files.json is not None)
-    drawn = found
+    result = sheet(case, chosen, every_peak=files.json is not None)
+    drawn = result
     if files.out is not None or {*PICTURES} & {*named}:
         drawn = page_sheet(case, tuple(case.mechanism.linkage.released) if files.out is not None else ())
     write_files(
-        {file: _content(option, drawn if option in PICTURES else found, files) for option, file in named.items()}
+        {file: _content(option, drawn if option in PICTURES else result, files) for option, file in named.items()}
     )
     if files.out is not None:
         _write_page(files.out, drawn, opens=opens, quiet=quiet)
     if STDOUT not in named.values() and not quiet:
         from reports.designs.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
-        show(*(terminal.key_figures(found) if found.chosen is None else terminal.at_instants(found)))
+        show(*(terminal.key_figures(result) if result.chosen is None else terminal.at_instants(result)))
 
 
 def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:
@@ -72,7 +72,7 @@ def _write_page(out: Path, own: Sheet, *, opens: bool, quiet: bool) -> None:
 
     _claimed = claim(out)  # until the pages are written
     sheets = load_sheets(out) if (out / FILE).is_file() else ()
-    others = [one for one in sheets if (one.name, one.variant) != (own.name, own.variant)]
+    others = [sheet for sheet in sheets if (sheet.name, sheet.variant) != (own.name, own.variant)]
     save_sheets(out, [*others, own])
     write_site(out, processes=0)
     page = out / Contents(out).file_of(own)
@@ -82,22 +82,22 @@ def _write_page(out: Path, own: Sheet, *, opens: bool, quiet: bool) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
-def _content(option: str, found: Sheet, files: ResultsFiles) -> str | bytes:
+def _content(option: str, result: Sheet, files: ResultsFiles) -> str | bytes:
     """What the file of an option holds; what writes it is imported where it is needed: half a second or more."""
     if option == "--xlsx":
         from reports.designs.results.workbook import workbook  # noqa: PLC0415
 
-        return workbook(found)
+        return workbook(result)
     if option == "--gif":
         from reports.designs.results.animation import gif  # noqa: PLC0415
 
-        return gif(found)
+        return gif(result)
     if option == "--dxf":
         from reports.designs.results.dxf import dxf  # noqa: PLC0415
 
-        return dxf(found)
+        return dxf(result)
     if option in PICTURES:
         from reports.designs.results.drawing import picture  # noqa: PLC0415
 
-        return picture(found, option.removeprefix("--"), files.figure)
-    return csv_table(found, files.decimal) if option == "--csv" else json_text(found)
+        return picture(result, option.removeprefix("--"), files.figure)
+    return csv_table(result, files.decimal) if option == "--csv" else json_text(result)

@@ -43,18 +43,18 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
         return _alone(options, cells, destination, where)
     wanted, out = _request(options), destination.out
     with closing(LastingPool(where.processes)) as here, where.pool(here) as pool, interruptible(out) as counting:
-        kept = journal(out, wanted.command, wanted.engines, resume=destination.resume) if out else None
+        records = journal(out, wanted.command, wanted.engines, resume=destination.resume) if out else None
         with destination.progress() as announce:
-            found = stress(replace(wanted, pool=pool), counting(announce), kept)
+            result = stress(replace(wanted, pool=pool), counting(announce), records)
         if destination.json:
-            destination.write_json(found.told)
+            destination.write_json(result.as_dict)
         if out:
-            save(out, found)
+            save(out, result)
             destination.write_pages()
-        if kept:
-            kept.clear()
-    destination.print_out(printout(found))
-    return stress_exit_code(found.cells)
+        if records:
+            records.clear()
+    destination.print_out(printout(result))
+    return stress_exit_code(result.cells)
 
 
 def _request(options: StressOptions) -> StressRequest:

@@ -46,16 +46,18 @@ def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) ->
         if folder is None and (files.csv or files.svg):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="linkproof-")))
         saved = None if folder is None else SavedSweep(request, folder, described(request, conditions, command))
-        found = SweepSummary(request, own, _worked(options, destination, request, saved), conditions)
+        summary = SweepSummary(request, own, _worked(options, destination, request, saved), conditions)
         if saved is not None:
             _write_rows(files.csv, saved)
-            _write_pictures(files.svg, destination, saved, found)
+            _write_pictures(files.svg, destination, saved, summary)
             saved.finish(keeps=destination.out is not None)
-    destination.write_json(found.document)
+    destination.write_json(summary.document)
     if STDOUT not in named.values():
         there = [destination.out / name for name in (FILE, PICTURE)] if destination.out else []
         wrote = [f"wrote {path}" for path in there if path.exists()]
-        destination.print_out(Printout([*found.parts, ""], [found.sentence, *wrote] if destination.quiet else wrote))
+        destination.print_out(
+            Printout([*summary.parts, ""], [summary.sentence, *wrote] if destination.quiet else wrote)
+        )
     return _simulate(options, destination, request) if options.simulate else PASSED
 
 
@@ -93,7 +95,7 @@ def _worked(
         destination.progress() as announce,
     ):
         heard = counting(announce)
-        found = sweep_space(
+        summary = sweep_space(
             request if pool is None else replace(request, cores=1),
             pool=pool,
             keep=saved.keep if saved else lambda *_: None,
@@ -101,13 +103,13 @@ def _worked(
             begun=begun,
             announce=lambda number: heard("designs", number, request.space.count),
         )
-    if not found.assembled:
+    if not summary.assembled:
         if saved is not None:
             saved.forget()
         raise LinkproofError(
-            f"expected designs that assemble, got none of {found.designs}, for {why_not(request)}; vary other ranges"
+            f"expected designs that assemble, got none of {summary.designs}, for {why_not(request)}; vary other ranges"
         )
-    return found
+    return summary
 
 
 def _journal(saved: SavedSweep, table: Path | None, *, resume: bool) -> Journal:
@@ -132,7 +134,7 @@ def _write_rows(place: str | None, saved: SavedSweep) -> None:
         write_file(Path(place), write)
 
 
-def _write_pictures(svg: str | None, destination: Destination, saved: SavedSweep, found: SweepSummary) -> None:
+def _write_pictures(svg: str | None, destination: Destination, saved: SavedSweep, summary: SweepSummary) -> None:
     """Write the picture if requested, and into the folder if not ``quiet``."""
     places = [] if svg is None else [svg]
     if destination.out is not None:
@@ -142,6 +144,6 @@ def _write_pictures(svg: str | None, destination: Destination, saved: SavedSweep
     if places:
         from reports.designs.sweep.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that nothing else pays for
 
-        text = sweep_svg(saved.dataset(), found.own_parameters, found.summary.extremes)
+        text = sweep_svg(saved.dataset(), summary.own_parameters, summary.summary.extremes)
         for place in places:
             write_out(text) if place == STDOUT else write_text(Path(place), text)

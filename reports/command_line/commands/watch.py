@@ -89,6 +89,6 @@ class _WatchedFile:
             folder = Path(place)
             html.write_assets(folder)
             html.write(replace(shown, file="index.html", state=state), folder, ())
-            files = [one for one in folder.rglob("*") if one.is_file()]
-            found = {one.relative_to(folder).as_posix(): one.read_bytes() for one in files}
-        return {**found, "state": state.encode()}
+            files = [path for path in folder.rglob("*") if path.is_file()]
+            byteses = {file.relative_to(folder).as_posix(): file.read_bytes() for file in files}
+        return {**byteses, "state": state.encode()}

@@ -44,20 +44,20 @@ def before_after_figure(
 
 def _panel(name: str, change: Change, axis: str) -> Panel:
     curves: list[Curve] = []
-    notes, told = [], []
+    notes, sentences = [], []
     for values, ink, line in ((change.before, "muted", "--"), (change.after, 0, "-")):
         curves.append(Curve(change.places, values, "", ink, line))
         size = np.where(np.isfinite(values), np.abs(values), -1.0)
         place = int(np.argmax(size)) if len(size) else -1
         if place < 0 or size[place] < 0.0:
-            told.append(numbers.ABSENT)
+            sentences.append(numbers.ABSENT)
             continue
         x, y = float(change.places[place]), float(values[place])
         curves.append(Curve(np.array([x]), np.array([y]), "", ink, "", marker="o"))
-        told.append(numbers.figure(y))
-        notes.append(Note(x, y, told[-1]))
+        sentences.append(numbers.figure(y))
+        notes.append(Note(x, y, sentences[-1]))
     turn = axis.endswith("°") and abs(float(np.ptp(change.places)) - TURN) < 0.1 * TURN and change.places[0] > -1.0
     unit = printable(change.unit)
-    title = f"{printable(name)}: peak {' → '.join(told)} {unit}".rstrip()
+    title = f"{printable(name)}: peak {' → '.join(sentences)} {unit}".rstrip()
     label = ", ".join(filter(None, ("value", unit)))
     return Panel(tuple(curves), axis, label, (), tuple(notes), turn=bool(turn), names="", title=title)

@@ -11,7 +11,7 @@ import numpy as np
 from analytic.designs.derivatives import is_exact
 from analytic.written import change, finite
 from comparisons.designs.optimum.optimisation import Optimum
-from comparisons.designs.optimum.problem import KeptFigure
+from comparisons.designs.optimum.problem import Constraint
 from comparisons.designs.optimum.searches import Search
 from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table
@@ -22,76 +22,77 @@ ROUNDED: Final = 1e-8  # share of its size by which a kept figure may be off
 SETTLED: Final = 1e-4  # a residual that a local optimum stays below
 
 
-def printed(found: Optimum, conditions: str) -> list[Printed]:
+def printed(optimum: Optimum, conditions: str) -> list[Printed]:
     """The tables and the lines beneath."""
     return [
-        Paragraph(f"{aim(found)}; {conditions}", colour="bold"),
+        Paragraph(f"{aim(optimum)}; {conditions}", colour="bold"),
         "",
-        _numbers(found),
+        _numbers(optimum),
         "",
-        _figures(found),
+        _figures(optimum),
         "",
-        *_remarks(found),
+        *_remarks(optimum),
     ]
 
 
-def aim(found: Optimum) -> str:
+def aim(optimum: Optimum) -> str:
     """What was looked for, in words."""
-    names, least = ", ".join(one.name for one in found.problem.aims), found.problem.sign > 0.0
-    of_many = f"{'largest' if least else 'least'} of " if len(found.problem.aims) > 1 else ""
+    names, least = ", ".join(named_figure.name for named_figure in optimum.problem.aims), optimum.problem.sign > 0.0
+    of_many = f"{'largest' if least else 'least'} of " if len(optimum.problem.aims) > 1 else ""
     return f"{'least' if least else 'largest'} {of_many}{names}"
 
 
-def _numbers(found: Optimum) -> Table:
+def _numbers(optimum: Optimum) -> Table:
     rows = []
-    for one in found.problem.variables:
-        name, size = one.parameter.name, one.parameter.unit.size
-        at = found.bound(one)
-        outside = "" if one.low <= found.before[name] <= one.high else "the file's value is out of the bounds"
-        told = "; ".join(filter(None, (f"at its {at} bound" if at else "", outside)))
-        values = (one.low, one.high, found.before[name], found.after[name])
+    for variable in optimum.problem.variables:
+        name, size = variable.parameter.name, variable.parameter.unit.size
+        at = optimum.bound(variable)
+        outside = (
+            "" if variable.low <= optimum.before[name] <= variable.high else "the file's value is out of the bounds"
+        )
+        words = "; ".join(filter(None, (f"at its {at} bound" if at else "", outside)))
+        values = (variable.low, variable.high, optimum.before[name], optimum.after[name])
         cells = [figure(value / size, DIGITS) for value in values]
-        rows.append((name, one.parameter.unit.name, *cells, _percent(_relative(*values[2:])), told))
+        rows.append((name, variable.parameter.unit.name, *cells, _percent(_relative(*values[2:])), words))
     return Table("", ("number", "unit", "low", "high", "before", "after", "change", ""), rows, "llrrrrrl")
 
 
-def _figures(found: Optimum) -> Table:
-    kept = {one.figure.name: one for one in found.problem.kept}
-    aims = {one.name for one in found.problem.aims}
+def _figures(optimum: Optimum) -> Table:
+    figures = {constraint.figure.name: constraint for constraint in optimum.problem.constraints}
+    aims = {named_figure.name for named_figure in optimum.problem.aims}
     rows = []
-    for one, before, after, share in zip(found.figures, *found.values, found.change, strict=True):
-        told = [aim_word(found)] if one.name in aims else []
-        told += [f"kept {_range(kept[one.name])}"] if one.name in kept else []
-        cells = (figure(value / one.unit.size, DIGITS) for value in (before, after))
-        rows.append((one.name, one.unit.name, *cells, _percent(float(share)), "; ".join(told)))
+    for entry, before, after, share in zip(optimum.figures, *optimum.values, optimum.change, strict=True):
+        sentences = [aim_word(optimum)] if entry.name in aims else []
+        sentences += [f"kept {_range(figures[entry.name])}"] if entry.name in figures else []
+        cells = (figure(value / entry.unit.size, DIGITS) for value in (before, after))
+        rows.append((entry.name, entry.unit.name, *cells, _percent(float(share)), "; ".join(sentences)))
     return Table("", ("figure", "unit", "before", "after", "change", ""), rows, "llrrrl")
 
 
-def closing(found: Optimum) -> str:
+def closing(optimum: Optimum) -> str:
     """The outcome in one sentence: the aim before and after, and the numbers that give it."""
-    sign, many = found.problem.sign, len(found.problem.aims)
-    before, after = (sign * max((sign * values[:many]).tolist()) for values in found.values)
-    unit = found.problem.aims[0].unit
+    sign, many = optimum.problem.sign, len(optimum.problem.aims)
+    before, after = (sign * max((sign * values[:many]).tolist()) for values in optimum.values)
+    unit = optimum.problem.aims[0].unit
     numbers = (
-        f"{one.parameter.name} {figure(found.after[one.parameter.name] / one.parameter.unit.size, DIGITS)} "
-        f"{one.parameter.unit.name}".rstrip()
-        for one in found.problem.variables
+        f"{part.name} {figure(optimum.after[part.name] / part.unit.size, DIGITS)} {part.unit.name}".rstrip()
+        for part in (variable.parameter for variable in optimum.problem.variables)
     )
     ends = " to ".join(figure(value / unit.size, DIGITS) for value in (before, after))
-    return f"{aim(found)}: from {ends} {unit.name} at {', '.join(numbers)}".replace("  ", " ")
+    return f"{aim(optimum)}: from {ends} {unit.name} at {', '.join(numbers)}".replace("  ", " ")
 
 
-def aim_word(found: Optimum) -> str:
+def aim_word(optimum: Optimum) -> str:
     """What was done with the aim."""
-    return "minimised" if found.problem.sign > 0.0 else "maximised"
+    return "minimised" if optimum.problem.sign > 0.0 else "maximised"
 
 
-def _range(one: KeptFigure) -> str:
-    low, high = (figure(end / one.figure.unit.size, DIGITS) for end in (one.low, one.high))
-    if one.is_equal:
+def _range(constraint: Constraint) -> str:
+    low, high = (figure(end / constraint.figure.unit.size, DIGITS) for end in (constraint.low, constraint.high))
+    if constraint.is_equal:
         return f"at {low}"
-    return " ".join([*([f"from {low}"] if math.isfinite(one.low) else []),
-                     *([f"to {high}"] if math.isfinite(one.high) else [])])  # fmt: skip
+    return " ".join([*([f"from {low}"] if math.isfinite(constraint.low) else []),
+                     *([f"to {high}"] if math.isfinite(constraint.high) else [])])  # fmt: skip
 
 
 def _relative(before: float, after: float) -> float:
@@ -102,9 +103,9 @@ def _percent(share: float) -> str:
     return change(share) if math.isfinite(share) else ""
 
 
-def _remarks(found: Optimum) -> Iterator[Printed]:
+def _remarks(optimum: Optimum) -> Iterator[Printed]:
     """How the search went."""
-    search, problem = found.search, found.problem
+    search, problem = optimum.search, optimum.problem
     way = "exact derivatives" if is_exact(problem.mechanism) else "differences"
     grid = len(problem.tops.grid)
     sampled = f", {search.counter.sampled} sampled designs" if search.counter.sampled else ""
@@ -112,16 +113,16 @@ def _remarks(found: Optimum) -> Iterator[Printed]:
         f"Method: {search.method}, {way}, extremes refined. Evaluated: {search.counter.gradients} designs with "
         f"derivatives at {grid} angles each{sampled}."
     )
-    if found.is_fixed:
-        names = ", ".join(one.parameter.name for one in problem.variables)
-        kept = ", ".join(one.figure.name for one in problem.kept if one.is_equal)
-        yield f"Nothing is left to vary: {kept} alone determines {names}. Vary more numbers, or hold a range, LOW:HIGH."
+    if optimum.is_fixed:
+        names = ", ".join(variable.parameter.name for variable in problem.variables)
+        name = ", ".join(constraint.figure.name for constraint in problem.constraints if constraint.is_equal)
+        yield f"Nothing is left to vary: {name} alone determines {names}. Vary more numbers, or hold a range, LOW:HIGH."
     else:
         yield from _optimality(search)
     if len(search.ends) > 1:
-        yield _starts(found)
-    if found.step:
-        yield _rounding(found)
+        yield _starts(optimum)
+    if optimum.step:
+        yield _rounding(optimum)
 
 
 def _optimality(search: Search) -> Iterator[str]:
@@ -135,68 +136,78 @@ def _optimality(search: Search) -> Iterator[str]:
         yield f"This is no smooth local optimum: the search could go no further, {why}."
 
 
-def _rounding(found: Optimum) -> str:
+def _rounding(optimum: Optimum) -> str:
     """What whole steps cost: the aim, and what is not kept for them."""
-    many = len(found.problem.aims)
-    before, after = (max((found.problem.sign * values[:many]).tolist()) for values in (found.exact, found.values[1]))
+    many = len(optimum.problem.aims)
+    before, after = (
+        max((optimum.problem.sign * values[:many]).tolist()) for values in (optimum.exact, optimum.values[1])
+    )
     cost = change((after - before) / abs(before)) if before else ""
-    after_of = dict(zip((one.name for one in found.figures), found.values[1].tolist(), strict=True))
+    after_of = dict(
+        zip((named_figure.name for named_figure in optimum.figures), optimum.values[1].tolist(), strict=True)
+    )
     missed = [
-        f"{one.figure.name} by {figure(by / one.figure.unit.size)} {one.figure.unit.name}".rstrip()
-        for one, size in zip(found.problem.kept, found.problem.kept_sizes, strict=True)
-        if (by := float(one.missed(np.asarray(after_of[one.figure.name])))) > ROUNDED * size
+        f"{constraint.figure.name} by {figure(by / constraint.figure.unit.size)} {constraint.figure.unit.name}".rstrip()
+        for constraint, size in zip(optimum.problem.constraints, optimum.problem.constraint_sizes, strict=True)
+        if (by := float(constraint.missed(np.asarray(after_of[constraint.figure.name])))) > ROUNDED * size
     ]
-    kept = (
+    name = (
         f"; it misses {', '.join(missed)}"
         if missed
-        else ", and the held figures stay within their ranges" * bool(found.problem.kept)
+        else ", and the held figures stay within their ranges" * bool(optimum.problem.constraints)
     )
-    return f"Rounded: lengths are multiples of {found.step}, which costs {cost} of the aim{kept}."
+    return f"Rounded: lengths are multiples of {optimum.step}, which costs {cost} of the aim{name}."
 
 
-def _starts(found: Optimum) -> str:
+def _starts(optimum: Optimum) -> str:
     """Where the searches ended."""
-    ends = [one for one in found.search.ends if one is not None]
-    elsewhere = found.search.elsewhere
-    feasible = [one for one in elsewhere if one.is_feasible]
-    sentence = f"Starts: {len(found.search.ends)}; {len(ends) - len(elsewhere)} ended at this optimum"
+    ends = [end for end in optimum.search.ends if end is not None]
+    elsewhere = optimum.search.elsewhere
+    feasible = [end for end in elsewhere if end.is_feasible]
+    sentence = f"Starts: {len(optimum.search.ends)}; {len(ends) - len(elsewhere)} ended at this optimum"
     if feasible:
-        worse = [(one.aim - found.end.aim) / abs(found.end.aim or 1.0) for one in feasible]
+        worse = [(end.aim - optimum.end.aim) / abs(optimum.end.aim or 1.0) for end in feasible]
         sentence += f", {len(feasible)} at others, worse by {_percent(min(worse))} to {_percent(max(worse))}"
     if len(elsewhere) > len(feasible):
         sentence += f", {len(elsewhere) - len(feasible)} where a held figure is outside its range"
-    if len(ends) < len(found.search.ends):
-        sentence += f", {len(found.search.ends) - len(ends)} could not be assembled"
+    if len(ends) < len(optimum.search.ends):
+        sentence += f", {len(optimum.search.ends) - len(ends)} could not be assembled"
     return f"{sentence}."
 
 
-def document(found: Optimum, command: str, conditions: str) -> dict[str, Any]:
+def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
     """The same as plain data; SI, angles in rad, nothing in place of what is not finite."""
-    problem, search = found.problem, found.search
+    problem, search = optimum.problem, optimum.search
     numbers = [
-        {"name": one.parameter.name, "low": one.low, "high": one.high, "before": found.before[one.parameter.name],
-         "after": found.after[one.parameter.name], "bound": found.bound(one) or None}
-        for one in problem.variables
+        {"name": variable.parameter.name, "low": variable.low, "high": variable.high,
+         "before": optimum.before[variable.parameter.name], "after": optimum.after[variable.parameter.name],
+         "bound": optimum.bound(variable) or None}
+        for variable in problem.variables
     ]  # fmt: skip
     figures = [
-        {"name": one.name, "before": finite(before), "after": finite(after), "change": finite(share)}
-        for one, before, after, share in zip(found.figures, *found.values.tolist(), found.change.tolist(), strict=True)
+        {"name": entry.name, "before": finite(before), "after": finite(after), "change": finite(share)}
+        for entry, before, after, share in zip(
+            optimum.figures, *optimum.values.tolist(), optimum.change.tolist(), strict=True
+        )
     ]
-    kept = [{"name": one.figure.name, "low": finite(one.low), "high": finite(one.high)} for one in problem.kept]
+    tables = [
+        {"name": constraint.figure.name, "low": finite(constraint.low), "high": finite(constraint.high)}
+        for constraint in problem.constraints
+    ]
     ends = [
-        one and {"numbers": problem.numbers(one.place), "aim": problem.sign * one.aim * problem.aim_size,
-                 "is_kept": one.is_feasible}
-        for one in search.ends
+        end and {"numbers": problem.numbers(end.place), "aim": problem.sign * end.aim * problem.aim_size,
+                 "is_kept": end.is_feasible}
+        for end in search.ends
     ]  # fmt: skip
     return {
         "command": command,
         "mechanism": problem.mechanism.linkage.name,
         "variant": problem.mechanism.linkage.variant,
         "conditions": conditions,
-        "aim": {aim_word(found): [one.name for one in problem.aims]},
-        "kept": kept,
+        "aim": {aim_word(optimum): [named_figure.name for named_figure in problem.aims]},
+        "kept": tables,
         "numbers": numbers,
-        "rounded_to": found.step or None,
+        "rounded_to": optimum.step or None,
         "figures": figures,
         "search": {
             "method": search.method,
@@ -205,7 +216,7 @@ def document(found: Optimum, command: str, conditions: str) -> dict[str, Any]:
             "designs_with_derivatives": search.counter.gradients,
             "designs_sampled": search.counter.sampled,
             "residual": search.residual,
-            "nothing_to_vary": found.is_fixed,
+            "nothing_to_vary": optimum.is_fixed,
             "ends": ends,
         },
     }

@@ -61,7 +61,9 @@ def _everything(sheet: Sheet) -> Figure:
         signals = [name for name in CURVES if name in sheet.values]
         if signals:
             curves = stacked(sheet, signals, UPPER)
-            titles = [replace(one, title=_title(sheet, name)) for one, name in zip(curves.panels, signals, strict=True)]
+            titles = [
+                replace(panel, title=_title(sheet, name)) for panel, name in zip(curves.panels, signals, strict=True)
+            ]
             draw.place(right, replace(curves, panels=tuple(titles)))
         if vectors:
             draw.place(lower[0], Chart(tuple(_hodograph(sheet, name) for name in vectors), columns=PER_ROW))
@@ -102,13 +104,13 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
     if positions is not None and name in SCHEMES:
         scheme = KinematicScheme(sheet.linkage, positions)
         return scaled_figure(scheme, scheme.extent, SCHEMES[name], COLUMN)
-    found = _chart(sheet, name) if name not in SCHEMES else Chart(())
-    if not found.panels:
+    result = _chart(sheet, name) if name not in SCHEMES else Chart(())
+    if not result.panels:
         raise LinkproofError(
             f"--figure {name}: expected a linkage that has what it shows, got '{sheet.name}', which does not; "
             "choose another figure"
         )
-    return draw.figure(found, COLUMN)
+    return draw.figure(result, COLUMN)
 
 
 def _chart(sheet: Sheet, name: str) -> Chart:

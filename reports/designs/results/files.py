@@ -50,7 +50,7 @@ def json_text(sheet: Sheet) -> str:
         "units": sheet.units,
         "values": {name: plain(values) for name, values in sheet.table.items()},
         "peaks": {name: {"value": peak.value, "at": sheet.at(peak)} for name, peak in sheet.peaks.items()},
-        "figures": {name: [vars(one) for one in rows] for name, rows in sheet.figures.items()},
+        "figures": {name: [vars(row) for row in rows] for name, rows in sheet.figures.items()},
         "warnings": list(warnings(sheet.linkage)),
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"

@@ -37,8 +37,13 @@ def _output(sheet: Sheet) -> Iterator[Table]:
     if sheet.linkage.output is not None:
         head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
         rows = [
-            (one.what, number(sheet, one), sheet.unit_of(one).name, *place_cells(sheet, one))
-            for one in sheet.figures["output"]
+            (
+                signal_figure.what,
+                number(sheet, signal_figure),
+                sheet.unit_of(signal_figure).name,
+                *place_cells(sheet, signal_figure),
+            )
+            for signal_figure in sheet.figures["output"]
         ]
         yield Table("", head, rows, "lrlr")
 
@@ -62,16 +67,19 @@ def _of_kind(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
     """A table of all signals of a kind, a row for every part and instant."""
     parts = dict.fromkeys(name.rpartition(":")[0] for name in sheet.units if name.startswith(f"{kind}:"))
     components = [f":{component}" for component in COMPONENTS[kind]] + ([MAGNITUDE] if "force" in kind else [])
-    labels = ["|F|" if one == MAGNITUDE else f"F{one[1:]}" if "force" in kind else one[1:] for one in components]
+    labels = [
+        "|F|" if component == MAGNITUDE else f"F{component[1:]}" if "force" in kind else component[1:]
+        for component in components
+    ]
     rows: list[tuple[str, ...]] = []
     for part in parts:
-        columns = [_column(sheet, part + one) for one in components]
+        columns = [_column(sheet, part + component) for component in components]
         name = part.partition(":")[2] or "shaking"
         for row, (where, cells) in enumerate(zip(_instants(sheet), zip(*columns, strict=True), strict=True)):
             rows.append(("" if row else name, *where, *cells))
     if parts:
         first = next(iter(parts))
-        named = (_headed(sheet, first + one, label) for one, label in zip(components, labels, strict=True))
+        named = (_headed(sheet, first + key, label) for key, label in zip(components, labels, strict=True))
         yield Table("", (title, *places(sheet), *named), rows)
 
 

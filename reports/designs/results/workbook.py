@@ -48,7 +48,7 @@ def _number(value: float | None) -> float | None:
 
 def _key_figures(sheet: Sheet) -> Iterator[Sequence[Cell]]:
     """What the tables of the terminal say, a row for each number."""
-    for one in (one for rows in sheet.figures.values() for one in rows):
-        what = f"{one.what} on {one.on}" if one.on else one.what
-        phi = None if one.phi is None else sheet.angle(one.phi)
-        yield what, one.signal, sheet.shown(one), sheet.unit_of(one).name, phi, one.time
+    for figure in (row for rows in sheet.figures.values() for row in rows):
+        what = f"{figure.what} on {figure.on}" if figure.on else figure.what
+        phi = None if figure.phi is None else sheet.angle(figure.phi)
+        yield what, figure.signal, sheet.shown(figure), sheet.unit_of(figure).name, phi, figure.time

@@ -112,7 +112,7 @@ class DrawnDesigns:
         """The file's own numbers by parameter if they lie among the designs, else nothing."""
         place = tuple(self.own.get(name, math.nan) for name in self.parameters)
         ends = [(np.min(values), np.max(values)) for values in map(self.values, self.parameters)]
-        return place if all(low <= one <= high for one, (low, high) in zip(place, ends, strict=True)) else ()
+        return place if all(low <= value <= high for value, (low, high) in zip(place, ends, strict=True)) else ()
 
     @property
     def head(self) -> tuple[str, ...]:

@@ -43,7 +43,7 @@ def parallel_figure(designs: DrawnDesigns) -> Figure:
     names = (*designs.parameters, *designs.figures)
     values = np.stack([designs.values(name) for name in names], axis=1)
     spans = [designs.span(name) if name in designs.figures else None for name in names]
-    ends = np.array([_ends(values[:, n] if one is None else np.array(one)) for n, one in enumerate(spans)])
+    ends = np.array([_ends(values[:, n] if numbers is None else np.array(numbers)) for n, numbers in enumerate(spans)])
     low, size = ends[:, 0], np.ptp(ends, axis=1)
     labelled = tuple(designs.label(name) for name in names)
     lines = Lines(labelled, ends, (values - low) / size, len(designs.parameters), designs.best(designs.figures[0]))

@@ -83,7 +83,7 @@ def _maps(designs: DrawnDesigns) -> Chart:
         marks = own if best is None else [*own, _star("", across[column], upward[row])]
         surface = Surface(*edges, values.T, designs.scale(name), designs.span(name))
         whole = Hatch(edges[0][[[0, -1]]][: bool(designs.failing(name))])
-        outlined = [mark for one in marks for mark in (replace(one, ink="paper", size=one.size + 3.0), one)]
+        outlined = [mark for curve in marks for mark in (replace(curve, ink="paper", size=curve.size + 3.0), curve)]
         panels.append(Panel(tuple(outlined), *axes, names="", title=designs.label(name), hatch=whole, surface=surface))
     height = MAP * -(-len(panels) // columns) * (1.25 if columns < 3 else 1.0)
     key = _key(designs, _marker(OWN, (0.0, 0.0), *DIAMOND))

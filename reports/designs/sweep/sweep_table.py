@@ -18,7 +18,10 @@ ROWS: Final = 10_000  # made into text at once
 def csv_rows(saved: SavedSweep) -> Iterator[str]:
     """A line per design, block by block, a column per parameter and figure, headed by name and unit."""
     request, head = saved.request, io.StringIO()
-    columns = [*(one.shown for one in request.space.parameters), *(one.shown for one in request.figures)]
+    columns = [
+        *(parameter.shown for parameter in request.space.parameters),
+        *(figure.shown for figure in request.figures),
+    ]
     csv.writer(head, lineterminator="\n").writerow(map(csv_text, columns))
     yield head.getvalue()
     row = ",".join(["%.15g"] * len(columns)) + "\n"

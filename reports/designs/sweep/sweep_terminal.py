@@ -34,15 +34,18 @@ class SweepSummary:
     @property
     def own_parameters(self) -> dict[str, float]:
         """The parameters of the file's own design."""
-        return {one.name: self.request.own[one.name] / one.unit.size for one in self.request.space.parameters}
+        return {
+            parameter.name: self.request.own[parameter.name] / parameter.unit.size
+            for parameter in self.request.space.parameters
+        }
 
     @property
     def parts(self) -> list[Printed]:
         """Conditions, number of designs, a table of the figures."""
-        shown = [one.shown.replace(" [", " ").removesuffix("]") for one in self.request.space.parameters]
+        shown = [parameter.shown.replace(" [", " ").removesuffix("]") for parameter in self.request.space.parameters]
         rows = [
-            (one.shown if what == LEAST else "", what, figure(value, 6), *map(printed, where))
-            for number, one in enumerate(self.request.figures)
+            (named_figure.shown if what == LEAST else "", what, figure(value, 6), *map(printed, where))
+            for number, named_figure in enumerate(self.request.figures)
             for what, value, where in self._ends(number)
         ]
         table = Table("", ["figure", "design", "value", *shown], rows, "llr")
@@ -51,46 +54,46 @@ class SweepSummary:
     @property
     def sentence(self) -> str:
         """How many designs there are, how many of them assemble, and between which values."""
-        space, found = self.request.space, self.summary
+        space, result = self.request.space, self.summary
         count = _grouped(space.count)
         if isinstance(space, Grid) and len(space.shape) > 1:
             count = f"{count} ({' × '.join(map(_grouped, space.shape))})"
-        if found.assembled == found.designs:
+        if result.assembled == result.designs:
             return (
                 f"{count} designs, all of which assemble at every angle"
                 if space.count > 1
                 else ("1 design, which assembles at every angle")
             )
-        share = math.floor(1e3 * found.assembled / found.designs) / 10.0
+        share = math.floor(1e3 * result.assembled / result.designs) / 10.0
         where = ", ".join(
-            f"{one.name} from {printed(least)} to {printed(most)} {one.unit.name}".strip()
-            for one, (least, most) in zip(space.parameters, found.reach.tolist(), strict=True)
+            f"{parameter.name} from {printed(least)} to {printed(most)} {parameter.unit.name}".strip()
+            for parameter, (least, most) in zip(space.parameters, result.reach.tolist(), strict=True)
         )
-        return f"{count} designs, of which {_grouped(found.assembled)} ({share:g} %) assemble at every angle: {where}"
+        return f"{count} designs, of which {_grouped(result.assembled)} ({share:g} %) assemble at every angle: {where}"
 
     @property
     def document(self) -> dict[str, Any]:
         """The same as plain data; what is not finite is null."""
-        space, found = self.request.space, self.summary
-        names = [one.name for one in space.parameters]
+        space, result = self.request.space, self.summary
+        names = [parameter.name for parameter in space.parameters]
         return {
             "mechanism": self.request.linkage.name,
             "variant": self.request.linkage.variant,
             "conditions": self.conditions,
-            "designs": found.designs,
-            "assembled": found.assembled,
+            "designs": result.designs,
+            "assembled": result.assembled,
             "parameters": {
-                one.name: {"units": one.unit.name, "least": low, "largest": high, "assembles": reach}
-                for one, (low, high), reach in zip(
-                    space.parameters, space.ends.tolist(), found.reach.tolist(), strict=True
+                parameter.name: {"units": parameter.unit.name, "least": low, "largest": high, "assembles": reach}
+                for parameter, (low, high), reach in zip(
+                    space.parameters, space.ends.tolist(), result.reach.tolist(), strict=True
                 )
             },
             "figures": {
-                one.name: {"units": one.unit.name} | {
+                named_figure.name: {"units": named_figure.unit.name} | {
                     what.removeprefix("file's "): {"value": finite(value), "at": dict(zip(names, where, strict=False))}
                     for what, value, where in self._ends(number)
                 }
-                for number, one in enumerate(self.request.figures)
+                for number, named_figure in enumerate(self.request.figures)
             },
         }  # fmt: skip
 

@@ -26,7 +26,7 @@ def document(study: ToleranceStudy) -> dict[str, Any]:
         "seed": request.seed,
         "assembled": study.assembled,
         "derivatives": study.how,
-        "results": {one.name: _result(study, row) for row, one in enumerate(request.figures)},
+        "results": {figure.name: _result(study, row) for row, figure in enumerate(request.figures)},
     }
 
 
@@ -58,13 +58,18 @@ def _cells(study: ToleranceStudy, row: int) -> list[list[Any]]:
     unit = study.request.figures[row].unit
     return [
         [
-            *(one.name, one.parameter.unit.name, one.plus_minus / one.parameter.unit.size, str(one.distribution)),
-            finite(float(study.derivatives[row, column] * one.parameter.unit.size / unit.size)),
+            *(
+                tolerance.name,
+                tolerance.parameter.unit.name,
+                tolerance.plus_minus / tolerance.parameter.unit.size,
+                str(tolerance.distribution),
+            ),
+            finite(float(study.derivatives[row, column] * tolerance.parameter.unit.size / unit.size)),
             finite(float(study.contributions[row, column] / unit.size)),
             finite(float(study.shares[row, column])),
             *plain(study.changes[row, column] / unit.size),
         ]
-        for column, one in enumerate(study.request.tolerances)
+        for column, tolerance in enumerate(study.request.tolerances)
     ]
 
 
@@ -73,9 +78,9 @@ def csv_table(study: ToleranceStudy) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(HEAD)
-    for row, one in enumerate(study.request.figures):
-        nominal = float(study.nominal[row] / one.unit.size)
+    for row, figure in enumerate(study.request.figures):
+        nominal = float(study.nominal[row] / figure.unit.size)
         for cells in _cells(study, row):
-            row_cells = [one.name, one.unit.name, nominal, *cells[:5], study.how, *cells[5:]]
+            row_cells = [figure.name, figure.unit.name, nominal, *cells[:5], study.how, *cells[5:]]
             writer.writerow(csv_text(cell) if isinstance(cell, str) else cell for cell in row_cells)
     return text.getvalue()

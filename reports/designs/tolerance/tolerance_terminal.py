@@ -29,20 +29,22 @@ def printout(study: ToleranceStudy) -> Printout:
 
 
 def _table(study: ToleranceStudy, row: int) -> Table:
-    one = study.request.figures[row]
+    named_figure = study.request.figures[row]
     order = np.argsort(-study.contributions[row], kind="stable")
     rows = [_row(study, row, int(column)) for column in order]
-    return Table(f"{one.shown}: {figure(study.nominal[row] / one.unit.size, 6)}", HEAD, rows, "lrlrlrr")
+    return Table(
+        f"{named_figure.shown}: {figure(study.nominal[row] / named_figure.unit.size, 6)}", HEAD, rows, "lrlrlrr"
+    )
 
 
 def _row(study: ToleranceStudy, row: int, column: int) -> tuple[str, ...]:
-    one, unit = study.request.tolerances[column], study.request.figures[row].unit
+    tolerance, unit = study.request.tolerances[column], study.request.figures[row].unit
     derivative = study.derivatives[row, column]
-    own = one.parameter.unit
+    own = tolerance.parameter.unit
     return (
-        one.name,
-        printed(one.plus_minus / own.size),
-        f"{own.name} {one.distribution}".strip(),
+        tolerance.name,
+        printed(tolerance.plus_minus / own.size),
+        f"{own.name} {tolerance.distribution}".strip(),
         figure(derivative * own.size / unit.size),
         study.how if not np.isnan(derivative) else TIED if study.how == EXACT else NONE,
         figure(study.contributions[row, column] / unit.size),

@@ -53,20 +53,20 @@ class Declared(NamedTuple):
 def declared(options: Any) -> tuple[Declared, ...]:  # noqa: ANN401 - a dataclass
     """The options and arguments of a dataclass, in order."""
     hints = get_type_hints(options, include_extras=True)
-    annotated = [(one, hints[one.name]) for one in fields(options) if get_origin(hints[one.name]) is Annotated]
-    return tuple(Declared(one, *get_args(hint)) for one, hint in annotated)
+    annotated = [(field, hints[field.name]) for field in fields(options) if get_origin(hints[field.name]) is Annotated]
+    return tuple(Declared(field, *get_args(hint)) for field, hint in annotated)
 
 
 def stated(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
     """The repeated options that differ from their defaults, by name, each with its values: none of a flag."""
-    found = {}
-    for one in declared(type(options)):
-        value = getattr(options, one.field.name)
-        if isinstance(one.info, Option) and one.info.repeated and value != one.field.default:
-            found[one.name] = () if isinstance(value, bool) else tuple(map(word, _several(value)))
-            if item(one.kind) is float:
-                found[one.name] = (",".join(found[one.name]),)  # numbers are one word
-    return found
+    groups = {}
+    for option in declared(type(options)):
+        value = getattr(options, option.field.name)
+        if isinstance(option.info, Option) and option.info.repeated and value != option.field.default:
+            groups[option.name] = () if isinstance(value, bool) else tuple(map(word, _several(value)))
+            if item(option.kind) is float:
+                groups[option.name] = (",".join(groups[option.name]),)  # numbers are one word
+    return groups
 
 
 def command_line(command: str, *options: Any) -> str:  # noqa: ANN401 - dataclasses
@@ -74,9 +74,9 @@ def command_line(command: str, *options: Any) -> str:  # noqa: ANN401 - dataclas
     arguments = [
         str(word)
         for each in options
-        for one in declared(type(each))
-        if isinstance(one.info, Argument)
-        for word in _several(getattr(each, one.field.name))
+        for option in declared(type(each))
+        if isinstance(option.info, Argument)
+        for word in _several(getattr(each, option.field.name))
     ]
     given = {name: values for each in options for name, values in stated(each).items()}
     valued = [word for name, values in given.items() for value in values for word in (f"--{name}", value)]
@@ -87,7 +87,7 @@ def command_line(command: str, *options: Any) -> str:  # noqa: ANN401 - dataclas
 def item(kind: Any) -> type | None:  # noqa: ANN401 - a type
     """The type of the members of a tuple, which may be optional; None of what is no tuple."""
     kinds = (kind, *get_args(kind))
-    return next((get_args(one)[0] for one in kinds if get_origin(one) is tuple), None)
+    return next((get_args(entry)[0] for entry in kinds if get_origin(entry) is tuple), None)
 
 
 def _several(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option

@@ -49,7 +49,7 @@ class MotionOptions:
     @property
     def motion(self) -> MotionOptions:
         """The options of the motion alone."""
-        return MotionOptions(**{one.name: getattr(self, one.name) for one in fields(MotionOptions)})
+        return MotionOptions(**{field.name: getattr(self, field.name) for field in fields(MotionOptions)})
 
     @property
     def rpm(self) -> float:

@@ -115,7 +115,7 @@ def test_what_the_baseline_does_not_know_is_said(folder):
 
 
 def test_a_document_holds_limits_figures_and_notes(folder):
-    told = _campaign(folder).told
+    told = _campaign(folder).as_dict
     assert told["limits"][0]["value"] == 0.25
     assert len(told["limits"]) == 1 + len(shipped_limits().rows)
     assert all(one.recorded is None and one.now is not None and one.sentence for one in told["figures"])

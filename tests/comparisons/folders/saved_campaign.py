@@ -29,7 +29,7 @@ def save_campaign(folder, linkage, motion=MOTION, limits=None):
         patch.setattr(campaign, "run_engine", lambda *_: run)
         runs = list(campaign.compare(request))
     judged = judged_campaign(request, runs, Standard(limits or shipped_limits()))
-    save(folder, {**document(request, "linkproof compare"), **judged.told}, judged.runs, [bare_sheet(linkage, "")])
+    save(folder, {**document(request, "linkproof compare"), **judged.as_dict}, judged.runs, [bare_sheet(linkage, "")])
     return folder
 
 

@@ -27,7 +27,7 @@ def stress_test_of_a_line():
 
 def saved(folder, edit=lambda bench, stress: None):
     """A folder with both, as ``edit`` has changed them."""
-    bench, stress = (json.loads(json.dumps(one.told)) for one in (BENCH, stress_test_of_a_line()))
+    bench, stress = (json.loads(json.dumps(one.as_dict)) for one in (BENCH, stress_test_of_a_line()))
     edit(bench, stress)
     for kind, told, rows in (("bench", bench, bench.pop("records")), ("stress", stress, stress.pop("cells"))):
         save_study(folder, kind, told, ((f"{number}", row, {}) for number, row in enumerate(rows)))

@@ -76,7 +76,7 @@ def test_a_table_comes_back_from_its_data(tmp_path):
     path = tmp_path / "limits.toml"
     path.write_text('[[limit]]\nquantities = ["Mkr", "Peq"]\nsettings = ["best"]\nvalue = 1e-3\nreason = "mine"\n')
     table = read_limits(path)
-    assert table_of(json.loads(json.dumps(table.told))) == table
+    assert table_of(json.loads(json.dumps(table.as_dict))) == table
 
 
 def test_a_file_that_cannot_be_read_is_said_in_one_sentence(tmp_path):

@@ -1,5 +1,6 @@
 """A job in a worker costs itself and nothing else, whatever it does."""
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -7,6 +8,7 @@ import sys
 from contextlib import closing
 from functools import partial
 from itertools import count, islice
+from multiprocessing.util import get_temp_dir
 from pathlib import Path
 
 import pytest
@@ -17,7 +19,7 @@ from comparisons.runs import worker_pool
 from comparisons.runs.failures import GIB, SHOW_OUTPUT, Failure, Lost
 from comparisons.runs.worker_pool import WorkerPool
 from comparisons.runs.workers import Bounds, LastingPool, run_jobs
-from tests.comparisons.faults import PATIENCE, Clock, Counting, job, large, wait_for
+from tests.comparisons.faults import PATIENCE, Clock, Counting, job, large, wait_for, work_within
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
 BOUNDS = Bounds(memory=GIB // 16)
@@ -277,3 +279,14 @@ def test_nothing_that_runs_outlives_the_command_and_no_temporary_file(tmp_path, 
         parent.wait(PATIENCE)
     assert wait_for(lambda: not any(map(runs, started)))
     assert wait_for(lambda: not any(temporary.iterdir()))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+def test_a_process_within_another_leaves_the_temporary_files_of_the_other(tmp_path):
+    folder, path = Path(get_temp_dir()), tmp_path / "server"
+    inner = multiprocessing.get_context("spawn").Process(target=work_within, args=(path,))
+    inner.start()
+    inner.join(PATIENCE)
+    assert inner.exitcode == 0
+    assert wait_for(lambda: not runs(int(path.read_text())))
+    assert folder.is_dir()

@@ -9,7 +9,7 @@ from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Verdict
 from engines.contract import Setting
 from reports.campaign.index import index
-from reports.campaign.verdict import CHECKS, OTHER, RELEASED, Trust, listed, verdict
+from reports.campaign.verdict import CHECKS, OTHER, RELEASED, EngineRanking, listed, verdict
 from reports.records.environment import AT_A_TIME
 from tests.reports.made_up_results import changed_results, made_up_results
 
@@ -26,7 +26,7 @@ def results():
 
 
 def test_who_is_within_every_limit_is_trusted_in_everything(results):
-    trusted, nearest, untuned = verdict(Trust(results))
+    trusted, nearest, untuned = verdict(EngineRanking(results))
     count = sum(record.setting == "tuned" for record in (*results.records, *results.invariants))
     assert trusted.startswith("Trust alpha and beta, once tuned, for every quantity compared: all ")
     assert f" {count} errors" in trusted
@@ -38,7 +38,7 @@ def test_who_is_within_every_limit_is_trusted_in_everything(results):
 def test_times_of_runs_side_by_side_say_so(results):
     environment = results.document["environment"] | {AT_A_TIME: "4"}
     beside = Results({**results.document, "environment": environment}, results.runs)
-    assert verdict(Trust(beside))[1].endswith("in the median run, measured while 4 ran.")
+    assert verdict(EngineRanking(beside))[1].endswith("in the median run, measured while 4 ran.")
     assert "the median times of set-up and of stepping, while 4 ran." in str(index(beside, ()))
 
 
@@ -46,8 +46,11 @@ def test_what_the_defaults_do_never_decides(results):
     better = changed_results(
         results, lambda r: replace(r, outcome="passed", error_max=1e-9) if r.setting == "naive" else r
     )
-    assert verdict(Trust(better))[:2] == verdict(Trust(results))[:2]
-    assert verdict(Trust(better))[2] == "At default settings (naive) within the limits of that setting: alpha and beta."
+    assert verdict(EngineRanking(better))[:2] == verdict(EngineRanking(results))[:2]
+    assert (
+        verdict(EngineRanking(better))[2]
+        == "At default settings (naive) within the limits of that setting: alpha and beta."
+    )
 
 
 def test_an_error_over_its_limit_costs_its_own_family_alone(results):
@@ -55,7 +58,7 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
         is_it = (record.engine, record.setting, record.quantity) == ("beta", "tuned", "Mkr")
         return replace(record, outcome=Verdict.OVER_LIMIT.value) if is_it else record
 
-    trust = Trust(changed_results(results, worse))
+    trust = EngineRanking(changed_results(results, worse))
     first = verdict(trust)[0]
     assert first.startswith("Within their limits: alpha, once tuned, for every quantity compared. ")
     assert "Do not trust beta for Mkr/Peq: an error is over its limit" in first
@@ -70,16 +73,16 @@ def test_a_family_without_a_result_and_an_engine_without_any_are_named():
             replace(r, error_max=None, outcome="not-provided") if r.quantity == "Mkr" and r.setting == "tuned" else r
         ),
     )
-    assert "Nothing was judged of beta." in verdict(Trust(results))[0]
-    assert "Mkr/Peq" not in verdict(Trust(half))[1]
+    assert "Nothing was judged of beta." in verdict(EngineRanking(results))[0]
+    assert "Mkr/Peq" not in verdict(EngineRanking(half))[1]
 
 
 def test_one_engine_is_the_nearest_to_nobody():
-    assert not any("Nearest" in line for line in verdict(Trust(made_up(engines=("alpha",)))))
+    assert not any("Nearest" in line for line in verdict(EngineRanking(made_up(engines=("alpha",)))))
 
 
 def test_where_only_naive_ran_it_decides():
-    trust = Trust(made_up(settings=[Setting.NAIVE]))
+    trust = EngineRanking(made_up(settings=[Setting.NAIVE]))
     assert trust.settings == ("naive",)
     assert "Do not trust alpha and beta for S/v/a, Jeq/Teq" in verdict(trust)[0]
     assert not any("At default" in line for line in verdict(trust))
@@ -87,14 +90,14 @@ def test_where_only_naive_ran_it_decides():
 
 def test_a_released_crank_checks_and_foreign_signals_are_families_of_their_own(results):
     named = changed_results(results, lambda r: replace(r, quantity="length of the belt") if r.quantity == "S" else r)
-    assert Trust(named).families == ("Jeq/Teq", "Mkr/Peq", OTHER, CHECKS)
+    assert EngineRanking(named).families == ("Jeq/Teq", "Mkr/Peq", OTHER, CHECKS)
     free = made_up_results([load("two-crank-takeup")], samples=21, quantities=("Jeq",))
     released = changed_results(free, lambda r: replace(r, regime="driven"))
-    assert Trust(released).families == (RELEASED, CHECKS)
+    assert EngineRanking(released).families == (RELEASED, CHECKS)
 
 
 def test_the_control_is_shown_last_and_never_named(results):
-    trust = Trust(changed_results(results, lambda r: replace(r, origin=CONTROL) if r.engine == "alpha" else r))
+    trust = EngineRanking(changed_results(results, lambda r: replace(r, origin=CONTROL) if r.engine == "alpha" else r))
     assert trust.engines == ("beta", "alpha")
     assert "alpha" not in " ".join(verdict(trust))
 
@@ -121,7 +124,7 @@ FIGURE = {
     ],
 )
 def test_nobody_is_trusted_where_anything_is_red(results, told, words):
-    first, second, *rest = verdict(Trust(Results({**results.document, **told}, results.runs)))
+    first, second, *rest = verdict(EngineRanking(Results({**results.document, **told}, results.runs)))
     assert first.startswith(words)
     assert second == "Within their limits: alpha and beta, once tuned, for every quantity compared."
     assert not any("Trust" in line for line in rest)
@@ -134,4 +137,4 @@ def test_nobody_is_trusted_where_another_setting_failed(results, outcome):
     def worse(record):
         return replace(record, setting="best", outcome=outcome) if record.setting == "naive" else record
 
-    assert not any("Trust" in line for line in verdict(Trust(changed_results(results, worse))))
+    assert not any("Trust" in line for line in verdict(EngineRanking(changed_results(results, worse))))

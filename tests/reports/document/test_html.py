@@ -45,7 +45,7 @@ TABLE = Table(
     FOREIGN,
     ("name", "limit", "", "b"),
     (
-        (FOREIGN, "1e-4", TableCell("2e-5", "pass", note="small print", told="more of it"), "x"),
+        (FOREIGN, "1e-4", TableCell("2e-5", "pass", note="small print", tooltip="more of it"), "x"),
         ("y", TableCell("gone", span=3)),
     ),
     "lr",

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import Drawn, Page, PageFigure, PageLink, Paragraph, Section, Widget
-from reports.site.single_file import one_page, write_single_file
+from reports.site.single_file import joined_page, write_single_file
 from tests.reports.site.test_site import save_campaign
 
 CHART = Chart((Panel((Curve(np.arange(3.0), np.arange(3.0)),)),))
@@ -35,7 +35,7 @@ def found(part, kind):
 
 
 def test_names_stay_apart_and_links_lead_to_them():
-    one = one_page(
+    one = joined_page(
         (
             page("index.html", "mechanisms/a.b.html", "bench.html#s"),
             page("mechanisms/a.b.html", "#s", "index.html#s"),
@@ -77,7 +77,7 @@ def test_the_curves_of_one_regime_at_the_settings_that_matter_are_mailed():
     }
     further = {"0-1": curves("naive", "tuned"), "1-0": curves("tuned")}
     widget = Widget("curves", "w", "", data, further)
-    one = one_page((page("index.html"), Page("a.html", "a", "a", "", (widget,), ())))
+    one = joined_page((page("index.html"), Page("a.html", "a", "a", "", (widget,), ())))
     (mailed,) = (part for part in found(one, Widget) if part.kind == "curves")
     assert mailed.data["curves"]["runs"] == [{"setting": "tuned"}]
     assert mailed.further == {"0-1": curves("tuned")}

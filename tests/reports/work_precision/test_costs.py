@@ -25,9 +25,9 @@ def test_scenes_stand_down_and_engines_across_each_with_its_share_of_the_whole()
     _, table = cost_section(COSTS).parts
     assert table.head == ("scene", "first", "second")
     (_, whole, _), (name, part, failed) = table.rows
-    assert (whole.words, whole.told) == ("50.0 ms (100 %)", "median 100 ms; stepping 12.5 ms, 1400 steps")
+    assert (whole.words, whole.tooltip) == ("50.0 ms (100 %)", "median 100 ms; stepping 12.5 ms, 1400 steps")
     assert (name, part.words) == ("Jeq <alone>", "20.0 ms (40 %)")
-    assert (failed.words, failed.told) == ("unsupported", "it will not")
+    assert (failed.words, failed.tooltip) == ("unsupported", "it will not")
     assert "made-up (base)" in table.caption
     assert "3 runs" in table.caption
     assert "Jeq <alone>: about Jeq <alone>" in table.note

@@ -33,7 +33,7 @@ def test_a_setting_stands_beside_the_cheapest_method_at_its_error():
         "4.0e-4\u00a0in\u00a017.0\u00a0ms",
         "on the front of single runs",
     )
-    assert "plain takes 15.8 ms" in first["tuned"].told
+    assert "plain takes 15.8 ms" in first["tuned"].tooltip
 
 
 def test_settings_alone_are_held_against_nothing_which_is_said_once():
