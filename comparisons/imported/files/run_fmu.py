@@ -20,8 +20,8 @@ def run(file: str, most_numbers: int) -> None:
         sys.exit(f"its input '{inputs[0]}' has no value; let the model itself drive it, and export it again")
     if experiment is None or experiment.stopTime is None:
         sys.exit("it has no stop time; set its default experiment, and export it again")
-    varying = [one for one in variables if one.variability == "continuous" and one.causality == "local"]
-    outputs = {one.name: one for one in [one for one in variables if one.causality == "output"] or varying}
+    varying = [each for each in variables if each.variability == "continuous" and each.causality == "local"]
+    outputs = {each.name: each for each in [each for each in variables if each.causality == "output"] or varying}
     curves = simulate_fmu(file, validate=False, output=[*outputs], remote_platform=None)
     names, units = ["time"], ["s"]
     for name in curves.dtype.names[1:]:
