@@ -33,7 +33,7 @@ def result_tables(path: Path) -> list[ResultTable]:
         every = [ResultTable(name, 1, is_trajectory, tuple(part)) for part in parts if len(part) > 1]
     elif kind == ".fmu":
         time, *outputs = fmu_columns(path)
-        every = [ResultTable(name, 1, not any(one.unit for one in outputs), (time, *outputs))] if outputs else []
+        every = [ResultTable(name, 1, not any(part.unit for part in outputs), (time, *outputs))] if outputs else []
     else:
         for file in sheets(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
             for table in _tables_of(file):
