@@ -21,7 +21,6 @@ def differences(text):
     return {row[0]: abs(float(row[-1])) for row in rows}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("text", SCRIPTS, ids=lambda text: re.search(r"ondsel|simbody|mujoco|pymunk", text)[0])
 def test_a_find_is_still_one(text, shell, tmp_path):
     lay_out(tmp_path)

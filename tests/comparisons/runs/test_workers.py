@@ -10,6 +10,7 @@ from functools import partial
 from itertools import count, islice
 from multiprocessing.util import get_temp_dir
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import given, settings
@@ -252,6 +253,13 @@ def test_what_a_job_has_started_dies_with_its_worker(tmp_path, clock, is_late):
     assert wait_for(lambda: not runs(int(path.read_text())))
 
 
+@pytest.fixture
+def short_folder():
+    """An empty folder whose sockets have paths of no more than the 107 letters that Linux takes."""
+    with TemporaryDirectory(dir="/tmp") as name:
+        yield Path(name)
+
+
 PARENT = """
 import sys
 from comparisons.runs.record_file import passing_records
@@ -266,12 +274,12 @@ list(run_jobs(job, zip(kinds, sys.argv[1:]), processes=3))
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 @pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("send", [os.kill, os.killpg])
-def test_nothing_that_runs_outlives_the_command_and_no_temporary_file(tmp_path, send, by):
-    paths, temporary = [tmp_path / name for name in ("one", "two", "three")], tmp_path / "temporary"
-    temporary.mkdir()
+def test_nothing_that_runs_outlives_the_command_and_no_temporary_file(tmp_path, short_folder, send, by):
+    paths, temporary = [tmp_path / name for name in ("one", "two", "three")], short_folder
     command, environment = [sys.executable, "-c", PARENT, *map(str, paths)], {**ENVIRONMENT, "TMPDIR": str(temporary)}
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, start_new_session=True) as parent:
-        assert wait_for(lambda: all(map(written, paths)))
+        assert wait_for(lambda: parent.poll() is not None or all(map(written, paths)))
+        assert parent.returncode is None, parent.stderr.read()
         started = [int(path.read_text()) for path in paths]
         assert all(map(runs, started))
         assert any(temporary.iterdir())

@@ -3,7 +3,7 @@
 from comparisons.stress.cell_result import StressVerdict
 from reports.document.parts import as_text
 from reports.stress.facts import SIGNS, axis_title
-from reports.stress.tables import MOST_ALONE, border_table, count_table, incident_table, ranking, told, verdict_facts
+from reports.stress.tables import MOST_ALONE, border_table, count_table, incident_table, ranking, summary, verdict_facts
 from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
 
 STRESS = made_up_stress()
@@ -27,14 +27,14 @@ def test_every_verdict_is_counted_and_explained():
 def test_none_missed_is_said_too():
     fine = cells_of([StressVerdict.WITHIN])
     assert dict(verdict_facts(fine).rows)["✗ missed"].startswith("0: ")
-    assert "flagged 0 of them and missed 0. False alarms: 0." in told(fine, "stress_outcome")
-    assert told(fine, "stress_verdict").startswith("No wrong motion goes unnoticed")
+    assert "flagged 0 of them and missed 0. False alarms: 0." in summary(fine, "stress_outcome")
+    assert summary(fine, "stress_verdict").startswith("No wrong motion goes unnoticed")
 
 
 def test_what_is_missed_is_the_verdict():
     found = cells_of([StressVerdict.MISSED, StressVerdict.CAUGHT, StressVerdict.MISSED, StressVerdict.ALARM])
-    assert told(found, "stress_verdict").startswith("Wrong motions that no check flagged: 2: 3 runs")
-    assert told(found, "stress_verdict").endswith("flagged 1; 1 false alarm.")
+    assert summary(found, "stress_verdict").startswith("Wrong motions that no check flagged: 2: 3 runs")
+    assert summary(found, "stress_verdict").endswith("flagged 1; 1 false alarm.")
 
 
 def test_engines_are_ranked_by_what_they_accept_at_the_tuned_setting():
