@@ -38,7 +38,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
     where there is one, one run at a time on a machine.
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
     """
-    destination.check(KIND)
+    destination.check(f"{KIND}.html")
     options = of_project(options)
     out = destination.out
     check_scheduler(scheduler)

@@ -31,7 +31,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     Where no engine is named, those of the project are taken. Raises LinkproofError for anything that does not exist,
     before any cell is made.
     """
-    destination.check(KIND)
+    destination.check(f"{KIND}.html")
     options = of_project(options)
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from analytic.description.loading import catalogue, literature
+from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
 from comparisons.runs.journal import FOLDER
 from comparisons.runs.record_file import RECORDS
@@ -453,3 +454,13 @@ def test_an_interruption_of_any_import_is_one_sentence(module):
 def test_closed_streams_are_no_fault():
     script = f'"{sys.executable}" -m reports.command_line.main schema >&- 2>&-'
     assert subprocess.run(["sh", "-c", script], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("command", ["bench", "stress"])
+def test_a_folder_with_results_takes_new_ones(command, tmp_path, monkeypatch):
+    def begin(*_, **__):
+        raise LinkproofError("the runs begin")
+
+    monkeypatch.setattr(f"reports.command_line.commands.{command}.journal", begin)
+    (tmp_path / command).mkdir()
+    assert linkproof(command, "--quick", "--out", tmp_path).stderr == "linkproof: the runs begin\n"
