@@ -40,7 +40,7 @@ SLOW_SHARE = 0.05
 # Steps, rad, at which a motion is checked before it is run.
 LOOK: Final = math.radians(0.5)
 # Clocks whose truth is kept. A run has no more than two or three, and no other run has the same.
-MOST_CASES: Final = 4
+MOST_CLOCKS: Final = 4
 AT_REST: Final = 1e-9  # of the peak speed
 
 
@@ -164,7 +164,7 @@ class Case:
         """The closed form along the motion, kept so that all quantities on one clock share its work."""
         key = time.tobytes()
         if key not in self._seen:
-            while len(self._seen) >= MOST_CASES:
+            while len(self._seen) >= MOST_CLOCKS:
                 del self._seen[next(iter(self._seen))]
             self._seen[key] = Truth(self.mechanism, self.motion, time)
         return self._seen[key]

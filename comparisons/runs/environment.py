@@ -28,7 +28,7 @@ def environment(engines: Sequence[str] = ()) -> dict[str, str]:
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),
-        **{name: match for name, match in facts.items() if match},
+        **{name: version for name, version in facts.items() if version},
         "machine": f"{platform.system()} {platform.machine()}, {_processor()}, {os.cpu_count()} cores",
         "commit": _commit(),
     }

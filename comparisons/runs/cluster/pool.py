@@ -44,9 +44,8 @@ class ClusterPool:
     hosts: dict[str, str] = field(default_factory=dict)  # the kind of every machine so far, by its name
     machines: dict[str, DaskMachine] = field(default_factory=dict)  # by the address of the worker that takes jobs
     _threads: dict[str, int] = field(default_factory=dict)
-    _fact_requests: dict[str, futures.Future[object]] = field(
-        default_factory=dict
-    )  # a worker's machine, or an exception
+    # Of each worker its machine, or an exception.
+    _fact_requests: dict[str, futures.Future[object]] = field(default_factory=dict)
     _preferred: dict[Hashable, str] = field(default_factory=dict)  # machine of each place
     _looked: float = -PULSE
     _seen: float = field(default_factory=time.monotonic)  # when a worker was there
@@ -147,9 +146,8 @@ class ClusterPool:
     def _take_answers(self) -> None:
         """Find the workers that have answered by now, and can do the jobs; ``alone`` takes one of each machine."""
         self.machines = {}
-        for address, result in [
-            (address, future.result()) for address, future in self._fact_requests.items() if future.done()
-        ]:
+        answers = {address: future.result() for address, future in self._fact_requests.items() if future.done()}
+        for address, result in answers.items():
             if isinstance(result, DaskMachine) and not self._fault(result):
                 self.hosts[result.host] = result.kind
                 if not self.alone or result.host not in {machine.host for machine in self.machines.values()}:

@@ -11,7 +11,7 @@ from analytic.dynamics import joint_forces, reduced
 from analytic.kinematics.dyad_solver import DyadSolver
 from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import chosen_quantities
-from comparisons.reference.case import MOST_CASES, Case
+from comparisons.reference.case import MOST_CLOCKS, Case
 from engines.scene import Channel
 from reports.requests.campaign import request
 from reports.requests.options.campaign import CompareOptions
@@ -100,10 +100,10 @@ def test_the_truth_on_a_clock_is_the_closed_form():
 
 def test_a_case_keeps_the_truth_of_its_latest_clocks_alone_and_travels_without_it():
     case = Case(mechanism(SIX_BAR), MOTION, conditions="as tested")
-    kept = [case.at(TIMES + shift) for shift in 1e-3 * np.arange(MOST_CASES + 2)]
+    kept = [case.at(TIMES + shift) for shift in 1e-3 * np.arange(MOST_CLOCKS + 2)]
     assert case.at(kept[-1].time) is kept[-1]
-    assert case.at(kept[-MOST_CASES].time) is kept[-MOST_CASES]
-    assert len(case._seen) == MOST_CASES
+    assert case.at(kept[-MOST_CLOCKS].time) is kept[-MOST_CLOCKS]
+    assert len(case._seen) == MOST_CLOCKS
     assert case.at(kept[0].time) is not kept[0]
     there = pickle.loads(pickle.dumps(case))
     assert there._seen == {}
