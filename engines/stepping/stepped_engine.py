@@ -102,14 +102,16 @@ class Course(Generic[R]):
 class SteppedEngine(ABC, Generic[World, R]):
     """An adapter that needs only ``build`` and ``follow``.
 
-    ``package`` is what is imported and installed, ``oldest`` its first version that will do; ``settings`` are the
-    recipes by drive, ``studied`` what each method is in one sentence and its recipe, the newcomer's first. ``weights``
-    are those of an extrapolation's runs, but where a test looks whether errors in them are seen.
+    ``package`` is what is imported and installed, as ``distribution`` where that has another name, ``oldest`` its first
+    version that will do; ``settings`` are the recipes by drive, ``studied`` what each method is in one sentence and its
+    recipe, the newcomer's first. ``weights`` are those of an extrapolation's runs, but where a test looks whether
+    errors in them are seen.
     """
 
     name: ClassVar[str]
     is_control: ClassVar[bool] = False
     package: ClassVar[str]
+    distribution: ClassVar[str] = ""
     oldest: ClassVar[str] = ""
     work_unit: ClassVar[str] = ""
     effort_unit: ClassVar[str] = ""
@@ -148,11 +150,11 @@ class SteppedEngine(ABC, Generic[World, R]):
 
     def version(self) -> str | None:
         """As the contract says, like all that follows."""
-        return installed_version(self.package)
+        return installed_version(self.distribution or self.package)
 
     def why_unavailable(self) -> str | None:
         """Why the engine cannot be used here, in one sentence with the cure; nothing is imported."""
-        return why_unusable(self.package, self.name, self.oldest)
+        return why_unusable(self.distribution or self.package, self.name, self.oldest)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
         """One pass, or several extrapolated, by the setting's recipe."""

@@ -74,7 +74,7 @@ class Destination(OutputOptions):
         from reports.site.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
 
         try:
-            self.say(f"report: {write_site(self.out, processes=processes)}")
+            self.remark(f"report: {write_site(self.out, processes=processes)}")
         except LinkproofError as error:
             show(f"the results are saved in '{self.out}', but no pages are written: {error}", stderr=True)
 
@@ -92,9 +92,9 @@ class Destination(OutputOptions):
 
             write_text(self.junit, junit(list(records), figures, departures))
 
-    def say(self, text: str) -> None:
-        """A remark on stderr, unless quiet."""
-        if not self.quiet:
+    def remark(self, text: str) -> None:
+        """Print a remark on stderr, unless it is empty or the run quiet."""
+        if text and not self.quiet:
             show(text, stderr=True)
 
 

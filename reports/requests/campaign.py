@@ -65,6 +65,15 @@ def installed(engines: Sequence[str]) -> list[str]:
     return [name for name, engine in zip(engines, adapters(engines), strict=True) if why_unavailable(engine) is None]
 
 
+def left_out(engines: Sequence[str]) -> str:
+    """A remark on the engines that a run in all installed ``engines`` leaves out; empty where it leaves out none."""
+    present = installed(engine_names())
+    absent = [name for name in engine_names() if name not in present]
+    if not absent or set(engines) != set(present):
+        return ""
+    return f"not installed, left out: {', '.join(absent)} ('linkproof engines' says how to install them)"
+
+
 def named(engines: Sequence[str]) -> tuple[str, ...]:
     """Engines that are named, each once; raises LinkproofError for one that cannot be used here."""
     for adapter in adapters(engines):
@@ -74,9 +83,15 @@ def named(engines: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(engines))
 
 
-def _engines(options: RunsOptions) -> tuple[str, ...]:
-    """Engine names; one that is named and cannot be used is an error, one of the default set is a record."""
-    return named(options.engine) or engine_names()
+def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
+    """The engines of these names, all that are installed where none is named.
+
+    Raises LinkproofError for one that is named and cannot be used, and where none is installed.
+    """
+    chosen = named(names) or tuple(installed(engine_names()))
+    if not chosen:
+        raise LinkproofError("no engine is installed: install one with: pip install 'linkproof[pymunk]'")
+    return chosen
 
 
 def _settings(options: RunsOptions) -> tuple[Setting, ...]:
@@ -106,7 +121,7 @@ def request(options: RunsOptions, known: Sequence[Linkage] = ()) -> CampaignRequ
         linkages=result,
         motions=motions,
         conditions=conditions,
-        engines=_engines(options),
+        engines=requested_engines(options.engine),
         settings=_settings(options),
         quantities=tuple(dict.fromkeys(options.quantity)),
         own_regimes=own_regimes(options, (*result, *known)),

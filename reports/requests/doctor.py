@@ -19,8 +19,9 @@ from analytic.machine_code.printing import Result
 from analytic.machine_code.tracing import OperationList
 from comparisons.campaign.campaign import compare
 from comparisons.campaign.project import FILE, find_project
-from comparisons.judging.records import Record, Verdict
-from engines.registry import engine_names
+from comparisons.judging.records import Record
+from comparisons.runs.plugins import engines
+from engines.registry import engine_names, why_unavailable
 from reports.requests.campaign import request
 from reports.requests.options.campaign import CompareOptions
 
@@ -41,12 +42,13 @@ class Trial:
 def engine_trials() -> list[Trial]:
     """A short run of every engine, the run-up of one of the catalogue's linkages, in worker processes."""
     trial = request(CompareOptions(mechanisms=tuple(catalogue()[:1]), quantity=("Mkr",)))
-    return [_trial(record) for run in compare(trial) for record in run.records]
+    tried = {record.engine: _trial(record) for run in compare(trial) for record in run.records}
+    adapters = engines(engine_names())
+    absent = {each.name: Trial(each.name, "", None, reason) for each in adapters if (reason := why_unavailable(each))}
+    return [(absent | tried)[name] for name in engine_names()]
 
 
 def _trial(record: Record) -> Trial:
-    if record.outcome == Verdict.UNAVAILABLE:
-        return Trial(record.engine, "", None, record.detail)
     if record.error_max is None:
         return Trial(record.engine, record.engine_version, False, f"{record.outcome}: {record.detail}")
     detail = f"simulates; error of the torque {record.error_max:.1e} of its peak, {record.total_seconds:.2g} s"

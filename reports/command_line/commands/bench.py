@@ -20,7 +20,7 @@ from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
 from reports.command_line.interruption import interruptible, journal
-from reports.requests.campaign import request
+from reports.requests.campaign import left_out, request
 from reports.requests.exit_codes import bench_exit_code
 from reports.requests.options.campaign import BenchOptions, RunsOptions
 from reports.requests.options.declaring import command_line
@@ -46,6 +46,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
     requested = request(_campaign(options))
     wanted = _request(options, requested)
+    destination.remark(left_out(requested.engines))
     with (
         closing(LastingPool()) as here,
         opened(scheduler, here, alone=True) as pool,

@@ -24,7 +24,7 @@ from reports.command_line.interruption import interruptible, journal
 from reports.document.terminal import Printout, show
 from reports.mechanism import terminal
 from reports.requests import PASSED, SUITE_ERROR
-from reports.requests.campaign import installed
+from reports.requests.campaign import installed, left_out
 from reports.requests.compare import AS_USUAL, UNBOUND, campaign
 from reports.requests.exit_codes import campaign_exit_code
 from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
@@ -43,6 +43,7 @@ def compare(
     destination.check(PAGE)
     wanted, out = campaign(options, standard, limits), destination.out
     request = wanted.request
+    destination.remark(left_out(request.engines))
     if out:
         _ = wanted.tasks  # what cannot run is refused before the folder is touched
     with wanted.running.pool() as pool, interruptible(out) as counting:
@@ -66,7 +67,7 @@ def compare(
             save(out, saved, judged.runs, sheets(request, bounds=running.bounds, processes=running.processes))
             destination.write_pages(running.processes)
     if wanted.recorded:
-        destination.say(f"baseline: {wanted.recorded}")
+        destination.remark(f"baseline: {wanted.recorded}")
     destination.write_junit(judged.records, judged.figures, judged.departures)
     notes = (*judged.notes, *judged.departures)
     shown = words(judged) if words else printout(judged.runs, judged.figures, notes, wanted.environment)

@@ -48,12 +48,12 @@ def judge(
         if write_mapping is None:
             raise LinkproofError(f"{error}; --write-mapping FILE writes one to fill in") from error
         write_text(write_mapping, error.mapping_text)
-        destination.say(f"mapping to fill in: {write_mapping}")
+        destination.remark(f"mapping to fill in: {write_mapping}")
         raise
     imported = judgement.imported
     if write_mapping is not None:
         write_text(write_mapping, with_proposals(imported.mapping_text, judgement.proposals, imported.units))
-        destination.say(f"mapping: {write_mapping}")
+        destination.remark(f"mapping: {write_mapping}")
     command = command_line("judge", options)
     if destination.out is not None:
         _write_page(options, judgement, command, destination.out)

@@ -59,7 +59,7 @@ def optimise(options: OptimiseOptions, destination: Destination) -> int:
         return _simulate(options.simulate, motion, destination, name, text)
     new = CompareOptions(mechanisms=(str(folder / name) if folder else f"DIR/{name}",), **vars(motion))
     first = "" if folder else "--out DIR writes the new file; "
-    destination.say(f"To check it in an engine: {first}{command_line('compare', new)}")
+    destination.remark(f"To check it in an engine: {first}{command_line('compare', new)}")
     return PASSED
 
 

@@ -13,10 +13,9 @@ from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
 from comparisons.stress.saved import KIND, save
-from engines.registry import engine_names
 from reports.command_line.destination import Destination
 from reports.command_line.interruption import interruptible, journal
-from reports.requests.campaign import installed, named
+from reports.requests.campaign import left_out, requested_engines
 from reports.requests.exit_codes import stress_exit_code
 from reports.requests.options.campaign import RunLimits, StressOptions
 from reports.requests.options.declaring import command_line
@@ -42,6 +41,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     if cells:
         return _alone(options, cells, destination, where)
     wanted, out = _request(options), destination.out
+    destination.remark(left_out(wanted.engines))
     with closing(LastingPool(where.processes)) as here, where.pool(here) as pool, interruptible(out) as counting:
         records = journal(out, wanted.command, wanted.engines, resume=destination.resume) if out else None
         with destination.progress() as announce:
@@ -58,13 +58,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
 
 
 def _request(options: StressOptions) -> StressRequest:
-    engines = named(options.engine) or engine_names()
-    present = tuple(installed(engines))
-    if not present:
-        raise LinkproofError(
-            f"expected an installed engine, got {', '.join(engines) or 'none at all'}: install it with: pip install "
-            f"'linkproof[{engines[0] if engines else 'pymunk'}]'"
-        )
+    present = requested_engines(options.engine)
     axes = tuple(chosen_axes(options.words))
     command = command_line("stress", options)
     return StressRequest(axes, present, options.setting, options.quick, time_limit=options.time_limit, command=command)

@@ -15,7 +15,8 @@ from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine_names
-from reports.requests.campaign import linkages, request
+from reports.requests import campaign
+from reports.requests.campaign import installed, left_out, linkages, request, requested_engines
 from reports.requests.motions import prescribed
 from reports.requests.options.campaign import CompareOptions, RunLimits
 from reports.requests.options.declaring import command_line, stated
@@ -28,8 +29,18 @@ def test_no_words_mean_everything_tuned_on_the_default_ramp():
     assert tuple(linkage.name for linkage in wanted.linkages) == catalogue()
     assert [motion.regime for motion in wanted.motions] == ["run-up"]
     assert wanted.settings == (Setting.TUNED,)
-    assert wanted.engines == engine_names()
+    assert wanted.engines == tuple(installed(engine_names()))
     assert wanted.with_invariants
+
+
+def test_engines_that_are_not_installed_are_left_out_with_a_remark_unless_engines_are_named(monkeypatch):
+    monkeypatch.setattr(campaign, "why_unavailable", lambda adapter: "not here" if adapter.name != "direct" else None)
+    assert request(CompareOptions()).engines == ("direct",)
+    assert left_out(("direct",)).startswith("not installed, left out: drake, exudyn, mujoco")
+    assert left_out(("pymunk",)) == ""
+    monkeypatch.setattr(campaign, "why_unavailable", lambda _: "not here")
+    with pytest.raises(LinkproofError, match="no engine is installed: install one"):
+        requested_engines(())
 
 
 def test_words_become_si():

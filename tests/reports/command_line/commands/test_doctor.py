@@ -6,7 +6,7 @@ import pytest
 
 from analytic.machine_code import compiling
 from comparisons.judging.records import Record, Verdict
-from engines.registry import engine_names
+from engines.registry import Unusable, engine_names
 from reports.requests import doctor
 from tests.commands import linkproof
 
@@ -32,7 +32,6 @@ def test_every_engine_is_tried(tmp_path):
 @pytest.mark.parametrize(
     ("record", "works", "word"),
     [
-        (row(Verdict.UNAVAILABLE, detail="not installed"), None, "not installed"),
         (row(Verdict.CRASHED, detail="exit code -11"), False, "crashed: exit code -11"),
         (row(Verdict.MEASURED, 0.5), True, "error of the torque 5.0e-01"),
     ],
@@ -40,9 +39,12 @@ def test_every_engine_is_tried(tmp_path):
 def test_an_engine_works_if_it_simulates(monkeypatch, record, works, word):
     run = type("Run", (), {"records": [record]})
     monkeypatch.setattr(doctor, "compare", lambda _: [run])
-    (trial,) = doctor.engine_trials()
-    assert trial.works is works
-    assert word in trial.detail
+    monkeypatch.setattr(doctor, "engine_names", lambda: ("barwork", "direct"))
+    monkeypatch.setattr(doctor, "engines", lambda names: [Unusable(name, "", reason="not installed") for name in names])
+    tried, absent = doctor.engine_trials()
+    assert tried.works is works
+    assert word in tried.detail
+    assert (absent.name, absent.works, absent.detail) == ("direct", None, "not installed")
 
 
 @pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
@@ -51,7 +53,7 @@ def test_a_compiler_that_does_not_work_is_exit_code_1(monkeypatch, tmp_path):
         raise OSError("no LLVM\nhere")
 
     monkeypatch.setattr(compiling, "compiled", broken)
-    monkeypatch.setattr(doctor, "compare", lambda _: [])
+    monkeypatch.setattr(doctor, "engine_trials", list)
     done = linkproof("doctor", cwd=tmp_path)
     assert done.returncode == 1
     assert "OSError: no LLVM here" in done.stdout

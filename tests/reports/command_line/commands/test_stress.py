@@ -44,13 +44,6 @@ def test_what_cannot_be_is_said_before_any_cell_is_made(choice, options, words, 
         run(choice, **{"destination": Destination(), **options})
 
 
-def test_engines_that_are_all_absent_are_no_success(monkeypatch):
-    monkeypatch.setattr(stress, "installed", lambda engines: [])
-    monkeypatch.setattr(stress, "stress", lambda *_: pytest.fail("cells were made"))
-    with pytest.raises(LinkproofError, match="expected an installed engine, got pymunk: install it with"):
-        run(StressOptions(engine=("pymunk",)), Destination())
-
-
 def test_no_cell_at_all_is_no_success(tmp_path):
     choice = StressOptions(words=("start",), engine=("direct",), setting=("no such setting",), quick=True)
     with pytest.raises(LinkproofError, match="no stability run matches no such setting"):

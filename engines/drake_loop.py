@@ -1,0 +1,153 @@
+"""One pass in Drake: a discrete plant of bodies that move freely in the plane and are joined by constraints."""
+
+from typing import Any
+
+import numpy as np
+import pydrake.all as drake
+from pydrake.polynomial import Polynomial
+
+Data = dict[str, Any]
+Point = tuple[float, float]
+X, Y, Z = np.eye(3)
+
+
+class World:
+    """A plant of one time step in its start state, all coordinates 0.
+
+    A coordinate is a path along x, y or a guide, or an angle: ``paths`` (bodies, 3, coordinates) turns their changes
+    into those of every body's x, y and angle. ``forces`` has for every joint of the scene the joint of the plant that
+    bears its force, and the force's sign.
+    """
+
+    def __init__(self, given: Data, step: float, end: float) -> None:
+        builder, self.lead = drake.DiagramBuilder(), given["lead"] * step
+        self.plant = plant = builder.AddSystem(drake.MultibodyPlant(step))
+        plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kSap)  # the others take no loops
+        plant.SetUseSampledOutputPorts(not self.lead)  # as shipped ports have what was of the last step
+        plant.mutable_gravity_field().set_gravity_vector(_space(given["gravity"]))
+        # With a constraint at the world's own body Drake 1.51 ends the process: what is welded to it stands for it.
+        self.bodies, self.forces = {"ground": self.body()}, dict[str, tuple[Any, float]]()
+        plant.WeldFrames(plant.world_frame(), self.bodies["ground"].body_frame())
+        chains = {body[0]: self.carried(body, given) for body in given["bodies"]}
+        for joint in given["joints"]:
+            self.joined(*joint)
+        crank, _ = chains[given["crank"]][-1]
+        gains = drake.PdControllerGains(p=given["stiffness"] / step**2, d=0.0)
+        plant.AddJointActuator("drive", crank).set_controller_gains(gains)
+        plant.Finalize()
+        self.paths = np.zeros((len(chains), 3, plant.num_velocities()))
+        for paths, chain in zip(self.paths, chains.values(), strict=True):
+            for joint, direction in chain:
+                paths[:, joint.velocity_start()] = direction
+        # The controller is to reach the angle of every step's end; a newcomer's is a step late.
+        starts, pieces = zip(*given["motion"], strict=True)
+        motion = drake.PiecewisePolynomial([*map(Polynomial, pieces)], [*starts, end + 2.0 * step])
+        motion.shiftRight(-self.lead)
+        source = builder.AddSystem(drake.TrajectorySource(motion, 1))
+        builder.Connect(source.get_output_port(), plant.get_desired_state_input_port(crank.model_instance()))
+        self.simulator = drake.Simulator(builder.Build())
+        self.context = plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
+        self.start, self.rates, changes = (np.array(each)[0, :-1] for each in given["start"])
+        # The rates of a step are those of its middle.
+        plant.SetVelocities(self.context, np.einsum("bkn,bk->n", self.paths, self.rates - 0.5 * self.lead * changes))
+        loads = drake.Value[list[drake.ExternallyAppliedSpatialForce]]([self.load(*load) for load in given["loads"]])
+        plant.get_applied_spatial_force_input_port().FixValue(self.context, loads)
+
+    def body(self, mass: float = 0.0, inertia: float = 0.0) -> Any:  # noqa: ANN401
+        """A new body, its frame at the mass centre; without a mass unless given."""
+        own = drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia(*[inertia / mass if mass else 1.0] * 3))
+        return self.plant.AddRigidBody(f"body {self.plant.num_bodies()}", own)
+
+    def frame(self, body: Any, point: Point = (0.0, 0.0), angle: float = 0.0) -> Any:  # noqa: ANN401
+        """A new frame on a body."""
+        pose = drake.RigidTransform(drake.RotationMatrix.MakeZRotation(angle), _space(point))
+        return self.plant.AddFrame(drake.FixedOffsetFrame(f"frame {self.plant.num_frames()}", body, pose))
+
+    def carried(self, body: tuple[Any, ...], given: Data) -> list[tuple[Any, Any]]:
+        """A new body and its chain of joints from the ground, each with its direction in x, y and angle."""
+        name, mass, inertia, place, angle = body
+        guide, along = given["guides"].get(name, ("", None))
+        damping = sum(coefficient for *ends, coefficient in given["dampers"] if name in ends)
+        axes = [_space(along)] if guide else [X, Y] if inertia is None else [X, Y, Z]
+        own = self.bodies[name] = self.body(mass, mass if inertia is None else inertia)  # what cannot turn has any
+        parent, chain = self.frame(self.bodies["ground"], place), []
+        for axis in axes:
+            child = self.frame(own, angle=-angle) if axis is axes[-1] else self.body().body_frame()
+            ends = f"joint {self.plant.num_joints()}", parent, child, axis
+            joint = drake.RevoluteJoint(*ends, damping) if axis is Z else drake.PrismaticJoint(*ends)
+            chain.append((self.plant.AddJoint(joint), axis))
+            parent = child
+        if guide:
+            self.forces[guide] = chain[0][0], 1.0
+        return chain
+
+    def joined(self, name: str, first: tuple[str, Point], second: tuple[str, Point], far: float) -> None:
+        """A pin, or a pin in a slot, at a distance from the second body's point.
+
+        Drake tells no force of a constraint: it holds a body without mass that is welded to the joint's first, and the
+        weld's force is told.
+        """
+        (body, here), (host, there), probe = first, second, self.body()
+        weld = drake.WeldJoint(name, self.frame(self.bodies[body], here), probe.body_frame(), drake.RigidTransform())
+        self.forces[name] = self.plant.AddJoint(weld), -1.0
+        ends = probe, np.zeros(3), self.bodies[host], _space(there)
+        if far:
+            self.plant.AddDistanceConstraint(*ends, far)
+        else:
+            self.plant.AddBallConstraint(*ends)
+
+    def load(self, body: str, anchor: Point, force: Point) -> Any:  # noqa: ANN401
+        """A constant force on a body."""
+        load = drake.ExternallyAppliedSpatialForce()
+        load.body_index, load.p_BoBq_B = self.bodies[body].index(), _space(anchor)
+        load.F_Bq_W = drake.SpatialForce(tau=np.zeros(3), f=_space(force))
+        return load
+
+    def read(self, time: float) -> Data:
+        """What is to be recorded at an instant."""
+        self.simulator.AdvanceTo(time)
+        plant, context, forces = self.plant, self.context, list[Any]()
+        changes = plant.get_generalized_acceleration_output_port().Eval(context)
+        reactions = plant.get_reaction_forces_output_port().Eval(context)
+        for joint, sign in self.forces.values():
+            axes = joint.frame_on_child().CalcRotationMatrixInWorld(context)
+            forces.append(sign * (axes @ reactions[joint.index()].translational())[:2])
+        return {
+            "position": self.start + self.paths @ plant.GetPositions(context),
+            "velocity": self.paths @ (plant.GetVelocities(context) + 0.5 * self.lead * changes),
+            "acceleration": self.paths @ changes,
+            "torque": plant.get_net_actuation_output_port().Eval(context)[0],
+            "joint_force": forces,
+        }
+
+
+def _space(vector: Point) -> Any:  # noqa: ANN401
+    return np.array([*vector, 0.0])
+
+
+def build(model: Data) -> Data:
+    """The model: a plant has the step of its pass."""
+    return model
+
+
+def follow(given: Data, course: Data) -> Data:
+    """The samples of a course, which is one part; but for places and velocities without that of the start.
+
+    There the joints, closed as given, are about to open as far as steps leave them: within some ten steps.
+    """
+    (part,), ratio, samples = course["parts"], course["ratio"], Data()
+    step = part["end"] / (ratio * part["samples"])
+    times = step * (ratio * np.arange(part["samples"] + 1))
+    try:
+        world = World(given, step, part["end"])
+        rows = [world.read(time) for time in times]
+    except RuntimeError as error:
+        raise ArithmeticError(f"Drake gives up: {error}") from error
+    rows[0]["velocity"] = world.rates
+    for name in course["channels"]:
+        first = 0 if name in ("position", "velocity") else 1
+        samples[name] = times[first:], np.array([row[name] for row in rows[first:]])
+    if "joint_force" in samples:
+        instants, forces = samples["joint_force"]
+        samples["joint_force"] = {joint: (instants, forces[:, n]) for n, joint in enumerate(world.forces)}
+    return samples
