@@ -9,7 +9,9 @@ from typing import Annotated, Any
 from reports.requests.options.declaring import Argument, Option
 from reports.requests.options.motion import MotionOptions
 
-Engines = Annotated[tuple[str, ...], Option("Engine; repeatable; default: all that are installed.", "NAME", names="engines")]
+Engines = Annotated[
+    tuple[str, ...], Option("Engine; repeatable; default: all that are installed.", "NAME", names="engines")
+]
 Settings = Annotated[
     tuple[str, ...],
     Option(
