@@ -128,4 +128,4 @@ def _signature(name: str, function: Any) -> str:  # noqa: ANN401 - any function,
     return f"{name}(\n{''.join(lines)})" if lines else f"{name}()"
 
 
-MADE = {"accuracy.md": limits, "linkage-files.md": keys, "python.md": reference}
+MADE = {"quantities.md": limits, "linkage-files.md": keys, "python.md": reference}
