@@ -15,7 +15,7 @@ RECORD := --baseline tests/baseline.json --record-baseline
 
 DOCUMENTED := $(VENV)/.documented
 
-.PHONY: report pages docs pins test nightly lint baseline speed targets release-check clean
+.PHONY: report pages pictures docs pins test nightly lint baseline speed targets release-check clean
 
 report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
@@ -24,6 +24,9 @@ report: $(READY)  ## every mechanism in every engine and setting, cost and stabi
 
 pages: $(READY)  ## pictures of every page of build/report, wide and narrow, light and dark, in build/pages; needs Chromium
 	$(BIN)/python -m tests.pages.show build/report build/pages
+
+pictures: $(READY)  ## the documentation's pictures and its notebook, from today's output and build/report; needs Chromium
+	$(BIN)/python docs/making/pictures.py
 
 docs: $(DOCUMENTED)  ## the documentation, from docs/ to build/docs/index.html; it opens from the disk and loads nothing
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
