@@ -83,9 +83,12 @@ def released_phase(seen: Inspection) -> Signal:
     gained = energy_balance(seen).excess + _start_excess(motion, time[:1])
     gained = forgotten(gained, 2.0 * seen.relaxation_rate(time), time)
     share = gained / (2.0 * np.maximum(kinetic, np.abs(gained)) + TINY)
-    turned = integral(Signal(time, speed), ())
-    slip = np.abs(angle - seen.start[0] - seen.start[1] * time[0] - turned)
-    slip = np.maximum(slip - error_bound(Signal(time, speed), turned, ()), 0.0)
+    # An engine's torque may begin after the start state: until then the speed changes, so the integral begins at 0 s.
+    later = int(time[0] > 0.0)
+    rates = Signal(np.insert(time, 0, [0.0] * later), np.insert(speed, 0, [seen.start[1]] * later))
+    turned = integral(rates, ())
+    slip = np.abs(angle - seen.start[0] - turned[later:])
+    slip = np.maximum(slip - error_bound(rates, turned, ())[later:], 0.0)
     return Signal(time, np.abs(integral(Signal(time, share * speed), ())) + slip)
 
 

@@ -365,6 +365,14 @@ def test_a_missing_sample_at_either_end_is_not_held_against_an_engine():
 # -- a released crank --------------------------------------------------------------------------------------------------
 
 
+def test_the_angle_turned_before_the_first_acceleration_is_not_the_engines_error():
+    one = released(JUKI, speed=100.0, torque=0.5, turns=3.0)
+    history = true_history(one)
+    late = Signal(history.acceleration.time[4:], history.acceleration.values[4:])
+    seen = Inspection(ObservedMotion(one.scene(EVERYTHING), dataclasses.replace(history, acceleration=late)))
+    assert np.max(invariants.crank_phase(seen).values) < 1e-12
+
+
 @pytest.mark.parametrize("turns", [30, 100])
 def test_tiny_dissipation_is_caught_over_many_turns(turns):
     """It takes less than the energy's own limit, and still puts the crank some hundredths of a radian behind."""
