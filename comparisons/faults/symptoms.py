@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from comparisons.judging.records import IMPORTED, Record, Verdict
+from engines.contract import Setting
 
 POSITIONS: Final = frozenset(("joint_gap", "crank_phase", "S"))
 MOTION: Final = POSITIONS | {"closure", "v", "a"}
@@ -94,4 +95,6 @@ def meaning(run: Iterable[Record]) -> str:
         failed[name] = failed.get(name, False) or Verdict(record.outcome).failed
     words = "; or ".join(symptom.words for symptom in symptoms(failed))
     cure = f"run 'linkproof check-engine {records[0].engine}', and if it passes shorten the step"
+    if records[0].setting == Setting.NAIVE:  # the defaults of a right adapter may be as wrong as this
+        cure = "naive takes the engine's defaults: use the setting tuned"
     return f"{words}; {cure}" if words else ""

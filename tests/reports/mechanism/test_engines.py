@@ -57,9 +57,16 @@ def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
     assert reasons == Bullets(("gone naive; tuned; best – unsupported: gone <cannot> hold this scene.",))
 
 
-def test_rows_that_fail_together_have_their_meaning(results):
+@pytest.mark.parametrize(
+    ("setting", "cure"),
+    [
+        ("best", "run 'linkproof check-engine beta', and if it passes shorten the step."),
+        ("naive", "naive takes the engine's defaults: use the setting tuned."),
+    ],
+)
+def test_rows_that_fail_together_have_their_meaning(results, setting, cure):
     def fail(record):
-        failing = (record.engine, record.setting) == ("beta", "best") and record.quantity in (
+        failing = (record.engine, record.setting) == ("beta", setting) and record.quantity in (
             "Mkr",
             "torque_two_routes",
         )
@@ -67,9 +74,9 @@ def test_rows_that_fail_together_have_their_meaning(results):
 
     (view,) = views(changed_results(results, fail))
     _, reasons = errors_fold(view, view.regimes[0]).parts
-    (told,) = (item for item in reasons.items if item.startswith("beta best – "))
+    (told,) = (item for item in reasons.items if item.startswith(f"beta {setting} – "))
     assert "the drive torque is not the one it takes" in told
-    assert told.endswith("run 'linkproof check-engine beta', and if it passes shorten the step.")
+    assert told.endswith(cure)
 
 
 def test_a_quantity_that_an_engine_lacks_is_told_beside_its_other_errors(results):
