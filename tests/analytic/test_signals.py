@@ -104,8 +104,10 @@ def test_the_piston_pushes_on_its_guide_and_the_rod_as_newton_says():
     assert _force(truth, "piston on ground")[1] == pytest.approx(_force(truth, "B")[1], rel=SAME_FIGURES)
 
 
-@pytest.mark.parametrize(("name", "variant"), EVERY)
-def test_joint_forces_hold_every_body_and_shaking_is_what_the_ground_bears(name, variant):
+@pytest.mark.parametrize(
+    ("name", "variant"), [("three-on-one-pin", None), ("shaper", None), ("spring-and-damper", None)]
+)
+def test_joint_forces_balance_every_body_and_shaking_is_the_load_of_the_ground(name, variant):
     sample = mechanism(name, variant)
     case = Case(sample, crank_motion("run-up", ramp_time=0.1, start_angle=0.3))
     time = np.array([0.013])

@@ -7,7 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.law import Law
-from analytic.description.linkage import GROUND, LinkTorque, PointForce, Spring
+from analytic.description.linkage import GROUND, PointForce, Spring
 from analytic.dynamics import joint_forces, reduced
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
@@ -15,7 +15,7 @@ from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import Channel, Prescribed
-from tests.analytic.linkages import CATALOGUE, angles, from_text, mechanism, text_of
+from tests.analytic.linkages import angles, from_text, mechanism, text_of
 from tests.analytic.loaded_linkages import ALL, on_trial
 from tests.analytic.newton_euler import Balance, scene_at
 from tests.analytic.tolerances import FEW_ROUNDINGS
@@ -26,9 +26,16 @@ BALANCED = 1e-12
 # transmission angle comes down to 0.0017 rad, whose inverse square magnifies an eps to 1e-10.
 NEAR_TOGGLE = 5e-10
 SPEED, ACCELERATION = -41.0, 310.0  # rad/s and rad/s², clockwise and slowing down
+# Every made-up linkage under load, and bare the one near toggle; the others bare nightly.
+TRIALS = [
+    case
+    if case[0][1] is None and (case[1] or case[0][0] == "near-toggle")
+    else pytest.param(case, marks=pytest.mark.nightly)
+    for case in ALL
+]
 
 
-@pytest.fixture(params=ALL, ids=lambda case: f"{case[0][0]}-{case[0][1]}-{'laden' if case[1] else 'bare'}")
+@pytest.fixture(params=TRIALS, ids=lambda case: f"{case[0][0]}-{case[0][1]}-{'laden' if case[1] else 'bare'}")
 def sample(request):
     (name, variant), is_laden = request.param
     return on_trial(name, variant, is_laden)
@@ -101,17 +108,6 @@ def test_yoke_takes_its_inertia_through_the_slot_and_the_moment_by_its_guide():
     assert np.allclose(found.forces["yoke on ground"], 0.0, **close)
 
 
-def test_slot_holds_a_rocker_against_a_torque_by_its_lever():
-    torque, angle = 7.0, angles(50)
-    loaded = _without_weight("shaper", torques=(LinkTorque("rocker", _law(torque)),))
-    sweep = loaded.sweep(angle)
-    lever = np.hypot(*(sweep.point("A") - sweep.point("O2")))
-    found = joint_forces.reactions(sweep, 0.0, 0.0)
-    assert np.allclose(np.hypot(*found.forces["A in rocker"]), torque / lever, rtol=FEW_ROUNDINGS)
-    assert np.allclose(found.forces["O2"], found.forces["A in rocker"], rtol=FEW_ROUNDINGS)
-    assert np.allclose(found.forces["O1"], -found.forces["A in rocker"], rtol=FEW_ROUNDINGS)
-
-
 def test_force_on_a_shared_pin_acts_on_the_link_that_is_named():
     # Three links on pin B, hub 'link'. What pulls at B of one of them shows in that one's joint force and in no other.
     angle, pull = angles(20), np.array([3.0, -5.0])
@@ -154,6 +150,10 @@ def test_every_link_obeys_newton_and_euler(sample):
             assert np.all(np.abs(left) <= limit), link
         on_frame = balance.sums[GROUND] - [*shaking[:, k], tilting[k]]
         assert np.all(np.abs(on_frame) <= limit)
+    about = (0.03, -0.02)
+    moved = joint_forces.shaking_moment(sample.sweep(angle), SPEED, ACCELERATION, about)
+    arm = about[0] * shaking[1] - about[1] * shaking[0]
+    assert np.allclose(moved, tilting - arm, rtol=0.0, atol=BALANCED * _peak(found) * (extent + 0.05))
 
 
 def test_drive_torque_is_that_of_virtual_work(sample):
@@ -180,7 +180,7 @@ def test_second_derivation_finds_the_same_forces_in_the_same_joints(sample):
     assert np.abs(run.history.torque.values - found.torque).max() <= limit * np.abs(found.torque).max()
 
 
-@pytest.mark.parametrize(("name", "variant"), CATALOGUE)
+@pytest.mark.parametrize(("name", "variant"), [("rimoldi-164", "as-built"), ("slotted-takeup", "inverted")])
 def test_frame_takes_weights_less_the_change_of_momentum(name, variant):
     # At constant speed d(momentum)/dt = ω² d/dφ (Σ m S'), here by the discrete Fourier transform of one turn.
     speed, count = 80.0, 128
@@ -204,56 +204,34 @@ def _cross(a, b):
     return a[0] * b[1] - a[1] * b[0]
 
 
-def test_frame_moment_about_another_point_differs_by_the_force_at_its_arm(sample):
-    sweep, about = sample.sweep(angles(20)), (0.03, -0.02)
-    x, y = joint_forces.shaking_force(sweep, SPEED, ACCELERATION)
-    origin, moved = (joint_forces.shaking_moment(sweep, SPEED, ACCELERATION, p) for p in ((0.0, 0.0), about))
-    scale = np.hypot(x, y).max() * (sample.linkage.extent() + 0.05)
-    assert np.allclose(moved, origin - about[0] * y + about[1] * x, rtol=0.0, atol=FEW_ROUNDINGS * scale)
+# Shapes, parts, and positions without values.
 
 
-# What may be asked.
-
-
-@pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
+@pytest.mark.parametrize("shape", [(), (2, 3)])
 def test_any_shape_of_angles_is_kept(shape):
     sweep = mechanism("three-on-one-pin").sweep(np.full(shape, 0.7))
     found = joint_forces.reactions(sweep, np.full(shape, 3.0), 1.0)
     assert {force.shape for force in found.forces.values()} == {(2, *shape)}
     assert {moment.shape for moment in found.moments.values()} == {shape}
     assert found.torque.shape == shape
+    forces = joint_forces.joint_forces(sweep, np.full(shape, 3.0), 1.0)
+    assert all(np.array_equal(forces[name], found.forces[name]) for name in found.forces)
     assert joint_forces.shaking_force(sweep, 3.0, 1.0).shape == (2, *shape)
     assert joint_forces.shaking_moment(sweep, 3.0, 1.0).shape == shape
 
 
-def test_forces_alone_are_those_of_the_whole_analysis():
-    sweep = mechanism("force-over-angle").sweep(angles(5))
-    found = joint_forces.reactions(sweep, SPEED, ACCELERATION)
-    part = joint_forces.joint_forces(sweep, SPEED, ACCELERATION)
-    assert set(part) == set(found.forces)
-    assert all(np.array_equal(part[name], found.forces[name]) for name in part)
-
-
-def test_static_forces_need_no_second_derivative(monkeypatch):
-    sweep = mechanism("rimoldi-164").sweep(angles(5))
-    monkeypatch.setattr(type(sweep), "accelerations", lambda *_: pytest.fail("asked for"))
-    assert np.all(np.isfinite(joint_forces.reactions(sweep, 0.0, 0.0).torque))
-
-
-@pytest.mark.parametrize("speed", [0.0, 5.0])
-def test_dead_position_is_refused(speed):
+def test_dead_position_is_refused():
     toggle = from_text(text_of("double-crank").replace("B = [28, 0]", "B = [15, 0]"))
     limit = toggle.crank_range().high.angle
     with pytest.raises(AssemblyError, match="dead position"):
-        joint_forces.joint_forces(toggle.sweep(np.array([toggle.linkage.sketch_angle, limit])), speed, 0.0)
+        joint_forces.joint_forces(toggle.sweep(np.array([toggle.linkage.sketch_angle, limit])), 5.0, 0.0)
 
 
-@pytest.mark.parametrize("speed", [0.0, 5.0])
-def test_at_a_change_point_joint_forces_have_no_value_and_beside_it_none_but_large_ones(speed):
+def test_at_a_change_point_joint_forces_have_no_value_and_beside_it_large_ones():
     """They are those of a beam on two supports beside it, whose lever vanishes with the sine of the crank angle."""
     sweep = mechanism("parallelogram").sweep(np.array([0.5, 0.0, np.pi]))
-    forces = joint_forces.joint_forces(sweep, speed, 1.0)
+    forces = joint_forces.joint_forces(sweep, 5.0, 1.0)
     assert all(np.isfinite(force[:, 0]).all() and np.isnan(force[:, 1:]).all() for force in forces.values())
-    assert np.all(np.isfinite(reduced.drive_torque(sweep, speed, 1.0)))
-    near = joint_forces.joint_forces(mechanism("parallelogram").sweep(np.array([1e-3, 2e-3])), speed, 1.0)["B"]
+    assert np.all(np.isfinite(reduced.drive_torque(sweep, 5.0, 1.0)))
+    near = joint_forces.joint_forces(mechanism("parallelogram").sweep(np.array([1e-3, 2e-3])), 5.0, 1.0)["B"]
     assert np.hypot(*near[:, 0]) / np.hypot(*near[:, 1]) == pytest.approx(2.0, rel=1e-2)

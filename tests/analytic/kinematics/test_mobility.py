@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic.description.loading import parse
@@ -18,11 +18,10 @@ def _grashof(sample):
     return grashof(sample.linkage, sample.structure)
 
 
-@pytest.mark.parametrize(("name", "variant"), EVERY)
-def test_every_linkage_that_works_has_mobility_1(name, variant):
-    count = mobility(mechanism(name, variant).linkage)
-    assert count.degrees == 1
-    assert 3 * count.links - 2 * count.joints - count.slots == 1
+def test_every_linkage_that_works_has_mobility_1():
+    for name, variant in EVERY:
+        count = mobility(mechanism(name, variant).linkage)
+        assert count.degrees == 3 * count.links - 2 * count.joints - count.slots == 1
 
 
 def test_the_count_written_out():
@@ -51,11 +50,11 @@ def test_classes_of_four_bars(lengths, angle, kind):
 
 
 def test_other_linkages_have_no_class():
-    others = [name for name, variant in EVERY if _grashof(mechanism(name, variant)) is None]
-    assert "juki-mf7923d" in others
-    assert "rimoldi-164" in others
+    assert _grashof(mechanism("juki-mf7923d")) is None
+    assert _grashof(mechanism("rimoldi-164")) is None
 
 
+@settings(max_examples=30)
 @given(st.tuples(*[st.integers(10, 99)] * 4), st.integers(1, 179))
 def test_the_crank_turns_fully_where_grashof_says_so(lengths, angle):
     try:

@@ -33,7 +33,7 @@ def every_operation():
 
 
 @numba
-@pytest.mark.parametrize("count", [1, LANES - 1, LANES, 2 * LANES + 5])
+@pytest.mark.parametrize("count", [1, 2 * LANES + 5])
 def test_every_operation_in_any_number_of_lanes(count):
     trace, lanes, rows, outputs = every_operation()
     assert {operation.name for operation in trace.operations} >= set(FUNCTIONS)
@@ -70,7 +70,7 @@ def test_a_source_is_made_of_numbers_and_operations():
 
 
 @numba
-@pytest.mark.parametrize("name", ["rimoldi-164", "slotted-takeup", "moving-guides", "spring-and-damper"])
+@pytest.mark.parametrize("name", ["spring-and-damper", pytest.param("moving-guides", marks=pytest.mark.nightly)])
 def test_signals_of_one_linkage_are_numpy_s(name):
     sample, angle = mechanism(name), np.linspace(-7.0, 9.0, 700)
     motion = {"speed": np.cos(angle), "acceleration": 3.0 - angle}
@@ -82,23 +82,16 @@ def test_signals_of_one_linkage_are_numpy_s(name):
 
 
 @numba
-def test_nothing_of_one_linkage_is_left_to_numpy(monkeypatch):
+def test_threads_make_up_the_whole_and_leave_nothing_to_numpy(monkeypatch):
     monkeypatch.setattr(OperationList, "computed", lambda *_: pytest.fail("NumPy computes what machine code should"))
-    evaluate(
-        mechanism("rimoldi-164"), np.linspace(0.0, 6.0, LANES + 1), ["Mkr", "point:D:ay"], speed=2.0, path="compiled"
-    )
-
-
-@numba
-def test_threads_make_up_the_whole():
-    sample, angle = mechanism("rimoldi-164"), np.linspace(0.0, 40.0, 70_001)
+    sample, angle = mechanism("juki-mf7923d"), np.linspace(0.0, 40.0, 70_001)
     whole, parts = (evaluate(sample, angle, ["Mkr"], speed=2.0, cores=cores, path="compiled") for cores in (1, 3))
     np.testing.assert_array_equal(whole["Mkr"], parts["Mkr"])
 
 
 @numba
 @pytest.mark.parametrize("name", ["parallelogram", "shaper-quick-return"])
-def test_what_cannot_be_traced_is_numpy_s(name):
+def test_a_linkage_that_cannot_be_traced_is_left_to_numpy(name):
     sample, angle = mechanism(name), np.linspace(0.1, 0.4, 9)
     assert not is_traceable(sample)
     one, two = (evaluate(sample, angle, ["Jeq"], path=path)["Jeq"] for path in ("compiled", "numpy"))

@@ -16,30 +16,23 @@ from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import ErrorBounds
 from analytic.kinematics.groups.following import Problem, corrected, followed
 from analytic.kinematics.groups.solver import GroupSolver, problem_of
-from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad, Group, Revolute
 from analytic.kinematics.sweep import Sweep
 from tests.analytic.drives import driven, path_of
 from tests.analytic.fifty_digits import exact
-from tests.analytic.linkages import EVERY, mechanism
+from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.tolerances import FIFTY_DIGITS, ORACLE
 
 SOLVED = ("boom", "cylinder-in-the-loop", "linear-motor", "ternary-on-rods")
 TEXT = Path(path_of("ternary-on-rods")).read_text(encoding="utf-8")
-
-
 BOOM = Path(path_of("boom")).read_text(encoding="utf-8")
-
-
-def from_text(text: str) -> Mechanism:
-    return Mechanism(parse(text, "sample", "sample.toml"))
 
 
 @pytest.mark.parametrize("name", SOLVED)
 def test_positions_derivatives_and_torque_are_those_of_50_digits_within_their_bound(name):
     model = driven(name)
     low, high = model.crank_range().limits
-    for value in low + (high - low) * np.array([0.07, 0.41, 0.93]):
+    for value in low + (high - low) * np.array([0.07, 0.93]):
         truth, sweep = exact(model, float(value)), model.sweep(float(value))
         bounds, errors, peaks = ErrorBounds(sweep), np.zeros(3), np.zeros(3)
         for body, link in model.linkage.links.items():
@@ -77,11 +70,9 @@ def test_driven_by_another_link_the_linkage_is_made_of_dyads_and_stands_alike():
     )
 
 
-@pytest.mark.parametrize(("name", "variant"), EVERY)
-def test_dyads_solved_by_numbers_are_the_closed_form(name, variant):
-    if name in ("parallelogram", "near-toggle"):
-        pytest.skip("its configuration ends at a change point, or all but does")
-    formulas = mechanism(name, variant)
+@pytest.mark.parametrize("name", ["rimoldi-164", "shaper", "moving-guides"])
+def test_dyads_solved_by_numbers_are_the_closed_form(name):
+    formulas = mechanism(name)
     linkage, at = formulas.linkage, formulas.linkage.sketch_angle
     done: list[Dyad | Group] = []
     for dyad in formulas.structure.dyads:
@@ -96,7 +87,7 @@ def test_dyads_solved_by_numbers_are_the_closed_form(name, variant):
         here = formulas.sweep(np.asarray(at))
         start = np.array([[*map(float, here.poses(b)[:2]), float(here.angles(b))] for b in dyad.links])
         done.append(replace(group, branch=followed(problem_of(group, linkage, hosts), start, at)))
-    angle = formulas.turn.angle[::7]
+    angle = formulas.turn.angle[::23]
     numerical = Sweep(linkage, replace(formulas.structure, groups=tuple(done)), angle)
     closed = formulas.sweep(angle)
     for order, limit in enumerate((1e-13, 1e-11, 1e-9)):
@@ -113,7 +104,7 @@ def _peak(sweep: Sweep, body: str, order: int) -> float:
 HEAD = TEXT[: TEXT.index("[links.crank]")]
 
 
-def test_a_group_with_a_closed_contour_of_four_links_is_of_class_iv_and_names_do_not_matter():
+def test_a_group_with_a_closed_contour_of_four_links_is_of_class_iv():
     links = {
         "crank": {"O1": (0, 0), "A": (16, 0)},
         "a": {"A": (0, 0), "B": (30, 0), "E": (10, 20)},
@@ -122,15 +113,13 @@ def test_a_group_with_a_closed_contour_of_four_links_is_of_class_iv_and_names_do
         "d": {"D": (0, 0), "E": (40, 0)},
     }
     text = HEAD.replace('output  = { point = "P", along = [0, 1] }', "")
-    for rename in (str, lambda name: name if name == "crank" else f"x{ord('z') - ord(name[0])}"):
-        body = ""
-        for name, places in links.items():
-            points = ", ".join(f"{point} = {[*at]}" for point, at in places.items())
-            body += f"[links.{rename(name)}]\nmass = 1\ninertia = 1\npoints = {{ {points} }}\n"
-        structure = find_structure(parse(text + body, "sample", "sample.toml"))
-        assert [(g.kind, len(g.links)) for g in structure.groups] == [("IV, numerical", 4)]
-        assert structure.is_numerical
-        assert not structure.dyads
+    for name, places in links.items():
+        points = ", ".join(f"{point} = {[*at]}" for point, at in places.items())
+        text += f"[links.{name}]\nmass = 1\ninertia = 1\npoints = {{ {points} }}\n"
+    structure = find_structure(parse(text, "sample", "sample.toml"))
+    assert [(g.kind, len(g.links)) for g in structure.groups] == [("IV, numerical", 4)]
+    assert structure.is_numerical
+    assert not structure.dyads
 
 
 def test_a_turn_returns_and_later_turns_are_the_same():
@@ -177,39 +166,29 @@ def test_of_two_groups_that_end_between_two_looks_the_nearer_end_is_the_range_s(
     mechanism.sweep(np.array([low.angle + 1e-9])).poses("jib")
 
 
-FAULTS = {
-    "no sketch": (
-        TEXT.replace("points = { B = [40, 38], C = [80, 33], D = [62, 55] }", ""),
-        r"expected the rough position of 'B' or 'C' or 'D' or 'P' at crank angle 0°, got a sketch that leaves open",
-    ),
-    "too short": (TEXT.replace("B = [50, 0]", "B = [5, 0]"), r"cannot be assembled at 0° from the sketch; check the"),
-    "two drivers": (
-        TEXT.replace("gravity =", 'cylinder = { between = ["B", "O2"] }\ngravity ='),
-        r"expected one driver, got crank and cylinder",
-    ),
-    "no driver": (TEXT.replace('crank   = "crank"', ""), r"crank is missing: .* or a cylinder"),
-    "a cylinder on one body": (
-        BOOM.replace('["C", "Q"]', '["C", "J"], links = ["boom", "boom"]'),
-        r"on two different bodies, got both on 'boom'",
-    ),
-    "a cylinder of no length": (
+NO_SKETCH = TEXT.replace("points = { B = [40, 38], C = [80, 33], D = [62, 55] }", "")
+LOOSE = "O3 = [0, 0], D = [38, 0], O2 = [-30, -100]"
+LOCKED = TEXT.replace("O3 = [0, 0], D = [38, 0]", LOOSE).replace("O2 = [0, 0], C = [45, 0]", "C = [45, 0]")
+TWO_DRIVERS = TEXT.replace("gravity =", 'cylinder = { between = ["B", "O2"] }\ngravity =')
+ON_ONE_BODY = BOOM.replace('["C", "Q"]', '["C", "J"], links = ["boom", "boom"]')
+FAULTS = [
+    (NO_SKETCH, r"expected the rough position of 'B' or 'C' or 'D' or 'P' at crank angle 0°, got a sketch that leaves"),
+    (TEXT.replace("B = [50, 0]", "B = [5, 0]"), r"cannot be assembled at 0° from the sketch; check the"),
+    (TWO_DRIVERS, r"expected one driver, got crank and cylinder"),
+    (TEXT.replace('crank   = "crank"', ""), r"crank is missing: .* or a cylinder"),
+    (ON_ONE_BODY, r"on two different bodies, got both on 'boom'"),
+    (
         BOOM.replace("angle  = 350\n", ""),
-        r"sample.toml:\d+: sketch.*: expected the length of the cylinder at which the sketch is drawn",
+        r"sample.toml:\d+: sketch.*: expected the length of the cylinder at which the",
     ),
-    "a cylinder of no points": (BOOM.replace('["C", "Q"]', '["C", "Z"]'), r"cylinder: unknown point 'Z'"),
-    "a cylinder of three": (BOOM.replace('["C", "Q"]', '["C", "Q", "R"]'), r"cylinder.between: expected "),
-    "loose and locked": (
-        TEXT.replace("O3 = [0, 0], D = [38, 0]", "O3 = [0, 0], D = [38, 0], O2 = [-30, -100]").replace(
-            "points  = { O2 = [0, 0], C = [45, 0] }", "points  = { C = [45, 0] }"
-        ),
-        r"too many joints|form no group",
-    ),
-}
+    (BOOM.replace('["C", "Q"]', '["C", "Z"]'), r"cylinder: unknown point 'Z'"),
+    (BOOM.replace('["C", "Q"]', '["C", "Q", "R"]'), r"cylinder.between: expected "),
+    (LOCKED, r"too many joints|form no group"),
+]
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-def test_what_cannot_be_solved_is_said_with_its_cure(fault):
-    text, message = FAULTS[fault]
+@pytest.mark.parametrize(("text", "message"), FAULTS)
+def test_a_linkage_that_cannot_be_solved_is_refused_with_its_cure(text, message):
     with pytest.raises(LinkproofError, match=message):
         from_text(text)
 
@@ -217,7 +196,7 @@ def test_what_cannot_be_solved_is_said_with_its_cure(fault):
 def test_a_sketch_that_is_rough_finds_the_configuration_nearest_to_it():
     exact = driven("ternary-on-rods").sweep(np.asarray(0.0))
     here = {p: exact.point(p) * 1e3 for p in "BCD"}
-    for shift in ((9.0, 0.0), (-7.0, 7.0), (3.0, -9.0)):
+    for shift in ((9.0, 0.0), (-7.0, 7.0)):
         points = ", ".join(f"{p} = [{here[p][0] + shift[0]}, {here[p][1] + shift[1]}]" for p in here)
         model = from_text(TEXT.replace("B = [40, 38], C = [80, 33], D = [62, 55]", points))
         assert model.sweep(np.asarray(0.0)).point("P") == pytest.approx(exact.point("P"), abs=1e-14)
@@ -249,7 +228,7 @@ def _drawn_at_random(seed: int) -> tuple[str, dict[str, np.ndarray]]:
     return f"{text}[sketch]\nangle = 0\npoints = {{ {points} }}\n", places
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_linkages_drawn_at_random_start_as_drawn_and_stay_closed(seed):
     text, places = _drawn_at_random(seed)
     model = from_text(text)
