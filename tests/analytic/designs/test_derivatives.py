@@ -17,7 +17,6 @@ from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.moving import MovingSweep
-from analytic.numerics.refine import highest
 from analytic.signals import signal as signal_of
 from tests.analytic import fifty_digits
 from tests.analytic.exact_forces import forces_of, signals_of, transmission_of
@@ -50,7 +49,6 @@ def _ninety_digits(monkeypatch):
     yield
     mp.dps = 15
     _exact.cache_clear()
-    _measure.cache_clear()
 
 
 def _nudged(linkage: Linkage, nudges: Mapping[str, mpf]) -> Linkage:
@@ -130,78 +128,6 @@ def test_every_signal_has_the_derivatives_of_ninety_digits(name, variant):
         scale = np.where(scale > NONE * largest + LEAST, scale, largest + LEAST)
         error = np.max(np.abs(gradients[own, :, 0] - expected[own]), axis=0)
         assert np.all(error <= DERIVATIVE * scale), (unit, dict(zip(chosen, error, strict=True)))
-
-
-@cache
-def _measure(sample: Mechanism, signal: str, angle: mpf, nudges: frozenset[tuple[str, mpf]]) -> mpf:
-    """The torque, the magnitude of a vector, or the output's height."""
-    exact = _exact(sample, angle, nudges)
-    if signal == "Mkr":
-        return exact.torque(SPEED, 0.0)
-    if signal.endswith(":magnitude"):
-        vector, forces = signal.removesuffix(":magnitude"), forces_of(exact, SPEED)
-        return mp.hypot(forces[f"{vector}:x"], forces[f"{vector}:y"])
-    return exact.states[0].named("D", exact.linkage.output.link)[1]
-
-
-def _extreme(sample: Mechanism, signal: str, place: float, nudges: frozenset[tuple[str, mpf]]) -> mpf:
-    """The value at a level place that is known to 1e-7 rad, by Newton's method on parabolas."""
-    angle, step = mpf(place), mpf(10) ** -12
-    for _ in range(2):
-        before, here, after = (_measure(sample, signal, angle + side * step, nudges) for side in (-1, 0, 1))
-        angle -= step * (after - before) / (2 * (after - 2 * here + before))
-    return _measure(sample, signal, angle, nudges)
-
-
-MASS_AND_LENGTH = {"coupler.D.x": 0.0545, "coupler.mass": 0.03}
-
-
-@pytest.mark.parametrize(
-    ("name", "chosen", "only"),
-    [
-        ("rimoldi-164", {"rod.B.x": 0.175}, (Reduction.RANGE,)),
-        ("juki-mf7923d", MASS_AND_LENGTH, (Reduction.PEAK, Reduction.AT)),
-        pytest.param("juki-mf7923d", MASS_AND_LENGTH, tuple(Reduction), marks=pytest.mark.nightly),
-    ],
-)
-def test_figures_have_the_derivatives_of_ninety_digits(name, chosen, only):
-    sample, angle = mechanism(name, "as-built"), np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
-    dense, force = np.linspace(0.0, 2.0 * np.pi, 720), "joint_force:A:magnitude"
-
-    def mean(of):  # which of 64 samples of this turn is the integral to 1e-14
-        return mp.fsum(of) / len(of)
-
-    def top(signal, of):
-        def curves(places):
-            moving = MovingSweep(sample, sample.sweep(places), np.asarray(SPEED), np.asarray(0.0))
-            return of(moving.sweep.output() if signal == "height" else signal_of(moving, signal))[None]
-
-        place = float(highest(curves, dense, curves(dense))[1][0])
-        return lambda nudges: _extreme(sample, signal, place, nudges)
-
-    def over(signal, of):
-        return lambda nudges: of([_measure(sample, signal, mpf(float(one)), nudges) for one in angle])
-
-    above, below, peak = top("height", np.asarray), top("height", np.negative), top("Mkr", np.abs)
-    expected = {
-        Figure("Mkr", Reduction.PEAK): lambda nudges: abs(peak(nudges)),
-        Figure("Mkr", Reduction.MAX): top("Mkr", np.asarray),
-        Figure(force, Reduction.MIN): top(force, np.negative),
-        Figure("S", Reduction.RANGE): lambda nudges: above(nudges) - below(nudges),
-        Figure("S", Reduction.AT, 0.3): lambda nudges: above(nudges) - _measure(sample, "height", mpf(0.3), nudges),
-        Figure("Mkr", Reduction.AT, 0.3): lambda nudges: _measure(sample, "Mkr", mpf(0.3), nudges),
-        Figure("Mkr", Reduction.MEAN): over("Mkr", mean),
-        Figure(force, Reduction.RMS): over(force, lambda of: mp.sqrt(mean([one**2 for one in of]))),
-    }
-    fine = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
-    figures = [one for one in expected if one.reduction in only]
-    values, gradients = figure_gradients(sample, chosen, figures, fine, speed=SPEED)
-    for one, value, slopes in zip(figures, values, gradients, strict=True):
-        for number, slope in zip(chosen, slopes, strict=True):
-            here, there = (expected[one](nudges) for nudges in (HERE, _nudge(number)))
-            assert value == pytest.approx(float(here), rel=DERIVATIVE, abs=1e-15)
-            difference = pytest.approx(float((there - here) / NUDGE), rel=DERIVATIVE, abs=1e-14)
-            assert slope == difference, (one, number)
 
 
 @pytest.mark.parametrize(("name", "variant"), TRIALS)

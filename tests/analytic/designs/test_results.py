@@ -38,7 +38,7 @@ DRIVES = sorted(path.stem for path in (FOLDER / "drives").glob("*.toml"))
 OTHERS = [(name, None, False) for name in (*sorted({*literature()} - {"n-four-bar"}), *DRIVES)]
 LADEN = [(name, variant, True) for (name, variant), is_laden in ALL if is_laden]
 ORDINARY = [
-    ("pin in two slots", None, True),
+    ("pin-in-two-slots", None, True),
     ("shaper", None, True),
     ("double-crank", None, True),
     OTHERS[1],

@@ -9,12 +9,11 @@ from analytic.machine_code import compiling
 from analytic.signals import table
 from tests.analytic.designs.one_by_one import built, signals_of, varied
 from tests.analytic.linkages import FourBar, from_text, mechanism, text_of
-from tests.analytic.loaded_linkages import on_trial
+from tests.analytic.loaded_linkages import ODD, on_trial
 
 # Two orders of the same operations; relative to the peak.
 SAME = 1e-14
 TINY = 1e-300
-ODD = ("die in a slot", "slider before its host", "pin in two slots", "carriage and crossed blocks")
 needs_numba = pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
 
 
@@ -46,8 +45,8 @@ def test_every_number_may_vary(name):
     [
         ("rimoldi-164", ("rod.B.x", "crank.mass", "needle_bar.along.x")),
         pytest.param("rimoldi-164", (), marks=pytest.mark.nightly),
-        pytest.param("carriage and crossed blocks", (), marks=pytest.mark.nightly),
-        pytest.param("pin in two slots", (), marks=pytest.mark.nightly),
+        pytest.param("carriage-and-crossed-blocks", (), marks=pytest.mark.nightly),
+        pytest.param("pin-in-two-slots", (), marks=pytest.mark.nightly),
     ],
 )
 def test_machine_code_gives_what_numpy_gives(name, some):

@@ -31,16 +31,6 @@ def test_reduced_inertia_of_the_needle_mechanisms(name, variant):
     assert found.relative_pulsation == pytest.approx(pulsation, abs=FOUR_DIGITS)
 
 
-def test_the_range_ratio_of_the_two():
-    def ratio(variant):
-        rimoldi, juki = (extremes(_inertia(name, variant)) for name in ("rimoldi-164", "juki-mf7923d"))
-        return (rimoldi.maximum - rimoldi.minimum) / (juki.maximum - juki.minimum)
-
-    # The specification forms its 1.885 and 1.99 from maxima and minima rounded to four digits: ours is 1.888.
-    assert ratio("as-printed") == pytest.approx(1.885, abs=3e-3)
-    assert ratio("as-built") == pytest.approx(1.99, abs=5e-3)
-
-
 def test_extremes_of_a_known_function():
     found = extremes(lambda phi: 3.0 + np.cos(phi - 0.123) + 0.2 * np.cos(2.0 * (phi - 0.123)))
     assert found.mean == pytest.approx(3.0, rel=4 * EPS)

@@ -122,13 +122,6 @@ def test_feed_of_the_slotted_takeup_as_article_004_writes_it():
     assert reference_angle(sample, highest) == travel.top_angle
 
 
-def test_feed_of_the_fork_takeup_as_article_002_writes_it():
-    sample, phi = mechanism("fork-takeup"), angles(20)
-    start = contour_length(sample.sweep(FORK.reference), FORK)
-    truth = contour_length(sample.sweep(phi), FORK) - start + 6 * MM
-    assert feed(sample, FORK, phi) == pytest.approx(truth, abs=LENGTH)
-
-
 def test_corners_of_the_contour_for_a_picture_and_a_stretch_whose_ends_meet():
     corners = contour(mechanism("fork-takeup").sweep(np.zeros((2, 5))), FORK)
     assert corners.shape == (5, 3, 2, 5)

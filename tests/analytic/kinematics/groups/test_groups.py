@@ -202,44 +202,6 @@ def test_a_sketch_that_is_rough_finds_the_configuration_nearest_to_it():
         assert model.sweep(np.asarray(0.0)).point("P") == pytest.approx(exact.point("P"), abs=1e-14)
 
 
-def _drawn_at_random(seed: int) -> tuple[str, dict[str, np.ndarray]]:
-    """A ternary link on three rods through random places, sketched a little off."""
-    random = np.random.default_rng(seed)
-    places = {name: random.uniform(-100.0, 100.0, 2) for name in ("O1", "O2", "O3", "B", "C", "D")}
-    places["A"] = places["O1"] + np.array([random.uniform(5.0, 60.0), 0.0])
-
-    def length(one: str, other: str) -> float:
-        return float(np.hypot(*(places[one] - places[other])))
-
-    along = (places["C"] - places["B"]) / length("B", "C")
-    third = places["D"] - places["B"]
-    corner = f"[{float(along @ third)!r}, {float(along[0] * third[1] - along[1] * third[0])!r}]"
-    ends = {"crank": ("O1", "A"), "rod": ("A", "B"), "plate": ("B", "C"), "left": ("O2", "C"), "right": ("O3", "D")}
-    text = (
-        'title = "drawn"\nunits = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }\ncrank = "crank"\n'
-    )
-    text += "[ground]\n" + "".join(f"{name} = {[*map(float, places[name])]}\n" for name in ("O1", "O2", "O3"))
-    for name, (one, other) in ends.items():
-        more = f", D = {corner}" if name == "plate" else ""
-        text += f"[links.{name}]\npoints = {{ {one} = [0, 0], {other} = [{length(one, other)!r}, 0]{more} }}\n"
-        text += "mass = 1\ninertia = 1\n"
-    rough = {name: places[name] + random.normal(0.0, 2.0, 2) for name in "BCD"}
-    points = ", ".join(f"{name} = {[*map(float, place)]}" for name, place in rough.items())
-    return f"{text}[sketch]\nangle = 0\npoints = {{ {points} }}\n", places
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_linkages_drawn_at_random_start_as_drawn_and_stay_closed(seed):
-    text, places = _drawn_at_random(seed)
-    model = from_text(text)
-    start = model.sweep(np.asarray(0.0))
-    for name in "BCD":
-        assert 1e3 * start.point(name) == pytest.approx(places[name], abs=1e-9)
-    low, high = model.crank_range().limits
-    sweep = model.sweep(np.linspace(low, high, 102)[1:-1])
-    assert np.max(sweep.closure_error()) < 1e-15
-
-
 def test_a_turn_that_ends_in_another_configuration_is_told():
     """Two links between the ground and a body that turns half as fast as the crank."""
     joints = (
