@@ -1,4 +1,4 @@
-"""The units of a linkage's file for what is shown to its author."""
+"""Units for output: those of the linkage's file instead of SI."""
 
 from __future__ import annotations
 

@@ -171,7 +171,7 @@ class CylinderDrive:
 
 @dataclass(frozen=True)
 class Output:
-    """What S, v and a describe: a point measured along a unit vector of the ground frame."""
+    """The output, whose displacement, velocity and acceleration are S, v, a: a point along a unit ground vector."""
 
     point: str
     link: str
@@ -182,8 +182,8 @@ class Output:
 class ReleasedRegime:
     """A regime of the linkage's own: the crank is released and moved by a torque, N m, and the loads.
 
-    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s. Of the
-    torque, ``torque`` is what is constant; ``over_angle`` and ``over_time`` act besides, where there are any.
+    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s.
+    ``torque`` is the constant part of the torque; ``over_angle`` and ``over_time`` are added to it, if given.
     """
 
     name: str
@@ -269,7 +269,7 @@ class Linkage:
     @property
     def released(self) -> dict[str, ReleasedRegime]:
         """Its own regimes in which the crank is released, by name."""
-        return {own.name: own for own in self.regimes if isinstance(own, ReleasedRegime)}
+        return {regime.name: regime for regime in self.regimes if isinstance(regime, ReleasedRegime)}
 
     @property
     def joint_names(self) -> tuple[str, ...]:

@@ -68,7 +68,7 @@ class Reader:
 
     @property
     def drive(self) -> str:
-        """The kind of unit of what drives it."""
+        """The kind of unit of the drive: a torque, or a force."""
         return "force" if self.is_linear else "torque"
 
     def vector(self, place: doc.Place, where: str) -> Vector:

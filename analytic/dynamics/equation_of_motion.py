@@ -1,8 +1,8 @@
 """The equation of motion of a linkage, solved for the crank's acceleration.
 
 Article 000, eqs (22) and (32): k1 φ̈ + k2 φ̇² + b φ̇ = Q1, here Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. The article builds k2
-from the moduli |S'|·|S''| (eqs (29) and (30)) where Lagrange's equation has the scalar product S'·S''; its form is kept
-as a model of its own, so that it can be refuted.
+from the moduli |S'|·|S''| (eqs (29) and (30)) where Lagrange's equation has the scalar product S'·S''; its form is
+a second model, which comparisons with it refute.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ NO_INERTIA: Final = 1e-12  # of the peak of Jeq: a smooth minimum this deep is a
 
 
 def moduli_half_derivative(sweep: Sweep) -> Array:
-    """What article 000 takes for ½ Jeq': Σ m |S'| |S''| + J θ' θ'', kg m²/rad. It is not the derivative of Jeq."""
+    """Article 000's expression for ½ Jeq': Σ m |S'| |S''| + J θ' θ'', kg m²/rad. It is not the derivative of Jeq."""
     total = np.zeros(sweep.angle.shape)
     for name, body in sweep.linkage.links.items():
         total += body.mass * np.hypot(*sweep.centre(name, 1)) * np.hypot(*sweep.centre(name, 2))
@@ -101,7 +101,7 @@ class EquationOfMotion:
         return np.asarray(moment - speed * (damping + slope * speed))
 
     def push(self, time: ArrayLike, angle: ArrayLike) -> Array:
-        """What the torque over time adds to φ̈, rad/s², at instants, s, and crank angles, rad, of one shape."""
+        """The part of φ̈ that the torque over time adds, rad/s², at instants, s, and crank angles, rad, of one shape."""
         if self.over_time is None:
             return np.zeros(np.shape(time))
         return np.asarray(self.over_time(time) * self.terms(np.asarray(angle, dtype=float))[3])

@@ -35,8 +35,8 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     """Every angle at which the moment on the crank changes sign, in increasing order.
 
     ``torque`` is M1, N m, a number or a law of φ. Empty where nothing holds the crank: the torque outweighs the loads,
-    or there is no moment at any angle. A crank that cannot make a full turn is looked at where it can stand, a driver
-    that is pushed over its range; two angles nearer to each other than half a degree may be missed.
+    or there is no moment at any angle. A crank that cannot make a full turn is searched over its range, like a driver
+    that is pushed; two angles nearer to each other than half a degree may be missed.
     """
     law = crank_torque(torque)
 

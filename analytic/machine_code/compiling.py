@@ -1,6 +1,6 @@
 """Printed functions as machine code, by numba where it is installed.
 
-A function takes 1 to 3 s to compile and is kept for the process alone, so it is compiled where that saves time.
+A function takes 1 to 3 s to compile and serves this process only, so it is compiled where that saves time.
 """
 
 from __future__ import annotations

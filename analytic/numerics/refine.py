@@ -1,4 +1,4 @@
-"""The true highest values of many sampled curves at once, closed in between the neighbours of their highest samples.
+"""The true highest values of many sampled curves at once, refined between the neighbours of their highest samples.
 
 The one refinement of extremes: over the turn of a crank, the time of a motion, or the turns of many designs. A curve
 may jump between two samples: it is followed on either side of the jump, never across it. A top narrower than two steps

@@ -129,7 +129,7 @@ def test_three_sliding_joints_hold_nothing():
 
 
 def test_the_work_grows_with_the_number_of_links(monkeypatch):
-    joints = calls(monkeypatch, decomposition._Search, "revolute")
+    joints = calls(monkeypatch, decomposition._PlacedBodies, "revolute")
     counts = []
     for dyads in (20, 80):
         joints.clear()
