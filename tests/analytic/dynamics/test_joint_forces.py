@@ -10,8 +10,9 @@ from analytic.description.linkage import GROUND, PointForce, Spring
 from analytic.dynamics import joint_forces, reduced
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
+from tests.analytic.drives import driven
 from tests.analytic.linkages import angles, from_text, mechanism, text_of
-from tests.analytic.loaded_linkages import ALL, on_trial
+from tests.analytic.loaded_linkages import ALL, laden, on_trial
 from tests.analytic.newton_euler import Balance, scene_at
 from tests.analytic.tolerances import FEW_ROUNDINGS
 
@@ -25,12 +26,14 @@ TRIALS = [
     else pytest.param(case, marks=pytest.mark.nightly)
     for case in ALL
 ]
+CLASS_III = "ternary-on-rods"
+TRIALS.append(((CLASS_III, None), True))
 
 
 @pytest.fixture(params=TRIALS, ids=lambda case: f"{case[0][0]}-{case[0][1]}-{'laden' if case[1] else 'bare'}")
 def sample(request):
     (name, variant), is_laden = request.param
-    return on_trial(name, variant, is_laden)
+    return Mechanism(laden(driven(name).linkage)) if name == CLASS_III else on_trial(name, variant, is_laden)
 
 
 def _peak(reactions):
@@ -133,6 +136,16 @@ def test_drive_torque_is_that_of_virtual_work(sample):
         virtual = reduced.drive_torque(sweep, speed, acceleration)
         found = joint_forces.reactions(sweep, speed, acceleration).torque
         assert np.allclose(found, virtual, rtol=0.0, atol=BALANCED * np.abs(virtual).max())
+
+
+@pytest.mark.parametrize("name", ["boom", "cylinder-in-the-loop", "linear-motor"])
+def test_force_of_a_linear_drive_is_that_of_virtual_work(name):
+    model = Mechanism(laden(driven(name).linkage))
+    low, high = model.crank_range().limits
+    sweep = model.sweep(np.linspace(0.9 * low + 0.1 * high, 0.1 * low + 0.9 * high, 9))
+    virtual = reduced.drive_torque(sweep, 0.2, 3.0)
+    force = joint_forces.reactions(sweep, 0.2, 3.0).torque
+    assert np.allclose(force, virtual, rtol=0.0, atol=BALANCED * np.abs(virtual).max())
 
 
 @pytest.mark.parametrize(("name", "variant"), [("rimoldi-164", "as-built"), ("slotted-takeup", "inverted")])
