@@ -56,7 +56,7 @@ class SignalExtreme(NamedTuple):
         return np.where(values < 0.0, -1.0, 1.0)
 
     def height(self, values: Array, side: Array | None = None) -> Array:
-        """A function of the signal that is largest at the extreme, with sign ``side``, or that of each value if None."""
+        """A function of the signal that is largest at the extreme; ``side`` is its sign, that of each value if None."""
         return (self.side(values) if side is None else side) * values
 
     def is_kink(self, value: ArrayLike) -> Array:

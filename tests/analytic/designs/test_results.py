@@ -5,8 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from analytic import signals
@@ -23,8 +21,8 @@ from comparisons.datasheet.curves import Curves
 from comparisons.reference.case import Case
 from tests.analytic.designs.one_by_one import PATHS, built, signals_of, varied
 from tests.analytic.drives import driven
-from tests.analytic.linkages import FOLDER, MADE_UP, four_bars, from_text, mechanism
-from tests.analytic.loaded_linkages import ALL, laden, on_trial
+from tests.analytic.linkages import FOLDER, MADE_UP, from_text, mechanism
+from tests.analytic.loaded_linkages import ALL, on_trial
 from tests.analytic.swinging import double_rocker
 
 # Other orders of the same operations; of the peak.
@@ -119,13 +117,6 @@ def test_designs_that_cannot_be_assembled_or_moved_are_nan_and_no_others(case):
     assert np.any(failing) == (case[0] != "scotch-yoke")
 
 
-@given(sample=four_bars(), seed=st.integers(0, 2**32))
-@settings(max_examples=5)
-def test_figures_of_linkages_drawn_at_random(sample, seed):
-    drawn = Mechanism(laden(from_text(sample.text()).linkage))
-    compare(drawn, varied(drawn, seed, 3, 0.05), TURN)
-
-
 # Not "scotch-yoke", whose laden springs' ends meet at a sample, nor what passes change points or is solved by numbers.
 REFINED = [("rimoldi-164", "as-built", False), *((name, None, False) for name in MADE_UP), *LADEN[:4]]
 REFINED = [case for case in REFINED if case[0] not in ("scotch-yoke", "parallelogram")]
@@ -146,25 +137,6 @@ def test_true_peaks_are_those_that_results_prints(case):
         size = max(abs(peak.value), 0.05)  # what is zero but for rounding has no peak
         expected = peak.value if name.startswith("transmission_angle:") else abs(peak.value)
         assert abs(value - expected) <= (AT_TOGGLE if case[0] == "near-toggle" else TOP) * size, name
-
-
-@given(sample=four_bars(), seed=st.integers(0, 2**32))
-@settings(max_examples=5)
-def test_true_extremes_need_few_samples(sample, seed):
-    """Those of 60 samples are those of 240; every extreme lies on the other side of 240 plain samples."""
-    drawn = from_text(sample.text())
-    parameters = varied(drawn, seed, 5, 0.01)
-    names = ("Mkr", "joint_force:A:magnitude", "transmission_angle:" + drawn.structure.dyads[0].name)
-    figures = [Figure(name, way) for name in names for way in WAYS if name != names[1] or way is not Reduction.MIN]
-
-    def figures_of(count, refine):
-        angle = np.arange(count) * FULL_TURN / count
-        return design_figures(drawn, parameters, figures, angle, speed=SPEED, refine=refine)
-
-    few, many, plain = figures_of(60, True), figures_of(240, True), figures_of(240, False)
-    assert np.allclose(few, many, rtol=1e-11, atol=0.0, equal_nan=True)
-    beyond = np.array([[-1.0 if figure.reduction is Reduction.MIN else 1.0] for figure in figures])
-    assert not np.any(beyond * (many - plain) < -1e-12 * np.abs(plain))
 
 
 def test_blocks_and_threads_change_nothing(monkeypatch):
@@ -209,13 +181,6 @@ def test_the_ends_of_a_range_count_and_those_of_a_turn_do_not():
     for period in ({}, {"period": FULL_TURN}):
         found = design_figures(sample, {}, figures, turn, speed=SPEED, refine=True, **period)[:, 0]
         assert np.allclose(found, [reach, -reach, 0.0], rtol=0.0, atol=1e-15)
-
-
-def test_a_link_that_turns_has_turned_by_a_turn():
-    sample = mechanism("double-crank")
-    angles = [Figure(f"link:{name}:angle", Reduction.RANGE) for name in sample.linkage.links]
-    turned = design_figures(sample, {}, angles, TURN, speed=SPEED, refine=True)[:, 0]
-    assert np.count_nonzero(np.isclose(turned, FULL_TURN, rtol=1e-14)) >= 2
 
 
 @pytest.mark.parametrize(

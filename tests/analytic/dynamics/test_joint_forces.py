@@ -148,30 +148,6 @@ def test_force_of_a_linear_drive_is_that_of_virtual_work(name):
     assert np.allclose(force, virtual, rtol=0.0, atol=BALANCED * np.abs(virtual).max())
 
 
-@pytest.mark.parametrize(("name", "variant"), [("rimoldi-164", "as-built"), ("slotted-takeup", "inverted")])
-def test_frame_takes_weights_less_the_change_of_momentum(name, variant):
-    # At constant speed d(momentum)/dt = ω² d/dφ (Σ m S'), here by the discrete Fourier transform of one turn.
-    speed, count = 80.0, 128
-    sweep = mechanism(name, variant).sweep(np.arange(count) * 2.0 * np.pi / count)
-    gravity = np.array(sweep.linkage.gravity)
-    momentum, weights = np.zeros((3, count)), np.zeros((3, count))
-    for link in sweep.linkage.links.values():
-        place, rate = (np.stack(np.broadcast_arrays(*sweep.centre(link.name, k), sweep.angle)[:2]) for k in (0, 1))
-        momentum += link.mass * np.stack([*rate, _cross(place, rate)])
-        momentum[2] += (link.inertia or 0.0) * sweep.rates(link.name)[2]
-        weight = np.broadcast_to(gravity[:, None], place.shape)
-        weights += link.mass * np.stack([*weight, _cross(place, weight)])
-    orders = 1j * np.fft.fftfreq(count, 1.0 / count)
-    change = speed**2 * np.fft.ifft(orders * np.fft.fft(momentum)).real
-    force, moment = (f(sweep, speed, 0.0) for f in (joint_forces.shaking_force, joint_forces.shaking_moment))
-    error = np.abs(np.stack([*force, moment]) - (weights - change)).max(axis=1)
-    assert np.all(error <= BALANCED * np.abs(change).max() * np.array([1.0, 1.0, sweep.linkage.extent()]))
-
-
-def _cross(a, b):
-    return a[0] * b[1] - a[1] * b[0]
-
-
 # Shapes, parts, and positions without values.
 
 

@@ -4,11 +4,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from analytic.description.loading import load
 from analytic.errors import AssemblyError
 from analytic.kinematics.error_bounds import ErrorBounds
-from analytic.kinematics.mechanism import Mechanism
-from tests.analytic.linkages import FOLDER, from_text, mechanism
+from tests.analytic.linkages import from_text, mechanism
 
 # Of poses (m, and cosines), first and second derivatives, beside change points and away from them.
 EXACT = (4e-15, 2e-14, 1e-13)
@@ -105,19 +103,6 @@ def test_motion_through_change_points_is_that_of_a_hundred_digits(name):
     (_, _, *turned), first_rate, second_rate = ErrorBounds(sweep).motion("rocker")
     bound = np.array([np.hypot(*(part.bound for part in turned)), first_rate[2].bound, second_rate[2].bound])
     assert np.all(errors <= 2.0 * bound + 1e-30)
-
-
-def test_ten_coupled_four_bars_turn_alike():
-    sample = Mechanism(load(str(FOLDER / "change-points" / "ten-four-bars.toml")))
-    assert sample.changes == pytest.approx((0.0, np.pi), abs=1e-8)
-    sample.check_full_turn()
-    sweep = sample.sweep(ANGLE)
-    for number in range(1, 11):
-        c, s = sweep.poses(f"rocker{number}")[2:]
-        turned = max(np.max(np.abs(c - np.cos(ANGLE))), np.max(np.abs(s - np.sin(ANGLE))))
-        rates = np.max(np.abs(sweep.rates(f"rocker{number}")[2] - 1.0))
-        bends = np.max(np.abs(sweep.accelerations(f"rocker{number}")[2]))
-        assert np.all(np.array([turned, rates, bends]) <= CHAINED)
 
 
 def test_pins_that_cross_in_every_window_add_up_no_rounding():

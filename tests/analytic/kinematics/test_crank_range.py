@@ -99,37 +99,6 @@ def test_slider_cranks_whose_rod_is_too_short(rod, offset):
     assert "'rod' square to the guide of 'piston'" in found.low.sentence
 
 
-SECOND_DYAD = """
-[links.link]
-points = { C = [0, 0], D = [0.6, 0] }
-mass = 0.1
-inertia = 1e-4
-[links.arm]
-points = { E = [0, 0], D = [0.4, 0] }
-mass = 0.1
-inertia = 1e-4
-"""
-
-
-def test_a_second_group_may_limit_the_crank():
-    """The crank of the four-bar turns fully; C then comes too far from E for the two links between them."""
-    four = four_bar(1.0, 0.3, 0.9, 0.7, 1.0).replace("O = [0, 0],", "O = [0, 0], E = [1.5, 0.8],", 1)
-    found = from_text(four.replace("points = { C =", "points = { D = [1, 1], C =") + SECOND_DYAD).crank_range()
-
-    def missing(angle):
-        a = 0.3 * mp.expj(angle)
-        gap = abs(1 - a)
-        along = (gap**2 + mpf("0.81") - mpf("0.49")) / (2 * gap)
-        c = a + mp.mpc(along, mp.sqrt(mpf("0.81") - along**2)) * (1 - a) / gap
-        return abs(c - mp.mpc("1.5", "0.8")) - mpf(1)
-
-    for limit in (found.low, found.high):
-        assert limit.dyad.links == ("arm", "link")
-        exact = mp.findroot(missing, mpf(limit.angle))
-        assert abs(limit.angle - exact) < 1e-14
-        assert all(missing(found.start + part * (limit.angle - found.start)) < 0 for part in np.linspace(0, 0.999, 30))
-
-
 TANGENT = """
 title = "tangent"
 units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }

@@ -149,7 +149,6 @@ TABLE = "0,0.5\n90,12.25\n180,-3\n"
         TABLE,
         "# from the data sheet\n\nfeed_mm,phi_deg\n0.5,0\n12.25,90\n-3,180\n",
         '"phi_deg";"feed_mm"\n0;0,5\n90;12,25\n180;-3\n',
-        "0\t0,5\r\n90\t12,25\r\n180\t-3\r\n",
         "\ufeffPhi_deg, Feed_mm\n0, 0.5\n90, 12.25\n180, -3",
     ],
 )
