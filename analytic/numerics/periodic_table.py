@@ -68,13 +68,11 @@ def tabulate(
     degree: int = DEGREE,
     *,
     ends: tuple[float, float] = (0.0, FULL_TURN),
-    least_peak: Array | float = 0.0,
     period: float = FULL_TURN,
 ) -> PeriodicTable:
     """Tabulate functions (angles (n,) to values (functions, n)) over a turn with polynomials of a degree.
 
-    ``ends``, rad, are those of what is tabulated, a ``period`` at most. A function whose peak is smaller than
-    ``least_peak`` is tabulated to that accuracy, since it is the rounding of terms that cancel.
+    The table spans the angles between ``ends``, rad, a ``period`` at most.
     """
     nodes, analysis, powers = _rules(degree)
     between = chebyshev.chebpts2(degree + 2)
@@ -87,7 +85,7 @@ def tabulate(
     for level in range(MOST_HALVINGS + 1):
         last = level == MOST_HALVINGS or len(left) > MOST_CELLS
         values = _on(functions, left, right, nodes)
-        peak = np.maximum(np.abs(values).max(axis=(1, 2)), least_peak if peak is None else peak)
+        peak = np.maximum(np.abs(values).max(axis=(1, 2)), 0.0 if peak is None else peak)
         # Two products: in one, the large entries of the conversion to powers would amplify roundings of the values.
         coefficients = np.moveaxis((values @ analysis.T) @ powers.T, 0, -1)
         true = np.moveaxis(_on(functions, left, right, between), 0, -1)

@@ -17,23 +17,23 @@ def signals_of(exact: Exact, speed: float) -> dict[str, mpf]:
     """Torque, energies, points and angles by the names of ``analytic.signals`` at constant speed, rad/s."""
     w, linkage = mpf(speed), exact.linkage
     inertia, torque = exact.inertia(), exact.torque(speed, 0.0)
-    found = {"Jeq": inertia, "Mkr": torque, "Peq": torque * w, "Teq": inertia * w * w / 2}
+    outcome = {"Jeq": inertia, "Mkr": torque, "Peq": torque * w, "Teq": inertia * w * w / 2}
     for name, link in linkage.links.items():
-        found |= zip(
+        outcome |= zip(
             [f"link:{name}:{one}" for one in ("angle", "omega", "alpha")], _timed(exact.turn(name), w), strict=True
         )
         for point, local in link.points.items():
             x, y = (_timed(one, w) for one in exact.point(name, local))
             parts = zip((x[0], y[0], x[1], y[1], x[2], y[2]), ("x", "y", "vx", "vy", "ax", "ay"), strict=True)
-            found |= {f"point:{point}:{part}": value for value, part in parts}
+            outcome |= {f"point:{point}:{part}": value for value, part in parts}
     if linkage.output is not None:
         x, y = (
             _timed(one, w)
             for one in exact.point(linkage.output.link, linkage.local(linkage.output.point, linkage.output.link))
         )
         c, s = map(mpf, linkage.output.along)
-        found |= {"v": -(c * x[1] + s * y[1]), "a": -(c * x[2] + s * y[2])}
-    return found
+        outcome |= {"v": -(c * x[1] + s * y[1]), "a": -(c * x[2] + s * y[2])}
+    return outcome
 
 
 def _timed(parts: tuple[mpf, mpf, mpf], speed: mpf) -> tuple[mpf, mpf, mpf]:

@@ -54,7 +54,7 @@ def document(tables: dict[str, Any]) -> str:
 def _places(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """Paths to everything inside a document."""
     inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    return [found for key, part in inner for found in ((*path, key), *_places(part, (*path, key)))]
+    return [result for key, part in inner for result in ((*path, key), *_places(part, (*path, key)))]
 
 
 def _is_number(value: Any) -> bool:

@@ -61,8 +61,8 @@ def test_gravity_equilibria_are_the_specifications(name, variant, degrees):
     # Article 000 prints 269.18°, article 001 101°; the specification finds 268.77° and 102-105°.
     sample = mechanism(name, variant)
 
-    found = zeros(lambda phi: reduced.gravity_force(sample.sweep(phi)))
-    assert np.min(np.abs(np.degrees(found) - degrees)) <= 0.005  # two decimals
+    result = zeros(lambda phi: reduced.gravity_force(sample.sweep(phi)))
+    assert np.min(np.abs(np.degrees(result) - degrees)) <= 0.005  # two decimals
 
 
 def test_the_two_readings_of_rimoldis_table_differ_in_gravity_alone():

@@ -17,24 +17,24 @@ def test_pieces_make_up_the_whole(count):
     sample, angle = mechanism("rimoldi-164"), angles(count)
     speed, acceleration = angles(count, seed=2), angles(count, seed=3)
     names = ("Jeq", "half_slope", "Q", "damping", "Mkr", "Teq", "Peq", "S", "v", "a", "link:rod:angle")
-    found = evaluate(sample, angle, names, speed=speed, acceleration=acceleration, path="numpy")
+    result = evaluate(sample, angle, names, speed=speed, acceleration=acceleration, path="numpy")
     sweep = sample.sweep(angle)
-    assert np.array_equal(found["Jeq"], reduced.reduced_inertia(sweep))
-    assert np.array_equal(found["half_slope"], reduced.half_inertia_derivative(sweep))
-    assert np.array_equal(found["Q"], reduced.generalised_force(sweep))
-    assert np.array_equal(found["damping"], reduced.damping_coefficient(sweep))
-    assert np.array_equal(found["Mkr"], reduced.drive_torque(sweep, speed, acceleration))
-    assert np.array_equal(found["Teq"], reduced.kinetic_energy(sweep, speed))
-    assert np.array_equal(found["Peq"], found["Mkr"] * speed)
-    assert np.array_equal(found["S"], top_dead_centre(sample).coordinate - sweep.output())
-    assert np.array_equal(found["v"], -sweep.output(1) * speed)
-    assert np.array_equal(found["a"], -(sweep.output(2) * (speed * speed) + sweep.output(1) * acceleration))
-    assert np.array_equal(found["link:rod:angle"], sweep.angles("rod"))
+    assert np.array_equal(result["Jeq"], reduced.reduced_inertia(sweep))
+    assert np.array_equal(result["half_slope"], reduced.half_inertia_derivative(sweep))
+    assert np.array_equal(result["Q"], reduced.generalised_force(sweep))
+    assert np.array_equal(result["damping"], reduced.damping_coefficient(sweep))
+    assert np.array_equal(result["Mkr"], reduced.drive_torque(sweep, speed, acceleration))
+    assert np.array_equal(result["Teq"], reduced.kinetic_energy(sweep, speed))
+    assert np.array_equal(result["Peq"], result["Mkr"] * speed)
+    assert np.array_equal(result["S"], top_dead_centre(sample).coordinate - sweep.output())
+    assert np.array_equal(result["v"], -sweep.output(1) * speed)
+    assert np.array_equal(result["a"], -(sweep.output(2) * (speed * speed) + sweep.output(1) * acceleration))
+    assert np.array_equal(result["link:rod:angle"], sweep.angles("rod"))
 
 
-def test_shapes_are_kept_and_scalars_spread():
-    found = evaluate(mechanism("juki-mf7923d"), angles(6).reshape(2, 3), ["Mkr", "S"], speed=10.0)
-    assert {name: values.shape for name, values in found.items()} == {"Mkr": (2, 3), "S": (2, 3)}
+def test_results_have_the_shape_of_the_angles_and_scalars_spread():
+    result = evaluate(mechanism("juki-mf7923d"), angles(6).reshape(2, 3), ["Mkr", "S"], speed=10.0)
+    assert {name: values.shape for name, values in result.items()} == {"Mkr": (2, 3), "S": (2, 3)}
     assert evaluate(mechanism("juki-mf7923d"), 0.3, ["Jeq"])["Jeq"].shape == ()
 
 
@@ -53,11 +53,11 @@ def test_peak_torque_and_largest_driving_power_of_the_run_up(name, variant, regi
     motion = crank_motion(regime)
     time = np.linspace(0.0, motion.duration, 40_001)
     moves = {"speed": motion.speed(time), "acceleration": motion.acceleration(time)}
-    found = evaluate(mechanism(name, variant), motion.angle(time), ["Mkr", "Peq"], **moves, path="numpy")
+    result = evaluate(mechanism(name, variant), motion.angle(time), ["Mkr", "Peq"], **moves, path="numpy")
     is_printed = variant == "as-printed"  # with three decimals and with one
     close = ({"abs": 0.5e-3}, {"abs": 0.05}) if is_printed else ({"rel": FOUR_DIGITS},) * 2
-    assert np.max(np.abs(found["Mkr"])) == pytest.approx(torque, **close[0])
-    assert np.max(found["Peq"]) == pytest.approx(power, **close[1])
+    assert np.max(np.abs(result["Mkr"])) == pytest.approx(torque, **close[0])
+    assert np.max(result["Peq"]) == pytest.approx(power, **close[1])
 
 
 def test_an_unknown_quantity_a_missing_speed_and_a_speed_of_another_shape():

@@ -89,22 +89,22 @@ def _found():
     )
     name = f"sample-{next(NUMBERS)}"  # files once read are kept by their text and name
     case = Case(from_text(TEXT, name), motion)
-    found = {name: float(quantities.QUANTITIES[name].reference(case, np.array([AT]))[0]) for name in _expected()}
+    result = {name: float(quantities.QUANTITIES[name].reference(case, np.array([AT]))[0]) for name in _expected()}
     scene = case.scene([Channel.POSITION])  # what an engine is told
     (load,), end = scene.forces, math.radians(40.0) + RPM / 60.0 * 2.0 * math.pi * AT
     knots, pieces, _ = plain_law(load.force)
     piece = int(np.searchsorted(knots, end, side="right")) - 1
     pull = np.polyval(pieces[piece][0][::-1], end - knots[piece])
-    return found | {"crank": float(case.motion.angle(AT)), "pull": float(pull)}
+    return result | {"crank": float(case.motion.angle(AT)), "pull": float(pull)}
 
 
 def _wrong():
     """The figures that are off by more than the differences' own error."""
     end = math.radians(40.0) + RPM / 60.0 * 2.0 * math.pi * AT
     expected = _expected() | {"crank": end, "pull": _pull(end)}
-    found = _found()
+    result = _found()
     scale = {"Mkr": 1e-6}
-    return [name for name, value in expected.items() if abs(found[name] - value) > scale.get(name, TOLERANCE)]
+    return [name for name, value in expected.items() if abs(result[name] - value) > scale.get(name, TOLERANCE)]
 
 
 def test_the_figures_that_both_sides_share_are_right():

@@ -106,9 +106,9 @@ def test_without_an_output_there_is_no_s_and_a_swinging_crank_counts_it_from_whe
 def test_a_linkage_without_mass_and_loads_has_no_torques_and_forces():
     linkage = without(slider_crank().linkage, "gravity")
     bare = {name: replace(link, mass=0.0, inertia=None) for name, link in linkage.links.items()}
-    found = names(Mechanism(replace(linkage, links=bare)))
-    assert not [n for n in found if n.startswith(("joint", "shaking")) or n in ("Mkr", "Peq", "Teq", "Jeq")]
-    assert {"phi", "S", "point:A:x", "link:rod:alpha"} <= {*found}
+    result = names(Mechanism(replace(linkage, links=bare)))
+    assert not [n for n in result if n.startswith(("joint", "shaking")) or n in ("Mkr", "Peq", "Teq", "Jeq")]
+    assert {"phi", "S", "point:A:x", "link:rod:alpha"} <= {*result}
 
 
 def test_an_unknown_signal_is_refused_by_name():

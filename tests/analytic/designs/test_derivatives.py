@@ -71,14 +71,14 @@ def _exact(sample: Mechanism, angle: float, nudges: frozenset[tuple[str, mpf]]) 
 
 def _differences(sample: Mechanism, angle: float, parameters: list[str], names: list[str]) -> np.ndarray:
     """Derivatives of signals by numbers and the speed (signals, parameters), in many digits."""
-    found = []
+    result = []
     for nudges in (HERE, *(_nudge(one) for one in parameters)):
         at, speed = _exact(sample, angle, nudges), SPEED + dict(nudges).get("speed", mpf(0))
         values = signals_of(at, speed) | forces_of(at, speed) | _transmission(sample, at)
-        found.append([values[one] for one in names])
+        result.append([values[one] for one in names])
     steps = [1 if _is_load(one) else NUDGE for one in parameters]
-    return np.array([[float((b - a) / step) for a, b in zip(found[0], row, strict=True)]
-                     for row, step in zip(found[1:], steps, strict=True)]).T  # fmt: skip
+    return np.array([[float((b - a) / step) for a, b in zip(result[0], row, strict=True)]
+                     for row, step in zip(result[1:], steps, strict=True)]).T  # fmt: skip
 
 
 def _nudge(name: str) -> frozenset[tuple[str, mpf]]:
@@ -96,17 +96,17 @@ def _is_load(name: str) -> bool:
 
 def _of_every_kind(linkage: Linkage, seed: int) -> dict[str, float]:
     """A number of every kind that the linkage has, two lengths of links among them."""
-    found: dict[str, list[tuple[str, float]]] = {}
+    result: dict[str, list[tuple[str, float]]] = {}
 
     def note(name: str, kind: str, value: float) -> float:
         if not name.startswith("sketch."):
             place = "centre" if ".centre." in name else "through" if ".through." in name else ""
-            found.setdefault(f"{kind} {place}", []).append((name, value))
+            result.setdefault(f"{kind} {place}", []).append((name, value))
         return value
 
     changed(linkage, note)
     draw = np.random.default_rng(seed)
-    return dict(names[draw.integers(len(names))] for names in found.values())
+    return dict(names[draw.integers(len(names))] for names in result.values())
 
 
 @pytest.mark.parametrize(("name", "variant"), TRIALS)
@@ -144,11 +144,11 @@ def test_figures_are_those_of_designs_and_move_as_theirs_do(name, variant, refin
     number, value = next((one, size) for one, size in numbers(sample.linkage).items() if one in links and size)
     values, gradients = figure_gradients(sample, {number: value}, figures, places, speed=SPEED, refine=refine)
     near = value + 1e-5 * (abs(value) or 0.1) * np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
-    found = design_figures(sample, {number: near}, figures, places, speed=SPEED, refine=refine)
-    other = np.abs(found + values[:, None]) < 1e-3 * np.abs(found)  # of tops that tie either is right
-    found = np.where(other, -found, found)
-    assert values == pytest.approx(found[:, 2], rel=1e-9, abs=1e-12)
-    slopes = (8.0 * (found[:, 3] - found[:, 1]) - (found[:, 4] - found[:, 0])) / (12.0 * (near[3] - near[2]))
+    result = design_figures(sample, {number: near}, figures, places, speed=SPEED, refine=refine)
+    other = np.abs(result + values[:, None]) < 1e-3 * np.abs(result)  # of tops that tie either is right
+    result = np.where(other, -result, result)
+    assert values == pytest.approx(result[:, 2], rel=1e-9, abs=1e-12)
+    slopes = (8.0 * (result[:, 3] - result[:, 1]) - (result[:, 4] - result[:, 0])) / (12.0 * (near[3] - near[2]))
     known, least = np.isfinite(gradients[:, 0]), 1e-6 * np.max(np.abs(slopes)) + 1e-8 * np.max(np.abs(values))
     assert np.count_nonzero(known) >= len(figures) // 2
     assert gradients[known, 0] == pytest.approx(slopes[known], rel=1e-5, abs=least)
@@ -202,7 +202,7 @@ def test_linkages_without_closed_form_have_differences_on_both_sides_of_a_mass_o
         figure_gradients(sample, {"coupler.mass": -0.1}, figures, angle, speed=SPEED)
 
 
-def test_wrong_names_and_designs_that_cannot_be_assembled_are_told():
+def test_wrong_names_and_designs_that_cannot_be_assembled_are_refused():
     sample = mechanism("rimoldi-164", "as-built")
     with pytest.raises(UnknownNameError, match=r"rod\.B\.x"):
         signal_gradients(sample, {"rod.B.X": 0.2}, ["Mkr"], [0.0], speed=SPEED)

@@ -87,21 +87,21 @@ def compare(sample, parameters, angle):
     """Compare every signal of every design, each reduced in one of the ways, with a loop; which designs fail."""
     names = [name for name in signals.names(sample) if name not in ("phi", "omega", "epsilon")]
     figures = [Figure(name, WAYS[row % len(WAYS)]) for row, name in enumerate(names)]
-    found = design_figures(sample, parameters, figures, angle, speed=SPEED)
-    for number in range(found.shape[1]):
+    result = design_figures(sample, parameters, figures, angle, speed=SPEED)
+    for number in range(result.shape[1]):
         try:
             design = built(sample, parameters, number)
             expected = signals_of(sample, design, angle, names, (SPEED, 0.0))
         except (AssemblyError, StructureError):
-            assert np.all(np.isnan(found[:, number]))
+            assert np.all(np.isnan(result[:, number]))
             continue
-        if np.all(np.isnan(found[:, number])):
+        if np.all(np.isnan(result[:, number])):
             assert stands(design, angle)
             continue
-        for figure, value in zip(figures, found[:, number], strict=True):
+        for figure, value in zip(figures, result[:, number], strict=True):
             values = expected[figure.signal]
             assert abs(value - reduced(values, figure.reduction)) <= SAME * np.max(np.abs(values)), figure
-    return np.isnan(found[0])
+    return np.isnan(result[0])
 
 
 @pytest.mark.parametrize("case", nightly_but(ORDINARY, [*LADEN, *OTHERS]))
@@ -132,8 +132,8 @@ def test_true_peaks_are_those_that_results_prints(case):
     curves = Curves(Case(sample, CrankMotion("test", (Segment(0.0, (end - start) / SPEED, (start, SPEED)),))))
     names = [name for name in curves.names if name not in ("time", "phi", "omega", "epsilon", "S")]
     ways = [Reduction.MIN if name.startswith("transmission") else Reduction.PEAK for name in names]
-    found = design_figures(sample, {}, list(map(Figure, names, ways)), angle, speed=SPEED, refine=True)[:, 0]
-    for value, (name, peak) in zip(found, curves.peaks(names).items(), strict=True):
+    result = design_figures(sample, {}, list(map(Figure, names, ways)), angle, speed=SPEED, refine=True)[:, 0]
+    for value, (name, peak) in zip(result, curves.peaks(names).items(), strict=True):
         size = max(abs(peak.value), 0.05)  # what is zero but for rounding has no peak
         expected = peak.value if name.startswith("transmission_angle:") else abs(peak.value)
         assert abs(value - expected) <= (AT_TOGGLE if case[0] == "near-toggle" else TOP) * size, name
@@ -164,10 +164,10 @@ def test_values_at_an_angle_are_those_of_the_curve():
     expected = [signals_of(sample, built(sample, parameters, n), angle, names, (SPEED, 0.0)) for n in range(2)]
     for place in (0, 123, 359):
         figures = [Figure(name, Reduction.AT, angle[place]) for name in names]
-        found = design_figures(sample, parameters, figures, angle, speed=SPEED)
+        result = design_figures(sample, parameters, figures, angle, speed=SPEED)
         for values, (row, name) in itertools.product(enumerate(expected), enumerate(names)):
             true = values[1][name]
-            assert abs(found[row, values[0]] - true[place]) <= SAME * np.max(np.abs(true))
+            assert abs(result[row, values[0]] - true[place]) <= SAME * np.max(np.abs(true))
 
 
 def test_the_ends_of_a_range_count_and_those_of_a_turn_do_not():
@@ -175,12 +175,12 @@ def test_the_ends_of_a_range_count_and_those_of_a_turn_do_not():
     figures = [Figure("point:A:y", Reduction.MAX), Figure("point:A:y", Reduction.MIN), Figure("S", Reduction.MIN)]
     reach = sample.linkage.links["crank"].points["A"][0]
     over = np.linspace(0.2, 1.2, 9)
-    found = design_figures(sample, {}, figures, over, speed=SPEED, refine=True)[:, 0]
-    assert np.allclose(found, [reach * np.sin(1.2), reach * np.sin(0.2), 0.0], rtol=0.0, atol=1e-15)
+    result = design_figures(sample, {}, figures, over, speed=SPEED, refine=True)[:, 0]
+    assert np.allclose(result, [reach * np.sin(1.2), reach * np.sin(0.2), 0.0], rtol=0.0, atol=1e-15)
     turn = np.arange(10) * (FULL_TURN / 10) + 0.1
     for period in ({}, {"period": FULL_TURN}):
-        found = design_figures(sample, {}, figures, turn, speed=SPEED, refine=True, **period)[:, 0]
-        assert np.allclose(found, [reach, -reach, 0.0], rtol=0.0, atol=1e-15)
+        result = design_figures(sample, {}, figures, turn, speed=SPEED, refine=True, **period)[:, 0]
+        assert np.allclose(result, [reach, -reach, 0.0], rtol=0.0, atol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -232,10 +232,10 @@ def test_a_crank_that_makes_no_turn_is_seen_however_narrow_the_gap(count, refine
     gap = np.minimum(coupler + rocker - (0.1 + crank), np.abs(0.1 - crank) - np.abs(coupler - rocker))
     lengths = {"crank.A.x": crank, "coupler.B.x": coupler, "rocker.B.x": rocker}
     places = np.arange(count) * (FULL_TURN / count)
-    found = design_figures(from_text(LEANING), lengths, TWO, places, speed=SPEED, path=path, refine=refine)
+    result = design_figures(from_text(LEANING), lengths, TWO, places, speed=SPEED, path=path, refine=refine)
     turns = gap > 1e-15
     assert 50 < np.count_nonzero(turns) < len(turns) - 50
-    np.testing.assert_array_equal(np.isfinite(found), [turns, turns])
+    np.testing.assert_array_equal(np.isfinite(result), [turns, turns])
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -243,8 +243,8 @@ def test_over_a_range_only_the_dead_positions_in_it_count(path):
     """One of the designs fails about half a turn, the other from 0.03 to 0.17 rad, between two samples."""
     designs = {"coupler.B.x": [0.0999, 0.1001], "rocker.B.x": [0.03, 0.03]}
     for start, fails in ((0.2, [False, False]), (-0.6, [False, True])):
-        found = design_figures(from_text(LEANING), designs, TWO, np.linspace(start, 1.2, 10), speed=SPEED, path=path)
-        np.testing.assert_array_equal(np.isnan(found), [fails, fails])
+        result = design_figures(from_text(LEANING), designs, TWO, np.linspace(start, 1.2, 10), speed=SPEED, path=path)
+        np.testing.assert_array_equal(np.isnan(result), [fails, fails])
 
 
 # Means, against quadrature that shares nothing with theirs.
@@ -286,8 +286,8 @@ def test_a_mean_is_the_integral_over_the_motion_whatever_the_samples(name, figur
     expected = np.array([[integral(sample, figure, span)] for figure in means])
     for count, refine in ((60, False), (180, True)):
         angle = np.linspace(*span, count, endpoint=swings)
-        found = design_figures(sample, {}, means, angle, speed=20.0, refine=refine, path="numpy")
-        np.testing.assert_allclose(found, expected, rtol=1e-9, err_msg=f"{count} {refine}")
+        result = design_figures(sample, {}, means, angle, speed=20.0, refine=refine, path="numpy")
+        np.testing.assert_allclose(result, expected, rtol=1e-9, err_msg=f"{count} {refine}")
 
 
 @pytest.mark.parametrize("path", PATHS)

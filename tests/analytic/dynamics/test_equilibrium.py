@@ -34,10 +34,10 @@ PRINTED = 0.005
 
 @needs_extended_precision
 def test_slotted_takeup_rests_near_the_published_angle():
-    found = equilibria(mechanism("slotted-takeup"))
-    assert [place.stable for place in found] == [False, True]
-    assert math.degrees(found[1].angle) == pytest.approx(268.77, abs=PRINTED)
-    for place in found:
+    result = equilibria(mechanism("slotted-takeup"))
+    assert [place.stable for place in result] == [False, True]
+    assert math.degrees(result[1].angle) == pytest.approx(268.77, abs=PRINTED)
+    for place in result:
         angle = article_000.Long(place.angle)
         force = article_000.acceleration(angle, article_000.Long(0), 0, 0)
         slope = (article_000.acceleration(angle + TINY, article_000.Long(0), 0, 0) - force) / TINY
@@ -83,9 +83,9 @@ def test_no_equilibrium_where_nothing_holds_the_crank():
 
 def test_a_crank_that_only_swings_is_looked_at_where_it_can_stand():
     sample = from_text(DOUBLE_ROCKER)
-    found = equilibria(sample)
-    assert any(place.stable for place in found)
-    for place in found:
+    result = equilibria(sample)
+    assert any(place.stable for place in result)
+    for place in result:
         moments = reduced.generalised_force(sample.sweep(place.angle + np.array([-NEAR, 0.0, NEAR])))
         assert abs(moments[1]) < CANCELLED * np.max(np.abs(moments))
         assert (moments[0] > 0.0 > moments[2]) == place.stable
@@ -109,9 +109,9 @@ def test_the_steady_state_is_where_the_motion_ends_up():
 
 
 def test_a_rotor_turns_evenly():
-    found = steady_state(from_text(ROTOR), 0.3)
-    assert found.mean_speed == pytest.approx(6.0, rel=WORK)
-    assert found.largest - found.smallest < WORK
+    result = steady_state(from_text(ROTOR), 0.3)
+    assert result.mean_speed == pytest.approx(6.0, rel=WORK)
+    assert result.largest - result.smallest < WORK
 
 
 def test_what_has_no_steady_rotation_says_why():

@@ -59,27 +59,27 @@ def test_slider_crank_carries_a_piston_force_along_its_rod():
     pressed = _without_weight("centric-slider-crank", forces=(PointForce("D", "piston", _law(-force, 0.0)),))
     angle = angles(50)
     beta = np.arcsin(crank / rod * np.sin(angle))
-    found = joint_forces.reactions(pressed.sweep(angle), 0.0, 0.0)
+    result = joint_forces.reactions(pressed.sweep(angle), 0.0, 0.0)
     thrust = force * np.stack([np.ones(50), -np.tan(beta)])  # of the rod on the piston
     close = {"rtol": 0.0, "atol": FEW_ROUNDINGS * force}
-    assert np.allclose(found.forces["D"], -thrust, **close)  # on the rod: the piston is the hub
-    assert np.allclose(found.forces["A"], thrust, **close)  # on the rod: the crank is the hub
-    assert np.allclose(found.forces["piston on ground"], [np.zeros(50), -thrust[1]], **close)
-    assert np.allclose(found.forces["O"], thrust, **close)
-    assert np.allclose(found.torque, -force * crank * np.sin(angle + beta) / np.cos(beta), **close)
-    assert np.allclose(found.moments["piston on ground"], 0.0, **close)
+    assert np.allclose(result.forces["D"], -thrust, **close)  # on the rod: the piston is the hub
+    assert np.allclose(result.forces["A"], thrust, **close)  # on the rod: the crank is the hub
+    assert np.allclose(result.forces["piston on ground"], [np.zeros(50), -thrust[1]], **close)
+    assert np.allclose(result.forces["O"], thrust, **close)
+    assert np.allclose(result.torque, -force * crank * np.sin(angle + beta) / np.cos(beta), **close)
+    assert np.allclose(result.moments["piston on ground"], 0.0, **close)
 
 
 def test_yoke_takes_its_inertia_through_the_slot_and_the_moment_by_its_guide():
     # x = r cos φ, so the slot pushes the yoke by -m r ω² cos φ at height r sin φ; the guide keeps it from tilting.
     angle, speed, mass, crank = angles(50), 30.0, 0.3, 0.02
-    found = joint_forces.reactions(_without_weight("scotch-yoke").sweep(angle), speed, 0.0)
+    result = joint_forces.reactions(_without_weight("scotch-yoke").sweep(angle), speed, 0.0)
     push = -mass * crank * speed**2 * np.cos(angle)
     close = {"rtol": 0.0, "atol": FEW_ROUNDINGS * mass * crank * speed**2}
-    assert np.allclose(found.forces["A in yoke"], [-push, np.zeros(50)], **close)  # on the pin of the crank
-    assert np.allclose(found.forces["O"], [push, np.zeros(50)], **close)
-    assert np.allclose(found.moments["yoke on ground"], crank * np.sin(angle) * push, **close)
-    assert np.allclose(found.forces["yoke on ground"], 0.0, **close)
+    assert np.allclose(result.forces["A in yoke"], [-push, np.zeros(50)], **close)  # on the pin of the crank
+    assert np.allclose(result.forces["O"], [push, np.zeros(50)], **close)
+    assert np.allclose(result.moments["yoke on ground"], crank * np.sin(angle) * push, **close)
+    assert np.allclose(result.forces["yoke on ground"], 0.0, **close)
 
 
 def test_force_on_a_shared_pin_acts_on_the_link_that_is_named():
@@ -100,10 +100,10 @@ def test_force_on_a_shared_pin_acts_on_the_link_that_is_named():
 def test_spring_whose_ends_meet_pulls_nothing():
     spring = Spring(("D", "D"), ("rod", "piston"), stiffness=500.0, length=0.0, damping=2.0)
     sweep = _without_weight("centric-slider-crank", springs=(spring,)).sweep(angles(20))
-    found = joint_forces.reactions(sweep, SPEED, ACCELERATION)
+    result = joint_forces.reactions(sweep, SPEED, ACCELERATION)
     plain = joint_forces.reactions(_without_weight("centric-slider-crank").sweep(angles(20)), SPEED, ACCELERATION)
     for joint, force in plain.forces.items():
-        assert np.allclose(found.forces[joint], force, rtol=0.0, atol=FEW_ROUNDINGS * _peak(plain))
+        assert np.allclose(result.forces[joint], force, rtol=0.0, atol=FEW_ROUNDINGS * _peak(plain))
 
 
 # Every kind of dyad, joint and load.
@@ -111,15 +111,15 @@ def test_spring_whose_ends_meet_pulls_nothing():
 
 def test_every_link_obeys_newton_and_euler(sample):
     angle, extent = angles(6), sample.linkage.extent()
-    found = joint_forces.reactions(sample.sweep(angle), SPEED, ACCELERATION)
+    result = joint_forces.reactions(sample.sweep(angle), SPEED, ACCELERATION)
     shaking = joint_forces.shaking_force(sample.sweep(angle), SPEED, ACCELERATION)
     tilting = joint_forces.shaking_moment(sample.sweep(angle), SPEED, ACCELERATION)
-    limit = BALANCED * _peak(found) * np.array([1.0, 1.0, extent])
+    limit = BALANCED * _peak(result) * np.array([1.0, 1.0, extent])
     for k, phi in enumerate(angle):
         balance = Balance(scene_at(sample, phi, SPEED, ACCELERATION))
         balance.loads()
-        forces = {name: force[:, k] for name, force in found.forces.items()}
-        balance.joints(forces, {name: m[k] for name, m in found.moments.items()}, found.torque[k])
+        forces = {name: force[:, k] for name, force in result.forces.items()}
+        balance.joints(forces, {name: m[k] for name, m in result.moments.items()}, result.torque[k])
         for link, left in balance.left_over().items():
             assert np.all(np.abs(left) <= limit), link
         on_frame = balance.sums[GROUND] - [*shaking[:, k], tilting[k]]
@@ -127,15 +127,15 @@ def test_every_link_obeys_newton_and_euler(sample):
     about = (0.03, -0.02)
     moved = joint_forces.shaking_moment(sample.sweep(angle), SPEED, ACCELERATION, about)
     arm = about[0] * shaking[1] - about[1] * shaking[0]
-    assert np.allclose(moved, tilting - arm, rtol=0.0, atol=BALANCED * _peak(found) * (extent + 0.05))
+    assert np.allclose(moved, tilting - arm, rtol=0.0, atol=BALANCED * _peak(result) * (extent + 0.05))
 
 
 def test_drive_torque_is_that_of_virtual_work(sample):
     for speed, acceleration in ((0.0, 0.0), (SPEED, ACCELERATION), (0.0, ACCELERATION)):
         sweep = sample.sweep(angles(200))
         virtual = reduced.drive_torque(sweep, speed, acceleration)
-        found = joint_forces.reactions(sweep, speed, acceleration).torque
-        assert np.allclose(found, virtual, rtol=0.0, atol=BALANCED * np.abs(virtual).max())
+        result = joint_forces.reactions(sweep, speed, acceleration).torque
+        assert np.allclose(result, virtual, rtol=0.0, atol=BALANCED * np.abs(virtual).max())
 
 
 @pytest.mark.parametrize("name", ["boom", "cylinder-in-the-loop", "linear-motor"])
@@ -152,14 +152,14 @@ def test_force_of_a_linear_drive_is_that_of_virtual_work(name):
 
 
 @pytest.mark.parametrize("shape", [(), (2, 3)])
-def test_any_shape_of_angles_is_kept(shape):
+def test_results_have_the_shape_of_the_angles(shape):
     sweep = mechanism("three-on-one-pin").sweep(np.full(shape, 0.7))
-    found = joint_forces.reactions(sweep, np.full(shape, 3.0), 1.0)
-    assert {force.shape for force in found.forces.values()} == {(2, *shape)}
-    assert {moment.shape for moment in found.moments.values()} == {shape}
-    assert found.torque.shape == shape
+    result = joint_forces.reactions(sweep, np.full(shape, 3.0), 1.0)
+    assert {force.shape for force in result.forces.values()} == {(2, *shape)}
+    assert {moment.shape for moment in result.moments.values()} == {shape}
+    assert result.torque.shape == shape
     forces = joint_forces.joint_forces(sweep, np.full(shape, 3.0), 1.0)
-    assert all(np.array_equal(forces[name], found.forces[name]) for name in found.forces)
+    assert all(np.array_equal(forces[name], result.forces[name]) for name in result.forces)
     assert joint_forces.shaking_force(sweep, 3.0, 1.0).shape == (2, *shape)
     assert joint_forces.shaking_moment(sweep, 3.0, 1.0).shape == shape
 

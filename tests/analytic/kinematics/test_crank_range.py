@@ -48,9 +48,9 @@ def expected_range(ground, crank, coupler, rocker):
     return low, high
 
 
-def hold(found, expected):
-    assert found.is_full_turn == (expected is None)
-    for limit, (angle, condition) in zip((found.low, found.high), expected or (), strict=False):
+def hold(result, expected):
+    assert result.is_full_turn == (expected is None)
+    for limit, (angle, condition) in zip((result.low, result.high), expected or (), strict=False):
         assert abs(limit.angle - angle) <= ROUNDINGS * condition
 
 
@@ -70,9 +70,9 @@ def test_four_bars(ground, crank, coupler, rocker, share):
 @pytest.mark.parametrize("rocker", [1e-2, 1e-5])
 def test_a_range_narrower_than_any_step(rocker):
     start = cosine_law(1.0, 0.8, 0.9)[0]
-    found = sample(1.0, 0.8, 0.9, rocker, start).crank_range()
-    hold(found, expected_range(1.0, 0.8, 0.9, rocker))
-    assert found.limits[1] - found.limits[0] < 4 * rocker
+    result = sample(1.0, 0.8, 0.9, rocker, start).crank_range()
+    hold(result, expected_range(1.0, 0.8, 0.9, rocker))
+    assert result.limits[1] - result.limits[0] < 4 * rocker
 
 
 @pytest.mark.parametrize("short", [1e-4, 1e-12])
@@ -93,10 +93,10 @@ def test_slider_cranks_whose_rod_is_too_short(rod, offset):
     )
     text = text.replace("A = [0.05, 0]", "A = [1, 0]").replace("through = [0, 0]", f"through = [0, {offset!r}]")
     sample = from_text(text)
-    found = sample.crank_range(0.0)
+    result = sample.crank_range(0.0)
     expected = [float(mp.asin(mpf(offset) + side * mpf(rod))) for side in (-1, 1)]
-    assert found.limits == pytest.approx(expected, rel=0, abs=ROUNDINGS / (1.0 - rod - abs(offset)))
-    assert "'rod' square to the guide of 'piston'" in found.low.sentence
+    assert result.limits == pytest.approx(expected, rel=0, abs=ROUNDINGS / (1.0 - rod - abs(offset)))
+    assert "'rod' square to the guide of 'piston'" in result.low.sentence
 
 
 TANGENT = """
@@ -112,15 +112,15 @@ slots = [{ point = "P", on = "crank", through = [0, 0], along = [1, 0] }]
 
 def test_guides_that_become_parallel():
     """A slotted link on a line through the crank's pivot: it reaches to infinity a quarter turn either way."""
-    found = from_text(TANGENT).crank_range()
-    assert found.limits == pytest.approx([-math.pi / 2, math.pi / 2], rel=0, abs=4 * EPS)
-    assert "parallel" in found.high.sentence
+    result = from_text(TANGENT).crank_range()
+    assert result.limits == pytest.approx([-math.pi / 2, math.pi / 2], rel=0, abs=4 * EPS)
+    assert "parallel" in result.high.sentence
 
 
 def test_a_parallelogram_turns_through_two_change_points():
-    found = mechanism("parallelogram").crank_range()
-    assert found.is_full_turn
-    assert [toggle.angle for toggle in found.change_points] == pytest.approx([math.pi, 2 * math.pi], abs=2e-9)
+    result = mechanism("parallelogram").crank_range()
+    assert result.is_full_turn
+    assert [toggle.angle for toggle in result.change_points] == pytest.approx([math.pi, 2 * math.pi], abs=2e-9)
 
 
 def test_a_parallelogram_that_is_pushed_ends_at_its_change_point():
@@ -135,26 +135,26 @@ def test_a_parallelogram_that_is_pushed_ends_at_its_change_point():
     ):
         assert old in text
         text = text.replace(old, new)
-    found = from_text(text).crank_range()
-    assert found.low.angle == pytest.approx(math.hypot(0.01, 0.05), rel=0, abs=1e-9)
-    assert found.low.sentence == "coupler + rocker (RRR): folded in one line"
-    assert found.change_points == ()
+    result = from_text(text).crank_range()
+    assert result.low.angle == pytest.approx(math.hypot(0.01, 0.05), rel=0, abs=1e-9)
+    assert result.low.sentence == "coupler + rocker (RRR): folded in one line"
+    assert result.change_points == ()
 
 
 def test_limits_have_a_sentence_each_and_a_start_or_motion_beyond_them_is_refused():
     rocker = from_text(DOUBLE_ROCKER)
-    found = rocker.crank_range()
-    assert found.low.sentence == "coupler + rocker (RRR): folded in one line"
-    assert found.high.sentence == "coupler + rocker (RRR): stretched in one line"
-    assert found.low.angle < found.start < found.high.angle
-    at_the_limit = rocker.crank_range(found.high.angle)
-    assert at_the_limit.limits == pytest.approx(found.limits, rel=0, abs=1e-14)
+    result = rocker.crank_range()
+    assert result.low.sentence == "coupler + rocker (RRR): folded in one line"
+    assert result.high.sentence == "coupler + rocker (RRR): stretched in one line"
+    assert result.low.angle < result.start < result.high.angle
+    at_the_limit = rocker.crank_range(result.high.angle)
+    assert at_the_limit.limits == pytest.approx(result.limits, rel=0, abs=1e-14)
     with pytest.raises(AssemblyError, match=r"cannot be assembled at 0°: 'coupler' \(60 mm\) and 'rocker' \(90 mm\)"):
         rocker.crank_range(0.0)
-    found.check(*found.limits, "pendulum")
+    result.check(*result.limits, "pendulum")
     message = (
         r"'sample' cannot be moved from 20° to 120°: its crank reaches 14\.3615° to 112\.411° \(at 112\.411° "
         r"coupler \+ rocker \(RRR\): stretched in one line\); stay within"
     )
     with pytest.raises(AssemblyError, match=message):
-        found.check(np.radians(20.0), np.radians(120.0), "sample")
+        result.check(np.radians(20.0), np.radians(120.0), "sample")

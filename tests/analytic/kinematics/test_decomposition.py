@@ -69,7 +69,7 @@ def test_every_body_is_placed_once_and_after_its_hosts():
     assert formula == "I (crank) -> rocker + rod (RRR) -> link + needle_bar (RRP)"
 
 
-def test_names_and_order_do_not_decide_what_is_found():
+def test_names_and_order_do_not_change_the_groups():
     text = text_of("three-on-one-pin")
     for one, two in itertools.permutations(("zz_first", "aa_last")):
         renamed = text.replace("left_rod", one).replace("right_rod", two)

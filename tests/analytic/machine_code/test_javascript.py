@@ -30,16 +30,16 @@ CALL = """({designs, rows, count, results}) => designs.map((given) => {
 def by_javascript(source, designs, rows, results):
     """Results (designs, results, count) of a printed function at rows (rows, count)."""
     arguments = {"designs": designs, "rows": rows.ravel().tolist(), "count": rows.shape[1], "results": results}
-    found = called(CALL.replace("FUNCTION", f"({source})"), arguments)
-    return np.array(found, dtype=float).reshape(len(designs), results, -1)
+    result = called(CALL.replace("FUNCTION", f"({source})"), arguments)
+    return np.array(result, dtype=float).reshape(len(designs), results, -1)
 
 
 def test_every_operation():
     trace, numbers, rows, outputs = every_operation()
     x, y, row = 0.7, -2.5, np.array([-1.0, -0.0, 0.0, 0.7, 3.0])
-    (found,) = by_javascript(javascript_source(trace, numbers, rows, outputs), [[x, y]], row[None], len(outputs))
+    (result,) = by_javascript(javascript_source(trace, numbers, rows, outputs), [[x, y]], row[None], len(outputs))
     expected = trace.computed(outputs, dict(zip([*numbers, *rows], [x, y, row], strict=True)))
-    for one, truth in zip(found, expected, strict=True):
+    for one, truth in zip(result, expected, strict=True):
         np.testing.assert_allclose(one, np.broadcast_to(truth, len(row)), rtol=1e-15, atol=0.0)
 
 
@@ -79,12 +79,12 @@ def test_signals_of_other_designs_are_numpy_s(name):
             truths.append(evaluate(sample.redesigned(with_numbers(linkage, other)), places, chosen, **motion))
             designs.append([other[one] for one in given])
     assert designs
-    for truth, found in zip(truths, by_javascript(source, designs, given_rows, len(chosen)), strict=True):
+    for truth, result in zip(truths, by_javascript(source, designs, given_rows, len(chosen)), strict=True):
         scales: dict[tuple[str, str], float] = {}
         for signal in chosen:
             kind = (signal.partition(":")[0], unit(signal, linkage))
             scales[kind] = max(scales.get(kind, 1e-9), float(np.max(np.abs(truth[signal]))))
-        for signal, one in zip(chosen, found, strict=True):
+        for signal, one in zip(chosen, result, strict=True):
             expected, near = truth[signal], one
             if signal == "S":  # counts from the farthest place, which the list leaves to who knows the motion
                 near = one + (expected[0] - one[0])

@@ -33,8 +33,8 @@ FORMULAS = {
 @settings(max_examples=30)
 @given(x=NUMBERS, y=NUMBERS)
 def test_a_list_computes_what_the_formula_computes(name, x, y):
-    found, _ = traced(FORMULAS[name], x, y)
-    assert found == pytest.approx(FORMULAS[name](np.float64(x), np.float64(y)), rel=1e-15, abs=0.0)
+    outcome, _ = traced(FORMULAS[name], x, y)
+    assert outcome == pytest.approx(FORMULAS[name](np.float64(x), np.float64(y)), rel=1e-15, abs=0.0)
 
 
 @pytest.mark.parametrize(

@@ -175,8 +175,8 @@ def test_the_published_integrator_is_of_order_four_and_shows_its_own_error():
     sample = mechanism("slotted-takeup")
     truth = free_motion(sample, **SLOTTED_FREE)
     errors = [
-        np.max(np.abs(found.angle - truth.angle(found.time)))
-        for found in (fixed_step(sample, **SLOTTED_FREE, steps=steps) for steps in (1000, 2000))
+        np.max(np.abs(result.angle - truth.angle(result.time)))
+        for result in (fixed_step(sample, **SLOTTED_FREE, steps=steps) for steps in (1000, 2000))
     ]
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.1)
     driven = fixed_step(sample, **SLOTTED_DRIVEN)

@@ -1,4 +1,4 @@
-"""Extremes and zeros are found where they are, not on the grid."""
+"""Extremes and zeros lie between the samples of the grid."""
 
 import numpy as np
 import pytest
@@ -25,21 +25,21 @@ def _inertia(name, variant):
 @pytest.mark.parametrize(("name", "variant"), PUBLISHED)
 def test_reduced_inertia_of_the_needle_mechanisms(name, variant):
     mean, maximum, pulsation = PUBLISHED[name, variant]
-    found = extremes(_inertia(name, variant))
-    assert found.mean == pytest.approx(mean, rel=FOUR_DIGITS)
-    assert found.maximum == pytest.approx(maximum, rel=FOUR_DIGITS)
-    assert found.relative_pulsation == pytest.approx(pulsation, abs=FOUR_DIGITS)
+    result = extremes(_inertia(name, variant))
+    assert result.mean == pytest.approx(mean, rel=FOUR_DIGITS)
+    assert result.maximum == pytest.approx(maximum, rel=FOUR_DIGITS)
+    assert result.relative_pulsation == pytest.approx(pulsation, abs=FOUR_DIGITS)
 
 
 def test_extremes_of_a_known_function():
-    found = extremes(lambda phi: 3.0 + np.cos(phi - 0.123) + 0.2 * np.cos(2.0 * (phi - 0.123)))
-    assert found.mean == pytest.approx(3.0, rel=4 * EPS)
-    assert found.maximum == pytest.approx(4.2, rel=4 * EPS)
-    assert found.maximum_angle == pytest.approx(0.123, abs=1e-7)  # a flat top hides its middle by the root of eps
-    assert found.minimum == pytest.approx(2.2, rel=4 * EPS)
+    result = extremes(lambda phi: 3.0 + np.cos(phi - 0.123) + 0.2 * np.cos(2.0 * (phi - 0.123)))
+    assert result.mean == pytest.approx(3.0, rel=4 * EPS)
+    assert result.maximum == pytest.approx(4.2, rel=4 * EPS)
+    assert result.maximum_angle == pytest.approx(0.123, abs=1e-7)  # a flat top hides its middle by the root of eps
+    assert result.minimum == pytest.approx(2.2, rel=4 * EPS)
 
 
-def test_a_peak_that_the_grid_shows_lower_than_another_is_still_found():
+def test_a_peak_that_the_grid_shows_lower_than_another_wins():
     def two_peaks(phi):  # the higher one lies half-way between samples, the lower one on a sample
         sharp, step = 40.0, 2.0 * np.pi / 90
         higher = 1.001 * np.exp(sharp * (np.cos(phi - 10.5 * step) - 1.0))
@@ -49,8 +49,8 @@ def test_a_peak_that_the_grid_shows_lower_than_another_is_still_found():
 
 
 def test_of_a_constant_and_of_a_negative_function():
-    found = extremes(lambda phi: np.full(phi.shape, 2.5))
-    assert (found.mean, found.maximum, found.minimum, found.relative_pulsation) == (2.5, 2.5, 2.5, 0.0)
+    result = extremes(lambda phi: np.full(phi.shape, 2.5))
+    assert (result.mean, result.maximum, result.minimum, result.relative_pulsation) == (2.5, 2.5, 2.5, 0.0)
     assert largest(lambda phi: np.cos(phi) - 3.0) == pytest.approx(4.0, rel=4 * EPS)
 
 

@@ -84,7 +84,7 @@ def test_a_curve_that_is_not_finite_has_its_sample():
 
 
 def test_places_that_coincide_have_no_parabola():
-    found = Tops(np.array([0]), np.array([[0.0, 0.5, 0.5]]), np.full((1, 3), 0.2))
-    values, places = climb(found, lambda _, x: np.full(x.shape, 0.2))
+    result = Tops(np.array([0]), np.array([[0.0, 0.5, 0.5]]), np.full((1, 3), 0.2))
+    values, places = climb(result, lambda _, x: np.full(x.shape, 0.2))
     assert values[0] == 0.2
     assert 0.0 <= places[0] <= 0.5

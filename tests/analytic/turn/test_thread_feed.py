@@ -133,7 +133,7 @@ def test_corners_of_the_contour_for_a_picture_and_a_stretch_whose_ends_meet():
     assert contour_length(sweep, path) == pytest.approx(contour_length(sweep, alone))
 
 
-def test_an_eye_that_does_not_move_or_does_not_exist_is_told():
+def test_an_eye_that_does_not_move_or_does_not_exist_is_refused():
     with pytest.raises(LinkproofError, match="expected an eye that moves up and down, got 'O'"):
         eye_travel(from_text(ROTOR), "O")
     with pytest.raises(UnknownNameError, match="did you mean 'P7'"):
@@ -184,10 +184,10 @@ def test_a_bad_required_curve_is_refused_with_its_line(tmp_path, content, words)
 def test_required_against_actual():
     sample = mechanism("slotted-takeup")
     required = RequiredFeed(np.array([2.0, 1.0]), np.array([10 * MM, -5 * MM]))
-    found = compare_feed(sample, SLOTTED, required)
-    assert found.actual == pytest.approx(feed(sample, SLOTTED, required.angle))
-    assert found.difference == pytest.approx(found.actual - required.feed)
-    assert found.angle is required.angle
+    result = compare_feed(sample, SLOTTED, required)
+    assert result.actual == pytest.approx(feed(sample, SLOTTED, required.angle))
+    assert result.difference == pytest.approx(result.actual - required.feed)
+    assert result.angle is required.angle
 
 
 def test_a_crank_that_cannot_turn_fully_has_no_turn_to_tell_a_feed_by():

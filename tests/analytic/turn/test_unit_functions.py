@@ -15,8 +15,8 @@ DEVIATIONS = {"juki-mf7923d": (3.611, 9.053, 18.506), "rimoldi-164": (2.059, 5.8
 @pytest.mark.parametrize("name", DEVIATIONS)
 @pytest.mark.parametrize("clockwise", [False, True])
 def test_deviations_of_the_needle_mechanisms(name, clockwise):
-    found = unit_functions.unit_functions(mechanism(name), clockwise=clockwise).deviations
-    assert found == pytest.approx([percent / 100.0 for percent in DEVIATIONS[name]], rel=FOUR_DIGITS)
+    result = unit_functions.unit_functions(mechanism(name), clockwise=clockwise).deviations
+    assert result == pytest.approx([percent / 100.0 for percent in DEVIATIONS[name]], rel=FOUR_DIGITS)
 
 
 def test_unit_functions_stay_in_their_range_and_displacement_grows_away_from_top_dead_centre():

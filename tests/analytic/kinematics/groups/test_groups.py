@@ -1,4 +1,4 @@
-"""Groups of class III and higher: found, followed, solved; against 50 digits, class II routes, and their own bounds."""
+"""Groups of class III and higher: search, continuation, solution; against 50 digits, class II routes, and their own bounds."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -202,7 +202,7 @@ def test_a_sketch_that_is_rough_finds_the_configuration_nearest_to_it():
         assert model.sweep(np.asarray(0.0)).point("P") == pytest.approx(exact.point("P"), abs=1e-14)
 
 
-def test_a_turn_that_ends_in_another_configuration_is_told():
+def test_a_turn_that_ends_in_another_configuration_is_refused():
     """Two links between the ground and a body that turns half as fast as the crank."""
     joints = (
         Revolute("P", "half", "one", (0.3, 0.0), (0.0, 0.0)),
