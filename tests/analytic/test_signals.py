@@ -9,6 +9,7 @@ import pytest
 
 from analytic.description.changes import without
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
+from analytic.dynamics.joint_forces import shaking_moment
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names, signal, unit
@@ -69,6 +70,14 @@ def test_the_piston_pushes_on_its_guide_and_the_rod_as_newton_says():
     assert signal(truth, "joint_force:B:x") == pytest.approx(thrust, rel=SAME_FIGURES)
     across = signal(truth, "joint_force:B:y")
     assert signal(truth, "joint_force:piston on ground:y") == pytest.approx(across, rel=SAME_FIGURES)
+
+
+def test_the_shaking_moment_is_about_the_pivot_of_the_crank():
+    text = IN_LINE.replace("ground = { O = [0, 0] }", "ground = { O = [0.3, -0.2] }")
+    text = text.replace("through = [0, 0]", "through = [0, -0.2]").replace("B = [0.14, 0]", "B = [0.44, -0.2]")
+    truth = Case(from_text(text), MOTION).at(TIMES)
+    moment = shaking_moment(truth.sweep, truth.speed, truth.acceleration, (0.3, -0.2))
+    assert signal(truth, "shaking_moment") == pytest.approx(moment, rel=SAME_FIGURES)
 
 
 def test_every_name_has_a_unit_and_a_value_at_every_instant():
