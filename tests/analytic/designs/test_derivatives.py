@@ -19,7 +19,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.moving import MovingSweep
 from analytic.signals import signal as signal_of
 from tests.analytic import fifty_digits
-from tests.analytic.exact_forces import forces_of, signals_of, transmission_of
+from tests.analytic.exact_forces import forces_of, signals_of
 from tests.analytic.fifty_digits import Exact
 from tests.analytic.linkages import IN_LINE, from_text, mechanism
 from tests.analytic.loaded_linkages import on_trial
@@ -74,7 +74,7 @@ def _differences(sample: Mechanism, angle: float, parameters: list[str], names: 
     result = []
     for nudges in (HERE, *(_nudge(one) for one in parameters)):
         at, speed = _exact(sample, angle, nudges), SPEED + dict(nudges).get("speed", mpf(0))
-        values = signals_of(at, speed) | forces_of(at, speed) | _transmission(sample, at)
+        values = signals_of(at, speed) | forces_of(at, speed)
         result.append([values[one] for one in names])
     steps = [1 if _is_load(one) else NUDGE for one in parameters]
     return np.array([[float((b - a) / step) for a, b in zip(result[0], row, strict=True)]
@@ -83,11 +83,6 @@ def _differences(sample: Mechanism, angle: float, parameters: list[str], names: 
 
 def _nudge(name: str) -> frozenset[tuple[str, mpf]]:
     return frozenset({(name, NUDGE)})
-
-
-def _transmission(sample: Mechanism, exact: Exact) -> dict[str, mpf]:
-    dyads = sample.structure.dyads
-    return {f"transmission_angle:{dyad.name}": transmission_of(exact, dyad) for dyad in dyads}
 
 
 def _is_load(name: str) -> bool:

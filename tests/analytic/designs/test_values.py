@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.designs.values import ASSEMBLED, evaluate_designs
-from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.machine_code import compiling
 from analytic.signals import table
 from tests.analytic.designs.one_by_one import built, signals_of, varied
@@ -153,17 +153,6 @@ def test_a_link_that_weighs_something_in_one_design_is_assembled_in_all():
     assert np.all(evaluate_designs(sample, {**short, **light}, angle, ["Jeq"])[ASSEMBLED])
 
 
-@needs_numba
-def test_chunks_and_threads_make_up_the_whole():
-    sample, angle = mechanism("juki-mf7923d"), np.linspace(0.0, 6.0, 31)
-    masses = np.linspace(0.1, 0.9, 515)
-    settings = {"speed": 2.0, "acceleration": 1.0, "path": "compiled"}
-    whole = evaluate_designs(sample, {"coupler.mass": masses}, angle, ["Mkr", "Jeq"], **settings, cores=1)
-    assert whole["Mkr"].shape == (len(masses), len(angle))
-    parts = evaluate_designs(sample, {"coupler.mass": masses}, angle, ["Mkr", "Jeq"], **settings, cores=None)
-    assert all(np.array_equal(parts[name], values) for name, values in whole.items())
-
-
 ONE = np.ones(2)
 NO_DIRECTION = {"needle_bar.along.x": [1.0, 0.0], "needle_bar.along.y": [0.0, 0.0]}
 
@@ -205,13 +194,3 @@ def test_a_direction_is_scaled_to_unit_length_and_a_point_of_that_name_is_none()
         assert np.allclose(values[name][1], values[name][0], rtol=1e-12, atol=0.0)
     text = text_of("centric-slider-crank").replace("A = [0.05, 0] }", "A = [0.05, 0], along = [0, 0.01] }", 1)
     assert np.all(evaluate_designs(from_text(text), {"crank.along.y": [0.0, 0.01]}, [0.3], ["Jeq"])[ASSEMBLED])
-
-
-def test_where_a_design_cannot_be_assembled_neither_can_the_linkage():
-    sample, angle = mechanism("rimoldi-164"), np.linspace(0.0, 6.0, 20)
-    rods = {"rod.B.x": sample.linkage.links["rod"].points["B"][0] * np.array([0.5, 0.9, 1.0])}
-    values = evaluate_designs(sample, rods, angle, ["Jeq"])
-    assert np.mean(values[ASSEMBLED], axis=1)[[0, 2]].tolist() == [0.0, 1.0]
-    for place in np.flatnonzero(~values[ASSEMBLED][1])[:3]:
-        with pytest.raises(AssemblyError):
-            built(sample, rods, 1).sweep(angle[place]).poses("rocker")

@@ -1,6 +1,5 @@
-"""Groups of class III and higher: search, continuation, solution; against 50 digits, class II routes, and their own bounds."""
+"""Groups of class III and higher: search, continuation, solution; against 50 digits and their own bounds."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,16 +10,14 @@ from analytic.description.linkage import GROUND
 from analytic.description.loading import parse
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.kinematics import frames
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import ErrorBounds
 from analytic.kinematics.groups.following import Problem, corrected, followed
-from analytic.kinematics.groups.solver import GroupSolver, problem_of
-from analytic.kinematics.structure import Dyad, Group, Revolute
-from analytic.kinematics.sweep import Sweep
+from analytic.kinematics.groups.solver import GroupSolver
+from analytic.kinematics.structure import Group, Revolute
 from tests.analytic.drives import driven, path_of
 from tests.analytic.fifty_digits import exact
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import from_text
 from tests.analytic.tolerances import FIFTY_DIGITS, ORACLE
 
 SOLVED = ("boom", "cylinder-in-the-loop", "linear-motor", "ternary-on-rods")
@@ -47,58 +44,6 @@ def test_positions_derivatives_and_torque_are_those_of_50_digits_within_their_bo
         assert np.all(errors <= FIFTY_DIGITS * peaks)
         mkr = drive_torque(sweep, -3.0, 20.0)
         assert abs(mpf(float(mkr)) - truth.torque(-3.0, 20.0)) <= FIFTY_DIGITS * abs(float(mkr))
-
-
-def test_driven_by_another_link_the_linkage_is_made_of_dyads_and_stands_alike():
-    angle = np.linspace(0.0, 2.0 * np.pi, 361)
-    sweep = driven("ternary-on-rods").sweep(angle)
-    turns = np.flatnonzero(np.diff(np.sign(sweep.rates("left")[2])))[0]  # there the new driver reverses
-    angle = angle[2 : turns - 1] if turns > 20 else angle[turns + 3 : turns + 80]
-    sweep = driven("ternary-on-rods").sweep(angle)
-    here = {point: 1e3 * sweep.point(point)[:, 0] for point in "ABD"}
-    text = TEXT[: TEXT.index("[sketch]")].replace('crank   = "crank"', 'crank   = "left"')
-    points = ", ".join(f"{point} = [{x!r}, {y!r}]" for point, (x, y) in ((p, map(float, at)) for p, at in here.items()))
-    start = float(np.degrees(sweep.angles("left")[0]))
-    other = from_text(f"{text}[sketch]\nangle = {start!r}\npoints = {{ {points} }}\n")
-    assert [group.kind for group in other.structure.groups] == ["RRR", "RRR"]
-    back = other.sweep(sweep.angles("left"))
-    near = [np.max(np.hypot(*(sweep.point(p) - back.point(p)))) for p in ("B", "C", "D", "P")]
-    assert max(near) < 1e-13 * other.linkage.extent()
-    speed = sweep.rates("left")[2]
-    assert np.stack(sweep.local_point("plate", (0.02, 0.01), 1)) == pytest.approx(
-        np.stack(back.local_point("plate", (0.02, 0.01), 1)) * speed, rel=1e-10, abs=1e-12
-    )
-
-
-@pytest.mark.parametrize("name", ["rimoldi-164", "shaper", "moving-guides"])
-def test_dyads_solved_by_numbers_are_the_closed_form(name):
-    formulas = mechanism(name)
-    linkage, at = formulas.linkage, formulas.linkage.sketch_angle
-    done: list[Dyad | Group] = []
-    for dyad in formulas.structure.dyads:
-        before = replace(formulas.structure, groups=tuple(done))
-        group = Group(dyad.links, dyad.joints, 2)
-
-        def hosts(angle, before=before, group=group):
-            sweep, one = Sweep(linkage, before, angle), np.ones(angle.shape)
-            motion = {b: (sweep.poses(b), sweep.rates(b), sweep.accelerations(b)) for b in group.hosts}
-            return {b: tuple(tuple(p * one for p in part) for part in parts) for b, parts in motion.items()}
-
-        here = formulas.sweep(np.asarray(at))
-        start = np.array([[*map(float, here.poses(b)[:2]), float(here.angles(b))] for b in dyad.links])
-        done.append(replace(group, branch=followed(problem_of(group, linkage, hosts), start, at)))
-    angle = formulas.turn.angle[::23]
-    numerical = Sweep(linkage, replace(formulas.structure, groups=tuple(done)), angle)
-    closed = formulas.sweep(angle)
-    for order, limit in enumerate((1e-13, 1e-11, 1e-9)):
-        for body in formulas.structure.bodies:
-            one, other = (s.local_point(body, (0.0, 0.0), order) for s in (numerical, closed))
-            peak = max(_peak(closed, b, order) for b in formulas.structure.bodies)
-            assert np.max(np.hypot(*frames.minus(one, other))) <= limit * peak
-
-
-def _peak(sweep: Sweep, body: str, order: int) -> float:
-    return float(np.max(np.hypot(*sweep.local_point(body, (0.0, 0.0), order))))
 
 
 HEAD = TEXT[: TEXT.index("[links.crank]")]
