@@ -98,7 +98,7 @@ def shortened(text: str) -> str:
 
 
 def is_safe(character: str) -> bool:
-    """Whether a character changes nothing but its own place on a terminal: no control character, no half of a pair."""
+    """Whether a character changes nothing but its own place on a terminal: no control character, no surrogate."""
     return character.isprintable() or not (
         character < " " or "\x7f" <= character <= "\x9f" or "\u202a" <= character <= "\u202e"
         or "\u2066" <= character <= "\u2069" or "\ud800" <= character <= "\udfff"

@@ -139,7 +139,7 @@ def unit_of(name: str, unit: str, *, is_linear: bool) -> str:
 def signal(at: LinkageInMotion, name: str) -> Array:
     """A signal, the magnitude of a vector, ``joint_force:A:magnitude``, or ``OUTPUT_COORDINATE``; the angles' shape.
 
-    Raises UnknownNameError for one that the linkage does not have.
+    Raises UnknownNameError for a signal that the linkage does not have.
     """
     if name == OUTPUT_COORDINATE:
         return at.sweep.output()
@@ -153,9 +153,9 @@ def signal(at: LinkageInMotion, name: str) -> Array:
 
 
 def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool) -> tuple[str, ...]:
-    """The names, each once; raises for one that the mechanism does not have, and for one that needs a crank's speed.
+    """The names, each once.
 
-    Raises UnknownNameError and LinkproofError.
+    Raises UnknownNameError for a signal that the mechanism does not have, LinkproofError for a missing crank speed.
     """
     known = table(mechanism)
     chosen = tuple(dict.fromkeys(names))

@@ -35,5 +35,5 @@ def change(share: float, form: str = ".2f") -> str:
 
 
 def csv_text(text: str) -> str:
-    """A name as a cell of a CSV table: an apostrophe goes before what a spreadsheet would take for a formula."""
+    """A name as a cell of a CSV table: an apostrophe precedes names that a spreadsheet would take for formulas."""
     return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text

@@ -176,7 +176,7 @@ def without(linkage: Linkage, *parts: str) -> Linkage:
 
 
 class _Walk:
-    """Visits every number of a linkage and builds the linkage of what the change makes of them.
+    """Visits every number of a linkage and builds the linkage with the changed numbers.
 
     Masses come before points, lest a point called ``centre`` take the mass centre's name.
     """

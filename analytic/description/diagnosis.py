@@ -96,7 +96,7 @@ def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Do
 def _telling(faults: Sequence[ErrorDetails]) -> ErrorDetails:
     """Of the first value at fault, which may fail each of several forms in its own way, the fault that lies deepest.
 
-    Where a key is missing beside an unknown one, that one is its misspelling.
+    An unknown key beside a missing key is taken for a misspelling of it.
     """
     first = _keys(faults[0])
     deepest = max((f for f in faults if _keys(f)[: len(first)] == first), key=lambda fault: len(_keys(fault)))

@@ -45,7 +45,7 @@ class FileUnit(NamedTuple):
 
 
 def file_unit(si: str, linkage: Linkage) -> FileUnit:
-    """The file's unit for an SI unit; s, J and W stay what they are."""
+    """The file's unit for an SI unit; s, J and W remain."""
     if si not in KINDS:
         return FileUnit(si, 1.0)
     kind, rest = KINDS[si]

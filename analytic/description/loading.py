@@ -245,7 +245,7 @@ def _syntax(fault: str, text: str, origin: str) -> str:
 
 
 def _slip(fault: str, line: str) -> str:
-    """A usual slip in a line and what to do about it; empty where it is another fault."""
+    """A usual slip in a line and its remedy; empty for any other fault."""
     if twice := TWICE.match(fault):
         return f"{repr(twice['name']) if twice['name'] else 'a key'} is written twice; leave one out or rename it"
     name = BARE_NAME.match(line)

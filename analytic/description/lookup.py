@@ -130,7 +130,7 @@ class Reader:
 
 
 def reader_of(document: doc.Document, source: Source) -> Reader:
-    """A reader with the document's units looked up."""
+    """A reader of the document, with its units as SI factors."""
     scale = {}
     for kind in UNITS:
         try:

@@ -2,7 +2,7 @@
 
 The formulas of the closed form are given numbers that carry their derivatives (``analytic.numerics.dual``). An extreme
 moves with the numbers, but since the signal is level there only its value counts: its derivative is that of the signal
-at the place of the extreme, which is found as a root of the signal's slope over φ. Where two equal tops have
+at the place of the extreme, which is a root of the signal's slope over φ. Where two equal tops have
 different derivatives it is nan.
 
 Linkages with groups of a higher class, with a driving cylinder or with change points have central differences instead,

@@ -62,9 +62,9 @@ class FigureRequest:
         return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
     def may_sample(self, figure: Figure) -> bool:
-        """Whether a mean may be that of the samples: they divide a turn evenly, and it counts from none of them."""
-        counts_from_one = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
-        return self.period is not None and len(self.places) % 2 == 0 and not counts_from_one
+        """Whether a mean may be that of the samples: these divide a turn evenly, and no sample is the signal's zero."""
+        has_zero_at_sample = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
+        return self.period is not None and len(self.places) % 2 == 0 and not has_zero_at_sample
 
     def of(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
         """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers by name.
@@ -96,7 +96,7 @@ MarkedExtremes = dict[SignalExtreme, list[_Marked]]
 
 
 class _Chunk:
-    """Designs whose tops are looked for together; their samples are forgotten block by block."""
+    """Designs whose tops are searched together; their samples are discarded block by block."""
 
     def __init__(self, request: FigureRequest, sampler: Sampler, rows: Integers) -> None:
         self.request, self.sampler, self.rows = request, sampler, rows

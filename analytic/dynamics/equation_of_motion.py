@@ -57,7 +57,7 @@ class Timing(TypedDict, total=False):
 class EquationOfMotion:
     """φ̈ as a function of φ and φ̇; ``torque`` is M1 on the crank, N m, beside the linkage's own loads.
 
-    A torque ``over_time`` acts besides, so that φ̈ depends on time too: ``push`` is what it adds.
+    A torque ``over_time`` acts besides, so that φ̈ depends on time too: ``push`` is its part of φ̈.
     """
 
     mechanism: Mechanism
@@ -95,7 +95,7 @@ class EquationOfMotion:
         return float(np.nanmax(where_assembled(moment, seen), initial=0.0))
 
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
-        """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape, without what ``push`` adds."""
+        """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape, without ``push``."""
         angle, speed = np.asarray(angle, dtype=float), np.asarray(speed, dtype=float)
         moment, damping, slope = self.terms(angle)[:3]
         return np.asarray(moment - speed * (damping + slope * speed))
@@ -113,7 +113,7 @@ class EquationOfMotion:
 
     @property
     def timing(self) -> Timing:
-        """The torque over time for an integrator: what it adds, and where it has kinks, s."""
+        """The torque over time for an integrator: its part of φ̈, and the times of its kinks, s."""
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:

@@ -9,7 +9,7 @@ Joints are named as in the engines' scenes. A pin of k bodies counts as k - 1 jo
 where it has the pin, else the first body by name. Two bodies on a pin make the joint ``point``; more make one joint
 ``point:link`` for each link but the hub. A slider is ``link on host``, a pin in a slot ``point in host``.
 
-A joint force is what the joint exerts on the link that is not the hub, on the slider, or in a slot on the pin; ground
+A joint force acts on the link that is not the hub, on the slider, or in a slot on the pin; ground
 frame, N. A force applied at a pin of several links acts on the link which ``PointForce.link`` names, a spring on those
 in ``Spring.links``, and the joint forces of this pin hold that link in balance.
 """
@@ -109,7 +109,7 @@ def shaking_force(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Ar
     """Force of the linkage on its frame, (2, *angle.shape), N, ground frame: Σ weights + Σ applied forces − Σ m S̈.
 
     It is the reverse of all that the ground exerts: by its joints, and by springs fastened to it. The links' weights
-    count. Forces at points come from outside: what makes them does not push back on this frame.
+    count. Forces at points come from outside; their reactions do not act on this frame.
     """
     x, y, _ = _on_frame(sweep, speed, acceleration, (0.0, 0.0))
     return _vector(sweep, (x, y))

@@ -24,7 +24,7 @@ TINY: Final = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class Load:
-    """A force, N, ground frame, at a point given in the frame of ``body``, and a torque, N m; None where there is none.
+    """A force, N, ground frame, at a point given in the frame of ``body``, and a torque, N m; None stands for zero.
 
     The ``body`` may be the ground.
     """
@@ -105,7 +105,7 @@ class LoadedSweep:
 
 
 def _over_length(span: Pair) -> Scalar:
-    """Reciprocal of a length, zero of none."""
+    """Reciprocal of a length; zero for a length of zero."""
     square = frames.dot(span, span)
     return (square > 0.0) / np.sqrt(np.maximum(square, TINY))
 

@@ -130,7 +130,7 @@ def generalised_force(sweep: Sweep) -> Array:
 
 
 def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
-    """Length of a spring, m, and its derivative over φ; none where its ends meet and it has no line to act along."""
+    """Length of a spring, m, and its derivative over φ; the derivative is zero where its ends meet."""
     spring = sweep.linkage.springs[number]
     ends = [(body, sweep.linkage.local(point, body)) for point, body in zip(spring.points, spring.links, strict=True)]
     (b1, p1), (b2, p2) = ends

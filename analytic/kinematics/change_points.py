@@ -236,7 +236,7 @@ class _ChangePointSearch:
 
 
 def _apart(angles: tuple[float, ...], touch: Touch, period: float) -> float:
-    """Distance of a change point from the next one of the dyad, rad; the period if there is no other."""
+    """Distance of a change point from the next one of the dyad, rad; the period if it is the only one."""
     others = [abs((angle - float(touch.angle) + 0.5 * period) % period - 0.5 * period) for angle in angles]
     return min((other for other in others if other > 0.0), default=period)
 

@@ -1,4 +1,4 @@
-"""The range of φ, a crank angle or a travel, in which a linkage keeps its assembly mode, and what limits it."""
+"""The range of φ, a crank angle or a travel, in which a linkage stays in its assembly mode, and its limits."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class CrankRange:
 
     @property
     def is_full_turn(self) -> bool:
-        """Whether the driver is a crank that nothing limits."""
+        """Whether the driver is a crank without limits."""
         return self.low is None and not self.is_linear
 
     @property

@@ -33,7 +33,7 @@ class DyadSolver:
 
     @property
     def formulas(self) -> ModuleType:
-        """The module of the dyad's kind; looked up, since a solver travels to other processes and a module does not."""
+        """The module of the dyad's kind; looked up here, since solvers are pickled and modules cannot be."""
         return FORMULAS[self.dyad.kind]
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, Pose]:

@@ -6,7 +6,7 @@ residuals are the equations' values in numbers that carry their errors. All thre
 joint equations, so |J⁻¹| times these residuals bounds the error, body after body along the chain. |J⁻¹| grows as the
 reciprocal of the transmission angle's sine: near a dead position the bound shows it, and it is infinite where the
 linearisation itself breaks down. Over 324 random four-bars, slider-cranks, quick returns and six-bars of 50 digits the
-true error came up to 0.54 of the bound, and nothing keeps it from coming nearer.
+true error came up to 0.54 of the bound, and it may come nearer.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:
     """Bounds for positions, first and second derivatives, each relative to its peak.
 
     The worst over all named points and mass centres of all links and over the sweep's crank angles, divided by the
-    largest magnitude of the same. Where a position has no bound, nothing behind it has one, nor a derivative.
+    largest magnitude of the same. Without a bound of a position, later bodies and derivatives have no bound either.
     """
     bounds = ErrorBounds(sweep)
     errors, peaks = np.zeros(ORDERS), np.zeros(ORDERS)

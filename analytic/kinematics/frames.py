@@ -195,7 +195,7 @@ def length(vector: Pair) -> Scalar:
 
 
 def root(square: Scalar) -> Scalar:
-    """Square root, and zero of what is below zero."""
+    """Square root; zero for numbers below zero."""
     return np.sqrt(np.maximum(square, 0.0))
 
 

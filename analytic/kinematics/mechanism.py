@@ -55,7 +55,7 @@ class Mechanism:
         return other
 
     def with_loads_of(self, linkage: Linkage) -> Mechanism:
-        """The closed form of a linkage that differs in nothing but masses and loads: it moves as this one does."""
+        """The closed form of a linkage that differs in masses and loads only, so that it moves as this linkage does."""
         other = copy(self)
         other.__dict__.pop("turn", None)
         other.linkage = linkage
@@ -74,7 +74,7 @@ class Mechanism:
         return tuple(sorted({round(angle, 8): angle for angle in turned}.values()))
 
     def sweep(self, angle: ArrayLike) -> Sweep:
-        """The linkage at every crank angle (rad, any shape); nothing is computed before it is needed."""
+        """The linkage at every crank angle (rad, any shape); poses are computed when they are needed."""
         return Sweep(self.linkage, self.structure, np.asarray(angle, dtype=float))
 
     @property
@@ -135,7 +135,7 @@ class Mechanism:
 
 
 def _signed(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
-    """Choose each group's assembly mode as the one that lies nearest to the sketch, one group after the other.
+    """Choose each group's assembly mode nearest to the sketch, group by group.
 
     Dyads take the ``signs``, if there are any.
     """

@@ -41,7 +41,7 @@ def crank_motion(pivot: Revolute | Prismatic, angle: Scalar) -> tuple[Pose, Rate
 
 
 def output_of(linkage: Linkage) -> Output:
-    """The linkage's output; raises LinkproofError where it names none."""
+    """The linkage's output; raises LinkproofError for a linkage without an output."""
     if linkage.output is None:
         raise LinkproofError(
             f"'{linkage.name}' names no output, so its S, v and a are undefined: add "
@@ -126,7 +126,7 @@ class Sweep:
         return known[body]
 
     def determinant(self, dyad: Dyad) -> Scalar:
-        """Of the dyad's closure equations; its sign is that of the assembly mode, and it is zero in a dead position."""
+        """Determinant of the dyad's closure equations: its sign is the assembly mode's; zero in a dead position."""
         self.poses(dyad.first)
         solver = self._solvers[dyad.first]
         assert isinstance(solver, DyadSolver)

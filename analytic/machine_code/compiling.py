@@ -57,7 +57,7 @@ def is_installed() -> bool:
 class StraightFunction:
     """Lines of a trace as machine code: ``results`` of lanes, from ``lanes`` and ``rows``, lines that are given.
 
-    See ``analytic.machine_code.printing`` for lanes and rows. The compiled code lets go of the interpreter.
+    See ``analytic.machine_code.printing`` for lanes and rows. The compiled code releases the interpreter's lock.
     """
 
     def __init__(

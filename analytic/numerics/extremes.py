@@ -74,7 +74,7 @@ def largest(quantity: Quantity, points: int = GRID) -> float:
 def zeros(quantity: Quantity, points: int = GRID, turns: int = 1) -> Array:
     """Crank angles in [0, 2π), rad, where a periodic quantity changes sign.
 
-    In [0, 2π ``turns``) of what has as many turns for a period.
+    For a quantity whose period is several ``turns`` they are in [0, 2π ``turns``).
     """
     angle = np.arange(float(points * turns)) * (FULL_TURN / points)
     values = quantity(angle)

@@ -119,7 +119,7 @@ def integrate(
     """Integrate from ``start``, (φ, ω), for ``duration`` seconds; ``tolerance`` is of the speed within a window.
 
     ``rounding`` is the noise of an acceleration, rad/s²: no window is made smaller to follow it. ``place`` writes a
-    φ for a reader, ``period`` is that of the acceleration in φ, infinite where nothing comes again. ``push`` is a part
+    φ for a reader, ``period`` is that of the acceleration in φ, infinite without a period. ``push`` is a part
     of the acceleration that depends on time, s, and φ; at its ``knots``, s, where it has kinks, a window ends and the
     next one begins anew. Raises LinkproofError where the motion cannot be followed.
     """

@@ -145,7 +145,7 @@ def _scales(joint: GroupJoint, unit: float) -> tuple[float, ...]:
 class GroupSystem:
     """The equations of a group beside the motions of the bodies it hangs on, at n values of φ.
 
-    Lengths are counted in ``unit``, m, in what is solved, so that lengths and angles weigh alike.
+    The unknowns have lengths in ``unit``, m, so that lengths and angles weigh alike.
     """
 
     def __init__(

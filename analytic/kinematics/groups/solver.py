@@ -76,7 +76,7 @@ class GroupSolver:
         return tuple(part.reshape(self.shape) for part in parts)
 
     def margin(self) -> Scalar:
-        """How far φ is from the end of the configuration over what is followed of it, negative outside."""
+        """Distance of φ from the end of the followed configuration over its whole extent, negative outside."""
         low, high = self.branch.ends
         return self.branch.margin(self.coordinate).reshape(self.shape) / (high - low or 1.0)
 

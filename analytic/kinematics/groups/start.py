@@ -58,7 +58,7 @@ def _names(points: Points) -> set[str]:
 
 
 def _known(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, Vector]:
-    """Where points are: those of placed bodies, and those of the sketch."""
+    """Positions of points: of placed bodies, and of the sketch."""
     known = dict(linkage.sketch)
     for joint in group.joints:
         if isinstance(joint, Revolute) and joint.near in hosts:
