@@ -1,4 +1,4 @@
-"""Errors a user can cause, each a single sentence: what was expected, what was got, what to do."""
+"""Errors that a user can cause, each a single sentence: the expected value, the actual value, the remedy."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class DescriptionError(LinkproofError):
 
 
 class StructureError(LinkproofError):
-    """A linkage that is not a class I driver followed by Assur groups; ``so_far`` is the formula of what was found."""
+    """A linkage that is no driver followed by Assur groups; ``so_far`` is the formula of those before the fault."""
 
     so_far: str = ""
 
@@ -57,7 +57,7 @@ class AssemblyError(LinkproofError):
 class UnknownNameError(LinkproofError):
     """A name (mechanism, variant, engine, quantity, ...) that does not exist.
 
-    ``where`` says what lists the ones that are ``known``, which are listed if it is empty.
+    ``where`` names the command that lists the ``known`` names; if it is empty the message lists them.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
@@ -98,7 +98,7 @@ def shortened(text: str) -> str:
 
 
 def is_safe(character: str) -> bool:
-    """Whether a character changes nothing but its own place on a terminal: no control character, no half of a pair."""
+    """Whether a character changes nothing but its own place on a terminal: no control character, no surrogate."""
     return character.isprintable() or not (
         character < " " or "\x7f" <= character <= "\x9f" or "\u202a" <= character <= "\u202e"
         or "\u2066" <= character <= "\u2069" or "\ud800" <= character <= "\udfff"

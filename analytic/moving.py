@@ -1,4 +1,4 @@
-"""A linkage at crank angles with the crank's motion there: what the formulas of torques, forces and signals share."""
+"""A linkage at crank angles with the crank's motion there: the common argument of torques, forces and signals."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class LinkageInMotion(ABC):
 
 @dataclass(frozen=True)
 class MovingSweep(LinkageInMotion):
-    """Crank angles with the crank's speed, rad/s, and acceleration, rad/s², and where S counts from."""
+    """Crank angles with the crank's speed, rad/s, acceleration, rad/s², and the output's coordinate at which S is 0."""
 
     mechanism: Mechanism
     sweep: Sweep

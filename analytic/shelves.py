@@ -1,6 +1,6 @@
 """Linkages of other packages: each announces a folder of linkage files under the entry points ``linkproof.linkages``.
 
-An entry's value names the folder as Python names a package, ``mill.linkages``; nothing of the package is imported.
+An entry's value names the folder as Python names a package, ``mill.linkages``; the package is not imported.
 """
 
 from __future__ import annotations

@@ -14,8 +14,8 @@
 
 The first body of a pin is the link that is not the ground, of two moving links the second by name; of a slider it is
 the slider, of a slot the link that has the pin (``analytic.dynamics.joint_forces``). A drive along a line has a travel,
-a speed and a force in place of angle, angular speed and torque. Where nothing has mass and nothing is loaded there are
-no torques and no forces; without an output there are no S, v and a. Names of joints and groups may hold colons.
+a speed and a force in place of angle, angular speed and torque. Linkages without masses and loads have
+no torques and no forces; without an output there are no S, v and a. Names of joints and groups may contain colons.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ def unit_of(name: str, unit: str, *, is_linear: bool) -> str:
 def signal(at: LinkageInMotion, name: str) -> Array:
     """A signal, the magnitude of a vector, ``joint_force:A:magnitude``, or ``OUTPUT_COORDINATE``; the angles' shape.
 
-    Raises UnknownNameError for one that the linkage does not have.
+    Raises UnknownNameError for a signal that the linkage does not have.
     """
     if name == OUTPUT_COORDINATE:
         return at.sweep.output()
@@ -153,9 +153,9 @@ def signal(at: LinkageInMotion, name: str) -> Array:
 
 
 def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool) -> tuple[str, ...]:
-    """The names, each once; raises for one that the mechanism does not have, and for one that needs a crank's speed.
+    """The names, each once.
 
-    Raises UnknownNameError and LinkproofError.
+    Raises UnknownNameError for a signal that the mechanism does not have, LinkproofError for a missing crank speed.
     """
     known = table(mechanism)
     chosen = tuple(dict.fromkeys(names))
@@ -173,7 +173,7 @@ def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool
 
 
 def is_angle(name: str) -> bool:
-    """Whether a signal is an angle, which goes on from turn to turn."""
+    """Whether a signal is an angle that grows from turn to turn."""
     return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
 
 

@@ -1,4 +1,4 @@
-"""Numbers as a reader meets them, wherever they are printed: what is rounded to zero has no sign."""
+"""Numbers as they are printed: a number that is rounded to zero has no sign."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 
 def finite(value: float) -> float | None:
-    """A number, or nothing."""
+    """The number; None if it is not finite."""
     return value if math.isfinite(value) else None
 
 
 def plain(values: NDArray[np.float64]) -> list[float | None]:
-    """Numbers as a list, nothing in place of what is not finite."""
+    """Numbers as a list, None in place of nan and infinity."""
     return [finite(value) for value in values.tolist()]
 
 
@@ -35,5 +35,5 @@ def change(share: float, form: str = ".2f") -> str:
 
 
 def csv_text(text: str) -> str:
-    """A name as a cell of a CSV table: an apostrophe goes before what a spreadsheet would take for a formula."""
+    """A name as a cell of a CSV table: an apostrophe precedes names that a spreadsheet would take for formulas."""
     return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text

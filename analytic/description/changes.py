@@ -1,11 +1,11 @@
-"""A linkage with something changed: numbers set, multiplied or scaled, or something left out.
+"""Copies of a linkage with other numbers: set, multiplied or scaled by dimension; or with a part left out.
 
 A number has a kind, which says what it measures, and a name: ``rod.B.x``, ``rod.mass``, ``rod.centre.y``,
 ``rod.inertia``, ``bar.through.x``, ``bar.along.y``, ``E in rocker.through.x`` (of a slot), ``ground.O2.x``,
 ``gravity.y``, ``forces.E.x``, ``forces.E.3.x`` (of a table over the crank angle), ``torques.rod``,
 ``springs.A.B.stiffness``, ``dampers.crank.ground.coefficient``, ``output.along.x``, ``sketch.B.x``. A second number of
 one name, such as that of another force at the point, is followed by `` #2``. Sketch angle, regimes, thread and
-published figures are no numbers in this sense. The linkage given is never altered.
+published figures have no such names. The given linkage itself is never altered.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ Place = tuple[str | int, ...]
 
 
 class Number(NamedTuple):
-    """A number of a linkage, SI, what it measures, and the keys and indices that lead to it.
+    """A number of a linkage, SI, its kind (what it measures), and the keys and indices that lead to it.
 
-    These are those of a linkage file, but for loads and slots, which are numbered in the linkage's order; a law's are
-    followed by row and component.
+    Keys and indices are those of the linkage file, except for loads and slots, which are numbered in the linkage's
+    order; a law's are followed by row and component.
     """
 
     value: float
@@ -75,7 +75,7 @@ def changed(linkage: Linkage, change: Change, direction: Callable[[Vector], Vect
 def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
     """The linkage with numbers by name in place of its own, SI; they may be arrays.
 
-    Where it ``scales_mass``, what is not named of mass, centre and inertia of a link goes with the lengths of the link.
+    If it ``scales_mass``, mass, centre and inertia of a link follow the lengths of the link unless they are named.
     """
     result = changed(linkage, lambda name, _, value: numbers.get(name, value))
     if not linkage.scales_mass:
@@ -176,7 +176,7 @@ def without(linkage: Linkage, *parts: str) -> Linkage:
 
 
 class _Walk:
-    """Visits every number of a linkage and builds the linkage of what the change makes of them.
+    """Visits every number of a linkage and builds the linkage with the changed numbers.
 
     Masses come before points, lest a point called ``centre`` take the mass centre's name.
     """
@@ -186,7 +186,7 @@ class _Walk:
         self.names: set[str] = set()
 
     def number(self, name: str, kind: Kind, value: float, *place: str | int) -> float:
-        """What becomes of a number; if its name is taken it is followed by a count."""
+        """The number that replaces this one; a name already taken is followed by a count."""
         free, count = name, 2
         while free in self.names:
             free, count = f"{name} #{count}", count + 1

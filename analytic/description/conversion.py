@@ -8,7 +8,7 @@ import math
 from analytic.description import linkage as lk
 from analytic.description import load_tables
 from analytic.description import schema as doc
-from analytic.description.crank_motion import own_regimes
+from analytic.description.crank_motion.regimes import is_released, regime_of
 from analytic.description.diagnosis import EXPECTED, Source
 from analytic.description.linkage import GROUND, Linkage, Vector
 from analytic.description.lookup import Reader, reader_of
@@ -20,7 +20,7 @@ COINCIDENT = 1e-12
 
 
 def interpret(document: doc.Document, name: str, variants: tuple[str, ...], source: Source) -> Linkage:
-    """Build the Linkage of a document; raises DescriptionError for what is impossible or contradictory."""
+    """Build the Linkage of a document; raises DescriptionError for an impossible or contradictory description."""
     reader = reader_of(document, source)
     _check_driver(reader)
     if GROUND in document.links:
@@ -50,7 +50,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         dampers=load_tables.dampers(reader),
         output=_output(reader),
         thread=_thread(reader),
-        regimes=tuple(own_regimes.regime(reader, name) for name in sorted(document.regimes)),
+        regimes=tuple(regime_of(reader, name) for name in sorted(document.regimes)),
         errata=_errata(reader, variants),
         published=tuple(document.published),
         notes=tuple(document.notes),
@@ -99,7 +99,7 @@ def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[doc.Erratum, ...
         if table.regime not in regimes:
             raise reader.fail(f"{where}: {UnknownNameError('regime of its own', table.regime, regimes)}")
         regime = regimes[table.regime]
-        if not own_regimes.is_released(regime) or isinstance(regime.torque, list):
+        if not is_released(regime) or isinstance(regime.torque, list):
             raise reader.fail(
                 f"{where}.regime: expected a regime in which the crank is released under a constant torque, got "
                 f"'{table.regime}', which has a motion or a torque of another kind; name another"
@@ -123,7 +123,7 @@ def _link(reader: Reader, name: str) -> lk.Link:
 
 
 def _check_driver(reader: Reader) -> None:
-    """One driver: a link, or a cylinder, whose length at the sketch has to be told."""
+    """Check that there is one driver: a link, or a cylinder with its length at the sketch."""
     document = reader.document
     if not document.crank and document.cylinder is None:
         raise reader.fail(f"crank is missing: expected {EXPECTED['crank']}; add it, or a cylinder")

@@ -1,4 +1,4 @@
-"""A fault of a linkage file as one sentence: where it is, what was expected, what was got, what to do."""
+"""A fault of a linkage file as one sentence: its place, the expected and the actual value, the remedy."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Do
 def _telling(faults: Sequence[ErrorDetails]) -> ErrorDetails:
     """Of the first value at fault, which may fail each of several forms in its own way, the fault that lies deepest.
 
-    Where a key is missing beside an unknown one, that one is its misspelling.
+    An unknown key beside a missing key is taken for a misspelling of it.
     """
     first = _keys(faults[0])
     deepest = max((f for f in faults if _keys(f)[: len(first)] == first), key=lambda fault: len(_keys(fault)))
@@ -111,7 +111,7 @@ def _keys(fault: ErrorDetails) -> list[str]:
 
 
 def _expected(fault: ErrorDetails, keys: Sequence[str]) -> str:
-    """What belongs there: by the innermost key there is a phrase for, else by the kind of value."""
+    """The expected value in words: by the innermost key that has a phrase, else by the kind of value."""
     names = [key for key in keys if not key.isdigit()]
     for depth in range(len(names), 0, -1):
         inside = ".*" if depth < len(names) else ""
@@ -131,14 +131,14 @@ def shown(value: object) -> str:
 
 
 def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
-    """Keys that are allowed where an unknown one was found."""
+    """Keys that are allowed at a place."""
     model: type[BaseModel] | None = root
     for key in parents:
         if model is not None and key in model.model_fields:
             model = next(_tables_in(model.model_fields[key].annotation), None)
     if model is None:
         return []
-    # Some are gone before the model is asked.
+    # These are removed before the model validates.
     outside = () if parents or root is not Document else ("variants", "repeat")
     return sorted((*(field.alias or name for name, field in model.model_fields.items()), *outside))
 
@@ -152,9 +152,9 @@ def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - 
 
 
 def line_of(text: str, keys: Sequence[str | int]) -> int:
-    """The line of a TOML text in which a key, a header or an element of a list stands that is in it.
+    """The line of a TOML text in which a key, a table's header or an element of a list stands.
 
-    A table that has no header of its own stands where its first key does.
+    The line of a table without a header is that of its first key.
     """
     import tomlkit  # noqa: PLC0415 - only who is shown a fault pays for it
     from tomlkit.items import Table  # noqa: PLC0415
@@ -175,7 +175,7 @@ def line_of(text: str, keys: Sequence[str | int]) -> int:
 
 
 def _keys_in(tree: object, path: str) -> list[str | int] | None:
-    """The keys and indices of what stands at a dotted path in nested tables and lists; None where nothing does."""
+    """The keys and indices that a dotted path means in nested tables and lists; None for a path that leads nowhere."""
     inner = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
     for key, value in inner:
         if path == str(key):

@@ -1,4 +1,4 @@
-"""The units of a linkage's file for what is shown to its author."""
+"""Units for output: those of the linkage's file instead of SI."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class FileUnit(NamedTuple):
 
 
 def file_unit(si: str, linkage: Linkage) -> FileUnit:
-    """The file's unit for an SI unit; s, J and W stay what they are."""
+    """The file's unit for an SI unit; s, J and W remain."""
     if si not in KINDS:
         return FileUnit(si, 1.0)
     kind, rest = KINDS[si]

@@ -23,7 +23,7 @@ FULL_TURN = 2.0 * np.pi
 class TimeLaw:
     """A number that depends on time alone: straight lines between its values, the first and last of them outside.
 
-    Lines follow what a drive is switched to and overshoot nothing. ``times``, s, increase; ``torque`` has the values,
+    Straight lines follow a switched drive without overshoot. ``times``, s, increase; ``torque`` has the values,
     N m, as many.
     """
 
@@ -41,8 +41,8 @@ class Law:
 
     ``values`` has shape (k,) for a constant of k components; with ``angles`` of shape (n,), rad, increasing and
     spanning less than one turn, it has shape (n, k) and the law is the periodic cubic spline through it. One that is
-    not ``periodic`` is over a travel, m: a not-a-knot spline, held at its ends. Between the values of one that is
-    ``linear`` are straight lines instead; its derivative at an angle of the table is that of the line behind it.
+    not ``periodic`` is over a travel, m: a not-a-knot spline, constant beyond its ends. Between the values of one that
+    is ``linear`` are straight lines instead; its derivative at an angle of the table is that of the line behind it.
     """
 
     values: NDArray[np.float64]

@@ -1,11 +1,11 @@
-"""The one description of a planar linkage, in SI units: what the closed form and every engine are built from.
+"""The description of a planar linkage in SI units, from which the closed form and every engine are built.
 
 All lengths are in m, masses in kg, inertias in kg m² about the mass centre, forces in N, torques in
 N m, angles in rad counter-clockwise. A link's *frame* is any right-handed frame fixed in it; its points, mass
 centre, guides and slots are given in that frame. The ground frame is the drawing's.
 
-The one coordinate φ is that of the driver. Of a crank it is the angle of its x axis against the ground's x axis, rad;
-of a slider of the ground its travel along the guide, m, of a cylinder its length, m. Quantities of the drive change
+The coordinate φ is that of the driver. For a crank it is the angle of its x axis against the ground's x axis, rad;
+for a slider of the ground its travel along the guide, m, for a cylinder its length, m. Quantities of the drive change
 their units with it: see ``analytic.signals.unit_of``.
 """
 
@@ -45,7 +45,7 @@ def unit(vector: Vector) -> Vector:
 
 
 class DriverKind(StrEnum):
-    """What drives a linkage: a crank is turned (φ in rad); a slider of the ground or a cylinder is pushed (φ in m)."""
+    """Kinds of drivers: a crank is turned (φ in rad); a slider of the ground or a cylinder is pushed (φ in m)."""
 
     CRANK = "crank"
     SLIDER = "slider"
@@ -171,7 +171,7 @@ class CylinderDrive:
 
 @dataclass(frozen=True)
 class Output:
-    """What S, v and a describe: a point measured along a unit vector of the ground frame."""
+    """The output, whose displacement, velocity and acceleration are S, v, a: a point along a unit ground vector."""
 
     point: str
     link: str
@@ -182,8 +182,8 @@ class Output:
 class ReleasedRegime:
     """A regime of the linkage's own: the crank is released and moved by a torque, N m, and the loads.
 
-    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s. Of the
-    torque, ``torque`` is what is constant; ``over_angle`` and ``over_time`` act besides, where there are any.
+    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s.
+    ``torque`` is the constant part of the torque; ``over_angle`` and ``over_time`` are added to it, if given.
     """
 
     name: str
@@ -212,7 +212,7 @@ class Linkage:
     """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name.
 
     ``crank`` names the driven link; it is empty where a ``cylinder`` drives.
-    ``units`` are those of its file by what they measure, and ``text`` is the file's; all values are in SI all the same.
+    ``units`` are the file's units by kind and ``text`` the file's text; all values are in SI.
     ``scales_mass`` makes masses of other designs change with lengths (``analytic.description.changes``).
     """
 
@@ -269,11 +269,11 @@ class Linkage:
     @property
     def released(self) -> dict[str, ReleasedRegime]:
         """Its own regimes in which the crank is released, by name."""
-        return {own.name: own for own in self.regimes if isinstance(own, ReleasedRegime)}
+        return {regime.name: regime for regime in self.regimes if isinstance(regime, ReleasedRegime)}
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of all joints that carry a force, pins first, then sliders, then slots; nothing is solved for them."""
+        """Names of all joints that carry a force, pins first, then sliders, then slots, without solving the linkage."""
         pins = itertools.chain.from_iterable(pin.joints for pin in self.pins)
         return (*pins, *(slider.name for slider in self.sliders), *(slot.name for slot in self.slots))
 
@@ -284,7 +284,7 @@ class Linkage:
 
     @property
     def is_idle(self) -> bool:
-        """Whether it takes no torque to move it: no masses and no loads."""
+        """Whether no torque is needed to move it: no masses and no loads."""
         return self.is_massless and not (self.forces or self.torques or self.springs or self.dampers)
 
     def written(self, length: float) -> str:

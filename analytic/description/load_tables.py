@@ -1,6 +1,6 @@
 """The loads of a linkage file: forces at points, torques on links, springs and dampers, in SI units.
 
-Each kind is sorted by what it acts on, so that the order of listing changes nothing, not even a rounding.
+Each kind is sorted by body and point, so that the order of listing changes no result, not even its rounding.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ LEAST_STEP = 1e-6  # rad between the angles of a law: nearer ones are one angle 
 
 
 def forces(reader: Reader) -> tuple[PointForce, ...]:
-    """Forces at points; one on the ground moves nothing and is left out."""
+    """Forces at points; a force on the ground has no effect and is left out."""
     loads = [_force(reader, table, f"forces.{number}") for number, table in enumerate(reader.document.forces)]
     return tuple(sorted((load for load in loads if load.link != GROUND), key=order))
 
@@ -31,7 +31,7 @@ def _force(reader: Reader, table: doc.ForceTable, where: str) -> PointForce:
 
 
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
-    """Torques on links; one on the ground moves nothing and is left out."""
+    """Torques on links; a torque on the ground has no effect and is left out."""
     loads = [_torque(reader, table, f"torques.{number}") for number, table in enumerate(reader.document.torques)]
     return tuple(sorted((load for load in loads if load.link != GROUND), key=order))
 
@@ -60,7 +60,7 @@ def law_over_angle(reader: Reader, values: list[float], angles: list[float], kin
 
 
 def order(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[object, ...]:
-    """The place of a load among those of its kind: by what it acts on, then by its numbers."""
+    """Sort key of a load among those of its kind: bodies and points, then numbers."""
     match load:
         case PointForce():
             return (load.point, load.link, _key(load.force))

@@ -37,7 +37,7 @@ PLACE: Final = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)
 class LinkageFile:
     """A linkage file as it was read: the mechanism's name, the file's in messages, its text.
 
-    ``is_known`` says whether its name is enough to find it, on any machine that has what this one has installed.
+    ``is_known``: whether its name alone identifies it on every machine with the same packages.
     """
 
     name: str
@@ -51,7 +51,7 @@ class LinkageFile:
 
 
 def catalogue() -> tuple[str, ...]:
-    """Names of the sewing mechanisms that come with the suite, sorted: what a command takes where none is named."""
+    """Names of the sewing mechanisms that come with the suite, sorted; commands use them if no mechanism is named."""
     return _names(CATALOGUE)
 
 
@@ -106,7 +106,7 @@ def find(name: str) -> Path:
 
 
 def _fault(path: Path) -> str | None:
-    """What a path is instead of a file."""
+    """Why a path cannot be read: it is a folder, or does not exist."""
     try:
         return None if path.is_file() else "is a folder" if path.is_dir() else "does not exist"
     except (OSError, ValueError):  # a name too long for the system, or with a null character
@@ -155,7 +155,7 @@ def document(
 ) -> tuple[dict[str, Any], tuple[str, ...], Source]:
     """A file's text as nested dictionaries, copies and the variant in their places, with the names of all variants.
 
-    Raises as ``parse`` does, short of what only a look at the whole linkage shows.
+    Raises as ``parse`` does, except for faults that only the whole linkage shows.
     """
     text = text.removeprefix(BYTE_ORDER_MARK)
     raw = tables(text, origin)
@@ -236,7 +236,7 @@ BARE_NAME: Final = re.compile(r"\s*\[*([^\]=\"'#]+)[\]=]")
 
 
 def _syntax(fault: str, text: str, origin: str) -> str:
-    """A fault that the TOML parser found, its place put first."""
+    """A syntax error of the TOML parser, its place first."""
     place = PLACE.search(fault)
     line, column = place.groups() if place and place[1] else (_line(text.rstrip(), len(text)), None)
     slip = _slip(fault, text.split("\n")[int(line) - 1])
@@ -245,7 +245,7 @@ def _syntax(fault: str, text: str, origin: str) -> str:
 
 
 def _slip(fault: str, line: str) -> str:
-    """A usual slip in a line and what to do about it; empty where it is another fault."""
+    """A usual slip in a line and its remedy; empty for any other fault."""
     if twice := TWICE.match(fault):
         return f"{repr(twice['name']) if twice['name'] else 'a key'} is written twice; leave one out or rename it"
     name = BARE_NAME.match(line)

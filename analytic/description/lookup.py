@@ -68,7 +68,7 @@ class Reader:
 
     @property
     def drive(self) -> str:
-        """The kind of unit of what drives it."""
+        """The kind of unit of the drive: a torque, or a force."""
         return "force" if self.is_linear else "torque"
 
     def vector(self, place: doc.Place, where: str) -> Vector:
@@ -130,7 +130,7 @@ class Reader:
 
 
 def reader_of(document: doc.Document, source: Source) -> Reader:
-    """A reader with the document's units looked up."""
+    """A reader of the document, with its units as SI factors."""
     scale = {}
     for kind in UNITS:
         try:

@@ -1,8 +1,8 @@
 """A linkage file written anew with other numbers: another design of the linkage, in the units of its file.
 
-The text stays as it was written, comments included, wherever nothing changes. The file's own values become those of
-the variant chosen, copies are written out, and what does not hold of another design is left out: published figures,
-errata and variants.
+The text stays as it was written, comments included, wherever nothing changes. The file's own values become those of the
+variant chosen, copies are written out, and published figures, errata and variants, which belong to the original design,
+are left out.
 """
 
 from __future__ import annotations
@@ -39,16 +39,16 @@ def spelt_out(text: str, name: str, variant: str | None) -> str:
 
     Raises as ``rewritten`` does.
     """
-    own = loading.parse(text, name, name, variant)
+    linkage = loading.parse(text, name, name, variant)
     raw, _, source = loading.document(text, name, name, variant)
     raw = {key: part for key, part in raw.items() if key not in OF_THE_ORIGINAL}
-    file = WrittenNumbers(raw, reader_of(loading.validated(raw, source), source), own)
-    for number, value in numbers_of(own).items():
+    file = WrittenNumbers(raw, reader_of(loading.validated(raw, source), source), linkage)
+    for number, value in numbers_of(linkage).items():
         if not math.isfinite(value) or ".along." in number:
             continue
         file.set(number, value)
     result = _text(text, raw)
-    _check(result, name, own)
+    _check(result, name, linkage)
     return result
 
 
@@ -85,19 +85,19 @@ def rewritten(
             raise UnknownNameError(f"parameter of '{name}'", number, known)
         if not math.isfinite(value):
             raise LinkproofError(f"{number}: expected a finite number, got {value:g}; correct it")
-    wanted = {number: value for number, value in numbers.items() if value != known[number]}
+    changed = {number: value for number, value in numbers.items() if value != known[number]}
     try:
-        target = with_numbers(old, wanted)
+        target = with_numbers(old, changed)
     except ZeroDivisionError:
         raise LinkproofError(
-            f"{', '.join(key for key in wanted if '.along.' in key)}: expected a direction, got [0, 0]; give another"
+            f"{', '.join(key for key in changed if '.along.' in key)}: expected a direction, got [0, 0]; give another"
         ) from None
     raw, _, source = loading.document(text, name, name, variant)
     raw = {"variant": new_variant} | {key: part for key, part in raw.items() if key not in OF_THE_ORIGINAL}
     raw["variant"] = new_variant
     file = WrittenNumbers(raw, reader_of(loading.validated(raw, source), source), old)
-    sentences = [file.set(number, value) for number, value in wanted.items()]
-    if target.output and any(".along." in number for number in wanted):
+    sentences = [file.set(number, value) for number, value in changed.items()]
+    if target.output and any(".along." in number for number in changed):
         raw["output"]["along"] = list(target.output.along)  # where it followed a guide, S stays what it was
     result = f"{_first_line(name, old.variant, sentences)}\n{_text(text, raw)}"
     _check(result, name, target)
@@ -111,10 +111,10 @@ class WrittenNumbers:
         self.raw = raw
         self.units = reader.document.units.model_dump()
         self.scale = reader.scale
-        own, indices = named_numbers(linkage), _indices(linkage, reader)
-        self.places = {name: _in_file(number.place, indices, reader) for name, number in own.items()}
-        self.kinds = {self.places[name]: number.kind for name, number in own.items()}
-        self.values = {self.places[name]: number.value for name, number in own.items()}
+        numbers, indices = named_numbers(linkage), _indices(linkage, reader)
+        self.places = {name: _in_file(number.place, indices, reader) for name, number in numbers.items()}
+        self.kinds = {self.places[name]: number.kind for name, number in numbers.items()}
+        self.values = {self.places[name]: number.value for name, number in numbers.items()}
 
     def set(self, number: str, value: float) -> str:
         """Put an SI value in its place; gives the number as the file has it, for a reader."""
@@ -177,7 +177,7 @@ def _first_line(name: str, variant: str, sentences: list[str]) -> str:
 
 
 def _text(text: str, raw: Mapping[str, Any]) -> str:
-    """The text changed as little as it takes to hold these values; written afresh where that fails."""
+    """The text with these values, changed as little as possible; written afresh where that fails."""
     import tomlkit  # noqa: PLC0415 - only what writes a file pays for it
     from tomlkit.exceptions import TOMLKitError  # noqa: PLC0415
 
@@ -218,7 +218,7 @@ def _is_alike(old: object, new: object) -> bool:
 
 
 def _check(result: str, name: str, target: Linkage) -> None:
-    """Hold what was written against what was meant: every number, to the rounding of the file's units."""
+    """Check every number of the new file against its intended value, to the rounding of the file's units."""
     new = loading.parse(result, name, f"{name} with other numbers")
     loads = {kind: tuple(sorted(getattr(target, kind), key=load_tables.order)) for kind in LOADS}
     meant, got = numbers_of(replace(target, **cast("Any", loads))), numbers_of(new)

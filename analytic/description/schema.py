@@ -208,10 +208,9 @@ class Erratum(TomlTable):
 class Published(TomlTable):
     """A figure printed in a source, in ``unit``, by default SI or a plain ratio.
 
-    ``half_digit`` is half a unit of its last digit, ``accuracy`` what the source's own error is known to be where that
-    is more. It is a figure of a ``regime``, or of a crank that turns with ``speed``, rpm, by default with 1 rad/s.
-    ``less`` and ``relative_to`` name another signal, or another mechanism, whose same figure is subtracted, or is what
-    it is divided by.
+    ``half_digit`` is half a unit of its last digit, ``accuracy`` the known error of the source where that is larger. It
+    is a figure of a ``regime``, or of a crank that turns with ``speed``, rpm, by default with 1 rad/s. ``less`` and
+    ``relative_to`` name another signal, or another mechanism, whose same figure is subtracted, or is the divisor.
     """
 
     quantity: str

@@ -42,5 +42,5 @@ class ThreadPath:
 
     @property
     def eyes(self) -> tuple[ThreadEye, ...]:
-        """The stops that move."""
+        """The stops on moving links."""
         return tuple(stop for stop in self.stops if isinstance(stop, ThreadEye))

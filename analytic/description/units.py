@@ -32,7 +32,7 @@ SI: Final[Mapping[str, str]] = {
 def conversion(unit: str, si: str) -> float:
     """Value in ``si`` of one ``unit``, a unit of a linkage file, or one of length or angle per ``s`` or ``s^2``.
 
-    Raises UnknownNameError for a unit that does not measure what ``si`` does.
+    Raises UnknownNameError for a unit of another kind than ``si``.
     """
     rates = {"": "", "/s": "/s", "/s^2": "/s²"}
     known = {

@@ -1,1 +1,1 @@
-"""Many designs of one linkage at once: numbers of its description that differ, and what comes of them."""
+"""Many designs of one linkage at once: numbers of its description that vary, and resulting signals and figures."""

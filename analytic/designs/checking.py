@@ -1,4 +1,4 @@
-"""Parameters of designs as arrays of one length, of numbers that a linkage can have."""
+"""Checks of the parameters of designs: known names, equal lengths, possible values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def speed_of(numbers: Mapping[str, Any], speed: ArrayLike) -> Any:  # noqa: ANN401 - plain or dual
-    """The driver's speed, rad/s or m/s, signed: that among the numbers of designs, turned as ``speed``, or this one."""
+    """The driver's signed speed, rad/s or m/s: the designs' own, with the sign of ``speed``, or ``speed`` itself."""
     return numbers[SPEED] * np.sign(speed) if SPEED in numbers else np.asarray(speed)
 
 

@@ -49,16 +49,16 @@ def stuck(sampler: Sampler, rows: Integers, angles: Array) -> Booleans:
     result = np.zeros(len(rows), dtype=bool)
     size = max(1, BLOCK // len(angles))
     for start in range(0, len(rows), size):
-        own = np.arange(start, min(start + size, len(rows)))
-        phi = np.broadcast_to(angles, (len(own), len(angles)))
+        designs = np.arange(start, min(start + size, len(rows)))
+        phi = np.broadcast_to(angles, (len(designs), len(angles)))
         finest = FINEST * (angles[-1] - angles[0])
-        while len(own):
-            samples = sampler(rows[own], phi, ())
-            result[own[~samples.moves.all(axis=1)]] = True
-            steep = are_steep(samples.determinants) & ~result[own, None]
+        while len(designs):
+            samples = sampler(rows[designs], phi, ())
+            result[designs[~samples.moves.all(axis=1)]] = True
+            steep = are_steep(samples.determinants) & ~result[designs, None]
             if phi[0, 1] - phi[0, 0] < finest:
-                result[own[steep.any(axis=1)]] = True
+                result[designs[steep.any(axis=1)]] = True
                 break
             row, step = np.nonzero(beside(steep))
-            own, phi = own[row], divided(phi, row, step, PARTS)
+            designs, phi = designs[row], divided(phi, row, step, PARTS)
     return result

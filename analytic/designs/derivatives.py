@@ -2,11 +2,11 @@
 
 The formulas of the closed form are given numbers that carry their derivatives (``analytic.numerics.dual``). An extreme
 moves with the numbers, but since the signal is level there only its value counts: its derivative is that of the signal
-at the place of the extreme, which is found as a root of the signal's slope over φ. Where two tops tie whose derivatives
-differ there is none, and it is nan.
+at the place of the extreme, which is a root of the signal's slope over φ. Where two equal tops have
+different derivatives it is nan.
 
 Linkages with groups of a higher class, with a driving cylinder or with change points have central differences instead,
-extrapolated to a step of zero (``is_exact`` tells).
+extrapolated to a step of zero; see ``is_exact``.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from analytic.signals import OUTPUT_COORDINATE, is_angle, signal
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-Model = tuple[Linkage, Structure]
+LinkageAndStructure = tuple[Linkage, Structure]
 
 TIE: Final = 1e-9  # of a signal's largest value: tops that differ by less count as equal
 STEP: Final = 4e-4  # of a number, the first of its differences
@@ -86,8 +86,8 @@ def signal_gradients(
     _check(mechanism, parameters)
     if not is_exact(mechanism):
 
-        def curves_of(own: Mapping[str, float]) -> Array:
-            return signal_values(mechanism, own, signals, places, speed=speed)
+        def curves_of(numbers: Mapping[str, float]) -> Array:
+            return signal_values(mechanism, numbers, signals, places, speed=speed)
 
         return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
@@ -110,7 +110,7 @@ def figure_gradients(
     """Figures (figures,) and their derivatives (figures, parameters), SI.
 
     ``angle``, ``speed`` and ``refine`` are as for ``analytic.designs.results.design_figures``, and
-    ``parameters`` as for ``signal_gradients``. The derivative is nan where tops tie that move apart.
+    ``parameters`` as for ``signal_gradients``. The derivative is nan where equal tops have different derivatives.
     """
     places = np.asarray(angle, dtype=float)
     _check(mechanism, parameters)
@@ -120,23 +120,25 @@ def figure_gradients(
         period = period_of(mechanism, places)
         request = FigureRequest(mechanism, tuple(figures), places, speed, period, refine)
 
-        def figures_of(own: Mapping[str, float]) -> Array:  # of masses below zero as well, beside one of zero
-            return request.of({name: np.array([value]) for name, value in own.items()})[:, 0]
+        def figures_of(numbers: Mapping[str, float]) -> Array:  # of masses below zero as well, beside one of zero
+            return request.of({name: np.array([value]) for name, value in numbers.items()})[:, 0]
 
         return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
     design.check(places)
     far = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else 0.0
-    wanted = tuple(dict.fromkeys(end for quantity in figures for end in quantity.extremes))
-    top_of = dict(zip(wanted, design.extremes(wanted, places, far, refine), strict=True))
-    there = design.varied(np.array([quantity.angle for quantity in figures if quantity.reduction is Reduction.AT]), far)
+    ends = tuple(dict.fromkeys(end for quantity in figures for end in quantity.extremes))
+    top_of = dict(zip(ends, design.extremes(ends, places, far, refine), strict=True))
+    single = design.varied(
+        np.array([quantity.angle for quantity in figures if quantity.reduction is Reduction.AT]), far
+    )
     averaged = [quantity for quantity in figures if quantity.is_mean]
     top = design.farthest(places, refine=True) if any(quantity.signal == "S" for quantity in averaged) else far
     means = design.means(averaged, places, top)
     values, gradients, row = np.empty(len(figures)), np.empty((len(figures), len(parameters))), 0
     for number, figure in enumerate(figures):
         if figure.reduction is Reduction.AT:
-            value, slopes = (part[..., row] for part in _parts(signal(there, figure.signal), len(parameters)))
+            value, slopes = (part[..., row] for part in _parts(signal(single, figure.signal), len(parameters)))
             row += 1
         elif figure.extremes:
             tops = [top_of[end] for end in figure.extremes]
@@ -157,7 +159,7 @@ class _Design:
     speed: float
 
     @cached_property
-    def plain(self) -> Model:
+    def plain(self) -> LinkageAndStructure:
         """The design's linkage and structure in plain numbers."""
         return self._model(self.parameters)
 
@@ -167,15 +169,15 @@ class _Design:
         return {n: Dual(v, seed) for (n, v), seed in zip(self.parameters.items(), seeds, strict=True)}
 
     @cached_property
-    def _varied(self) -> Model:
+    def _varied(self) -> LinkageAndStructure:
         return self._model(self._duals)
 
-    def _model(self, own: Mapping[str, Any]) -> Model:
-        linkage = with_numbers(self.mechanism.linkage, own)
+    def _model(self, numbers: Mapping[str, Any]) -> LinkageAndStructure:
+        linkage = with_numbers(self.mechanism.linkage, numbers)
         signs = tuple(dyad.sign for dyad in self.mechanism.structure.dyads)
         return linkage, find_structure(linkage).with_signs(signs)
 
-    def _at(self, model: Model, angle: Any, far: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
+    def _at(self, model: LinkageAndStructure, angle: Any, far: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
         speed = speed_of(self._duals if model is self._varied else self.parameters, self.speed)
         return MovingSweep(self.mechanism, Sweep(*model, angle), speed, np.asarray(0.0), far)
 
@@ -194,25 +196,27 @@ class _Design:
 
     def extremes(
         self,
-        wanted: Sequence[SignalExtreme],
+        extremes: Sequence[SignalExtreme],
         places: Array,
         far: Any,  # noqa: ANN401 - a dual
         refine: bool,
     ) -> list[tuple[Array, Array]]:
         """Value of every extreme and its derivatives (parameters,)."""
-        if not wanted:
+        if not extremes:
             return []
         grid = _closed(places) if refine else places
         top = far.value if isinstance(far, Dual) else far
         plain = self._at(self.plain, grid, top)
-        sampled = np.stack([signal_extreme.height(signal(plain, signal_extreme.signal)) for signal_extreme in wanted])
-        curve, places = self._tops(wanted, grid, sampled, top, refine)
+        sampled = np.stack([signal_extreme.height(signal(plain, signal_extreme.signal)) for signal_extreme in extremes])
+        curve, places = self._tops(extremes, grid, sampled, top, refine)
         at = self.varied(places, far)
         tops = []
-        for row, extreme in enumerate(wanted):
+        for row, extreme in enumerate(extremes):
             values, slopes = _parts(signal(at, extreme.signal), len(self.parameters))
-            own = curve == row
-            tops.append(_best(extreme, values[own], slopes[:, own], places[own], float(np.max(np.abs(sampled[row])))))
+            is_its = curve == row
+            tops.append(
+                _best(extreme, values[is_its], slopes[:, is_its], places[is_its], float(np.max(np.abs(sampled[row]))))
+            )
         return tops
 
     def means(self, figures: Sequence[Figure], places: Array, far: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
@@ -241,20 +245,20 @@ class _Design:
         return result
 
     def _tops(
-        self, wanted: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float, refine: bool
+        self, extremes: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float, refine: bool
     ) -> tuple[Integers, Array]:
-        """Tops of the heights: whose each is, and its place, a root of the slope; without ``refine`` the sample's."""
+        """Tops of the heights: curve and place of each, a root of the slope; without ``refine`` that of the sample."""
         if not refine:
-            return np.arange(len(wanted)), grid[np.argmax(sampled, axis=1)]
+            return np.arange(len(extremes)), grid[np.argmax(sampled, axis=1)]
         sampled_tops = tops(sampled)
 
         def slope(angle: Array) -> Array:
             at = self._at(self.plain, Dual(angle, np.ones((1, len(angle)))), top)
             rises = np.empty(angle.shape)
-            for number, extreme in enumerate(wanted):
+            for number, extreme in enumerate(extremes):
                 values, slopes = _parts(signal(at, extreme.signal), 1)
-                own = sampled_tops.curve == number
-                rises[own] = (extreme.side(values) * slopes[0])[own]
+                is_its = sampled_tops.curve == number
+                rises[is_its] = (extreme.side(values) * slopes[0])[is_its]
             return rises
 
         left, right = sampled_tops.bounds(len(grid) - 1)
@@ -284,9 +288,9 @@ def differences(
 def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, float]:
     """Steps of differences: a share of the number, of the drawing for a length of zero, of one for any other zero."""
     every = {**design_numbers(mechanism.linkage), SPEED: (SPEED, parameters.get(SPEED, 0.0))}
-    own = {name: every[name] for name in parameters}
+    chosen = {name: every[name] for name in parameters}
     sizes = {"length": mechanism.linkage.extent()}
-    return {name: STEP * (abs(value) or sizes.get(kind, 1.0)) for name, (kind, value) in own.items()}
+    return {name: STEP * (abs(value) or sizes.get(kind, 1.0)) for name, (kind, value) in chosen.items()}
 
 
 def _best(extreme: SignalExtreme, values: Array, slopes: Array, places: Array, largest: float) -> tuple[Array, Array]:

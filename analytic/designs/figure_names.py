@@ -42,7 +42,7 @@ NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
 def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> dict[str, Figure]:
     """The figure of a name, and of a family all its members, by name; ``in_time`` of a motion in time, not of a design.
 
-    Raises LinkproofError for a signal or a reduction that there is not, and for a wrong angle or time.
+    Raises LinkproofError for an unknown signal or reduction, and for a wrong angle or time.
     """
     listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
     known = listed | {key: key for key, on_request in table(mechanism).items() if not on_request.is_listed}
@@ -94,7 +94,7 @@ def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: 
 
 
 def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
-    """What to say of a figure that there is not: the nearest few."""
+    """The error for an unknown figure, with the nearest names."""
     examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
     symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
     by_case = {example.lower(): example for example in examples}

@@ -1,4 +1,4 @@
-"""What may be wanted of every design: a signal over the motion of the crank, brought down to one number."""
+"""Figures: a signal over the motion of the crank reduced to one number, such as a peak or a mean."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class SignalExtreme(NamedTuple):
         return np.where(values < 0.0, -1.0, 1.0)
 
     def height(self, values: Array, side: Array | None = None) -> Array:
-        """What is largest at the extreme, seen from a ``side``: each value's own if None."""
+        """A function of the signal that is largest at the extreme; ``side`` is its sign, that of each value if None."""
         return (self.side(values) if side is None else side) * values
 
     def is_kink(self, value: ArrayLike) -> Array:
@@ -94,11 +94,11 @@ class Figure:
 
     @property
     def extremes(self) -> tuple[SignalExtreme, ...]:
-        """The extremes that it is made of; none for a mean or a single value."""
+        """The extremes from which it is computed; none for a mean or a single value."""
         return tuple(SignalExtreme(self.signal, way) for way in WAYS.get(self.reduction, ()))
 
     def integrand(self, values: Array) -> Array:
-        """What a mean is of."""
+        """The integrand of a mean: the signal, or its square for an RMS."""
         return np.square(values) if self.reduction is Reduction.RMS else values
 
     def of_mean(self, mean: Array) -> Array:

@@ -18,9 +18,9 @@ CELLS: Final = 12  # of the motion, from which a mean is integrated
 
 
 def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
-    """Where means of evenly spaced samples of a turn are right: where every second of them gives the same.
+    """Where means of evenly spaced samples of a turn are right: where every second sample gives the same mean.
 
-    That is to a share of the signal's RMS, its ``size``; of what is smooth the error goes as the square of such a gap.
+    The tolerance is a share of the signal's RMS, its ``size``; the error for smooth signals is the gap squared.
     """
     return np.abs(whole - half) <= SAME * size
 

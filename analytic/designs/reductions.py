@@ -50,7 +50,7 @@ def can_reduce(request: FigureRequest) -> bool:
 
 
 class _Gathered:
-    """What is gathered of every design: results of the straight function by name."""
+    """Sums and extremes of every design: results of the straight function by name."""
 
     def __init__(self, listed: LinkageTrace, request: FigureRequest) -> None:
         self.listed = listed
@@ -104,7 +104,7 @@ def reduced_figures(
 ) -> tuple[Array, Booleans]:
     """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,), and which are doubtful.
 
-    Doubtful are designs of whose means the samples are too few, and such as may stand in a dead position between two
+    A design is doubtful if the samples are too few for its means, or if it may stand in a dead position between two
     crank angles. Figures of a design that cannot move at one of the crank angles are nan.
     """
     gathered = _Gathered(listed, request)
@@ -117,8 +117,8 @@ def reduced_figures(
 
     def part(start: int) -> None:
         here = slice(start, min(start + CHUNK, count))
-        own = {name: numbers[here] for name, numbers in arrays.items()}
-        lanes = listed.trace.computed(given, listed.values(own, speed=speed_of(own, request.speed)))
+        chunk = {name: numbers[here] for name, numbers in arrays.items()}
+        lanes = listed.trace.computed(given, listed.values(chunk, speed=speed_of(chunk, request.speed)))
         reduced = function(lanes, rows, here.stop - start)
         doubtful[here] = reduced[steep].any(axis=0)
         moves = reduced[gathered.places["moves"]] > 0.0

@@ -18,7 +18,6 @@ from analytic.designs.sampling import FigureRequest
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code.compiling import is_worthwhile
-from analytic.numerics.extremes import grid
 from analytic.signals import names_with_magnitudes, table
 
 Array = NDArray[np.float64]
@@ -71,15 +70,6 @@ def design_figures(
         some = {name: values[doubtful] for name, values in arrays.items()}
         reduced[:, doubtful] = replace(request, path="auto").of(some, cores)  # few: another function rarely pays
     return reduced
-
-
-def turn_figures(mechanism: Mechanism, figures: Sequence[Figure], speed: float) -> Array:
-    """Figures of a linkage as its file has it, (figures,), SI, over a turn of the crank at a ``speed``, rad/s.
-
-    Raises AssemblyError where the crank makes none.
-    """
-    mechanism.check_full_turn()
-    return design_figures(mechanism, {}, figures, grid(), speed=speed, refine=True)[:, 0]
 
 
 def usual_path(figures: Sequence[Figure], size: int) -> str:

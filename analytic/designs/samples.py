@@ -57,8 +57,8 @@ class Designs:
     """Designs that differ in ``arrays`` (designs,) of numbers by name, SI, in the assembly modes as described.
 
     The crank has a ``speed``, rad/s, or one among the arrays, turned as it, and an ``acceleration``, rad/s², numbers or
-    (angles,). ``poses`` are those that
-    are wanted in all, by which the ``path`` "auto" decides whether to compile.
+    (angles,). ``poses`` is the number of all
+    poses to compute, by which the ``path`` "auto" decides whether to compile.
     """
 
     mechanism: Mechanism
@@ -72,7 +72,7 @@ class Designs:
 
     @property
     def count(self) -> int:
-        """How many."""
+        """The number of designs."""
         return len(next(iter(self.arrays.values())))
 
     @cached_property
@@ -113,8 +113,8 @@ class Designs:
         known = of.values(numbers, places, speed_of(numbers, self.speed), self.acceleration)
         function = self._function
         if function is None:
-            wanted = [of.signals[self.signals.index(name)] for name in names]
-            *values, moves = of.trace.computed([*wanted, *of.determinants, of.moves], known)
+            lines = [of.signals[self.signals.index(name)] for name in names]
+            *values, moves = of.trace.computed([*lines, *of.determinants, of.moves], known)
         else:
             given = of.trace.computed(function.lanes, known)
             lanes = [np.broadcast_to(entry, phi.shape).reshape(-1) for entry in given]
@@ -152,9 +152,9 @@ class Designs:
 
     def _alone(self, row: int) -> Mechanism | None:
         """One design by itself, None where it cannot be assembled as its sketch shows it."""
-        own = {name: float(values[row]) for name, values in self.arrays.items()}
+        numbers = {name: float(values[row]) for name, values in self.arrays.items()}
         try:
-            return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, own))
+            return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, numbers))
         except (AssemblyError, StructureError):
             return None
 

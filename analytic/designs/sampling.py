@@ -53,7 +53,7 @@ class FigureRequest:
 
     @property
     def signals(self) -> tuple[str, ...]:
-        """What is sampled: for S the output's coordinate."""
+        """Sampled signals, each once; the output's coordinate in place of S."""
         return tuple(dict.fromkeys(sampled(figure.signal) for figure in self.figures))
 
     def designs(self, arrays: Mapping[str, Array]) -> Designs:
@@ -62,9 +62,9 @@ class FigureRequest:
         return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
     def may_sample(self, figure: Figure) -> bool:
-        """Whether a mean may be that of the samples: they divide a turn evenly, and it counts from none of them."""
-        counts_from_one = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
-        return self.period is not None and len(self.places) % 2 == 0 and not counts_from_one
+        """Whether a mean may be that of the samples: these divide a turn evenly, and no sample is the signal's zero."""
+        has_zero_at_sample = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
+        return self.period is not None and len(self.places) % 2 == 0 and not has_zero_at_sample
 
     def of(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
         """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers by name.
@@ -81,7 +81,7 @@ class FigureRequest:
 
 
 def sampled(name: str) -> str:
-    """The signal that is sampled for one: of S the output's coordinate."""
+    """The signal that is sampled for a signal: the output's coordinate for S, else the signal itself."""
     return OUTPUT_COORDINATE if name == "S" else name
 
 
@@ -96,7 +96,7 @@ MarkedExtremes = dict[SignalExtreme, list[_Marked]]
 
 
 class _Chunk:
-    """Designs whose tops are looked for together; their samples are forgotten block by block."""
+    """Designs whose tops are searched together; their samples are discarded block by block."""
 
     def __init__(self, request: FigureRequest, sampler: Sampler, rows: Integers) -> None:
         self.request, self.sampler, self.rows = request, sampler, rows
@@ -237,11 +237,11 @@ class _Chunk:
 
     def _curves(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Array]:
         """Signals of some of the designs at crank angles, (designs, angles), and determinants; faults are noted."""
-        wanted = {name: sampled(name) for name in names}
-        samples = self.sampler(self.rows[here], phi, tuple(dict.fromkeys(wanted.values())))
-        if list(wanted) != [OUTPUT_COORDINATE]:
+        sources = {name: sampled(name) for name in names}
+        samples = self.sampler(self.rows[here], phi, tuple(dict.fromkeys(sources.values())))
+        if list(sources) != [OUTPUT_COORDINATE]:
             self.faulty[here[~samples.moves.all(axis=1)]] = True
-        curves = {name: samples.signals[own] for name, own in wanted.items()}
+        curves = {name: samples.signals[source] for name, source in sources.items()}
         if "S" in curves:
             curves["S"] = self.farthest[here, None] - curves["S"]
         return curves, samples.determinants
@@ -258,7 +258,7 @@ class _Chunk:
         return values
 
     def _mark(self, groups: MarkedExtremes, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
-        """Enter the sampled tops of some designs that may be higher than what is known of them."""
+        """Enter the sampled tops of some designs that may exceed their largest values so far."""
         for extreme, parts in groups.items():
             values = sampled[extreme.signal]
             all_heights = extreme.height(values)

@@ -1,1 +1,1 @@
-"""What the crank feels of the linkage: reduced inertia, generalised force, joint forces, equilibria."""
+"""Dynamics reduced to the crank: reduced inertia, generalised force, joint forces, equilibria."""

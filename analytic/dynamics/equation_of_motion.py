@@ -1,8 +1,8 @@
 """The equation of motion of a linkage, solved for the crank's acceleration.
 
 Article 000, eqs (22) and (32): k1 φ̈ + k2 φ̇² + b φ̇ = Q1, here Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. The article builds k2
-from the moduli |S'|·|S''| (eqs (29) and (30)) where Lagrange's equation has the scalar product S'·S''; its form is kept
-as a model of its own, so that it can be refuted.
+from the moduli |S'|·|S''| (eqs (29) and (30)) where Lagrange's equation has the scalar product S'·S''; its form is
+a second model, which comparisons with it refute.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ NO_INERTIA: Final = 1e-12  # of the peak of Jeq: a smooth minimum this deep is a
 
 
 def moduli_half_derivative(sweep: Sweep) -> Array:
-    """What article 000 takes for ½ Jeq': Σ m |S'| |S''| + J θ' θ'', kg m²/rad. It is not the derivative of Jeq."""
+    """Article 000's expression for ½ Jeq': Σ m |S'| |S''| + J θ' θ'', kg m²/rad. It is not the derivative of Jeq."""
     total = np.zeros(sweep.angle.shape)
     for name, body in sweep.linkage.links.items():
         total += body.mass * np.hypot(*sweep.centre(name, 1)) * np.hypot(*sweep.centre(name, 2))
@@ -57,7 +57,7 @@ class Timing(TypedDict, total=False):
 class EquationOfMotion:
     """φ̈ as a function of φ and φ̇; ``torque`` is M1 on the crank, N m, beside the linkage's own loads.
 
-    A torque ``over_time`` acts besides, so that φ̈ depends on time too: ``push`` is what it adds.
+    A torque ``over_time`` acts besides, so that φ̈ depends on time too: ``push`` is its part of φ̈.
     """
 
     mechanism: Mechanism
@@ -95,13 +95,13 @@ class EquationOfMotion:
         return float(np.nanmax(where_assembled(moment, seen), initial=0.0))
 
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
-        """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape, without what ``push`` adds."""
+        """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape, without ``push``."""
         angle, speed = np.asarray(angle, dtype=float), np.asarray(speed, dtype=float)
         moment, damping, slope = self.terms(angle)[:3]
         return np.asarray(moment - speed * (damping + slope * speed))
 
     def push(self, time: ArrayLike, angle: ArrayLike) -> Array:
-        """What the torque over time adds to φ̈, rad/s², at instants, s, and crank angles, rad, of one shape."""
+        """The part of φ̈ that the torque over time adds, rad/s², at instants, s, and crank angles, rad, of one shape."""
         if self.over_time is None:
             return np.zeros(np.shape(time))
         return np.asarray(self.over_time(time) * self.terms(np.asarray(angle, dtype=float))[3])
@@ -113,7 +113,7 @@ class EquationOfMotion:
 
     @property
     def timing(self) -> Timing:
-        """The torque over time for an integrator: what it adds, and where it has kinks, s."""
+        """The torque over time for an integrator: its part of φ̈, and the times of its kinks, s."""
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:

@@ -24,7 +24,7 @@ BALANCED: Final = 1e-12
 class Equilibrium(NamedTuple):
     """A crank angle, rad in [0, 2π), where Q + M1 = 0; stable where the moment drives the crank back to it.
 
-    Of a driver that is pushed it is a travel or a length, m.
+    For a driver that is pushed it is a travel or a length, m.
     """
 
     angle: float
@@ -34,9 +34,9 @@ class Equilibrium(NamedTuple):
 def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilibrium, ...]:
     """Every angle at which the moment on the crank changes sign, in increasing order.
 
-    ``torque`` is M1, N m, a number or a law of φ. Empty where nothing holds the crank: the torque outweighs the loads,
-    or there is no moment at any angle. A crank that cannot make a full turn is looked at where it can stand, a driver
-    that is pushed over its range; two angles nearer to each other than half a degree may be missed.
+    ``torque`` is M1, N m, a number or a law of φ. Empty without an equilibrium: the torque outweighs the loads,
+    or there is no moment at any angle. A crank that cannot make a full turn is searched over its range, like a driver
+    that is pushed; two angles nearer to each other than half a degree may be missed.
     """
     law = crank_torque(torque)
 

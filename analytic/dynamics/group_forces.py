@@ -1,6 +1,6 @@
-"""Force analysis of the Assur groups: from what each link needs to the forces in the group's joints.
+"""Force analysis of the Assur groups: from the wrenches that links need to the forces in the group's joints.
 
-A group is statically determinate: its equations of equilibrium hold the unknowns of its joints, two to a pin or a slide
+A group is statically determinate: its equations of equilibrium have the unknowns of its joints, two to a pin or a slide
 and one to a cylinder. A dyad is solved in closed form: each kind reduces to a 2×2 system at most, the transpose of the
 one which its velocities solve; its determinant vanishes in the same dead positions. (Kinetostatics of Assur groups:
 I. I. Artobolevskii, Theory of Mechanisms and Machines.) A group of class III or higher is solved as one system, the
@@ -25,7 +25,7 @@ JointWrenches = tuple[Wrench, Wrench, Wrench]
 
 
 def group_wrenches(balance: LinkBalance, group: AnyGroup) -> list[tuple[GroupJoint, Wrench]]:
-    """What every joint of a group exerts on its far body, once all later groups are booked."""
+    """The wrench of every joint of a group on its far body, once all later groups are entered."""
     if isinstance(group, Dyad):
         needs = balance.needs[group.first], balance.needs[group.second]
         return list(zip(group.joints, _DYADS[group.kind](balance, group, *needs), strict=True))
@@ -105,20 +105,20 @@ def _line(balance: LinkBalance, slide: Joint) -> Pair:
 
 
 def _across(direction: Pair, size: Scalar, moment: Scalar) -> Wrench:
-    """What a slide exerts: a force square to it, on its left where ``size`` is positive, and a moment."""
+    """The wrench of a slide: a force square to it, on its left where ``size`` is positive, and a moment."""
     return (-size * direction[1], size * direction[0], moment)
 
 
 @dataclass(frozen=True)
 class UnitReaction:
-    """What a unit of one unknown of a joint exerts on its far body and on its near one."""
+    """The wrenches of one unit of a joint's unknown on its far and on its near body."""
 
     far: Wrench
     near: Wrench
 
 
 def _higher_wrenches(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint, Wrench]]:
-    """What every joint exerts on its far body, about that one's reference point (of a pin: at the pin)."""
+    """The wrench of every joint on its far body, about that body's reference point (of a pin: at the pin)."""
     units = [list(_units(balance, joint)) for joint in group.joints]
     columns = [(joint, unit) for joint, both in zip(group.joints, units, strict=True) for unit in both]
     needs = [balance.needs[body] for body in group.links]

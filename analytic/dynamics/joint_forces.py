@@ -1,15 +1,15 @@
 """Joint forces in closed form: force analysis of the Assur groups, from the last one back to the crank.
 
 Each group is statically determinate, so it is solved by itself (``group_forces``) once the loads on its two links are
-known: inertia, weight, whatever else acts on them (``link_loads``), and the reactions of the groups that come after it.
-What it leaves on its outer joints is a load on the links before it. The crank comes last; its balance gives the
+known: inertia, weight, other loads on them (``link_loads``), and the reactions of the groups that come after it.
+Its reactions in its outer joints are loads on the links before it. The crank comes last; its balance gives the
 reaction of its pivot and the torque of the drive. No system of equations of the whole linkage is solved.
 
 Joints are named as in the engines' scenes. A pin of k bodies counts as k - 1 joints to one of them, its hub: the ground
 where it has the pin, else the first body by name. Two bodies on a pin make the joint ``point``; more make one joint
 ``point:link`` for each link but the hub. A slider is ``link on host``, a pin in a slot ``point in host``.
 
-A joint force is what the joint exerts on the link that is not the hub, on the slider, or in a slot on the pin; ground
+A joint force acts on the link that is not the hub, on the slider, or in a slot on the pin; ground
 frame, N. A force applied at a pin of several links acts on the link which ``PointForce.link`` names, a spring on those
 in ``Spring.links``, and the joint forces of this pin hold that link in balance.
 """
@@ -36,11 +36,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Reactions:
-    """What the joints and the drive exert, by joint name; arrays end in the shape of the sweep's angles.
+    """Forces and moments of the joints and of the drive, by joint name; arrays end in the shape of the sweep's angles.
 
     ``forces`` (2, ...), N; ``moments`` (...), N m, of guides on sliders about their ``Slider.point``; ``torque`` (...),
     N m, of the drive on the crank, or its force, N, along a slider's guide or a cylinder; it equals
-    ``dynamics.drive_torque``, found there from virtual work.
+    ``analytic.dynamics.reduced.drive_torque``, which comes from virtual work.
     """
 
     forces: Mapping[str, Array]
@@ -87,7 +87,7 @@ def _book_group(balance: LinkBalance, group: AnyGroup) -> None:
 
 
 def _book_driver(balance: LinkBalance) -> Scalar:
-    """Enter what the driver's joint to the ground exerts on it; what is left is the drive's: a torque, or a force."""
+    """Enter the wrench of the driver's joint to the ground; the rest is the drive's: a torque, or a force."""
     pivot = balance.structure.pivot
     if pivot is None:
         return balance.drive
@@ -101,7 +101,7 @@ def _book_driver(balance: LinkBalance) -> Scalar:
 
 
 def joint_forces(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dict[str, Array]:
-    """Force of every joint by name, (2, *angle.shape), N, ground frame; names and signs as told above."""
+    """Force of every joint by name, (2, *angle.shape), N, ground frame; names and signs as described above."""
     return dict(reactions(sweep, speed, acceleration).forces)
 
 
@@ -109,7 +109,7 @@ def shaking_force(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Ar
     """Force of the linkage on its frame, (2, *angle.shape), N, ground frame: Σ weights + Σ applied forces − Σ m S̈.
 
     It is the reverse of all that the ground exerts: by its joints, and by springs fastened to it. The links' weights
-    count. Forces at points come from outside: what makes them does not push back on this frame.
+    count. Forces at points come from outside; their reactions do not act on this frame.
     """
     x, y, _ = _on_frame(sweep, speed, acceleration, (0.0, 0.0))
     return _vector(sweep, (x, y))

@@ -1,6 +1,6 @@
-"""The books of a force analysis: what every link still needs from its joints, and what these are found to exert.
+"""Balance of a force analysis: the wrench that every link still needs from its joints, and the joints' wrenches.
 
-A *wrench* is (force x, force y, N, moment, N m). What a link *needs* is the wrench that its joints together must exert
+A *wrench* is (force x, force y, N, moment, N m). A link *needs* the wrench that its joints together must exert
 on it, about the link's reference point, which is a pin of its group wherever it has one.
 """
 
@@ -21,7 +21,7 @@ class LinkBalance:
     """The links at their poses under their loads, before any joint force is known.
 
     ``needs`` holds, by body, the wrench about its reference point that joints not yet booked must exert. ``at_pins``
-    holds the force of a pin on each of its bodies, by point and body; ``on_sliders`` the wrench of the guide on each
+    has the force of a pin on each of its bodies, by point and body; ``on_sliders`` the wrench of the guide on each
     slider, those in slots included, about its guided point.
     """
 
@@ -44,14 +44,14 @@ class LinkBalance:
                 self._charge(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
 
     def book_outer(self, joint: GroupJoint, wrench: Wrench) -> None:
-        """Enter what an outer joint of a group exerts on its far link; its reverse is a load on the near one."""
+        """Enter the wrench of an outer joint of a group on its far link; its reverse is a load on the near link."""
         self.book(joint, wrench)
         x, y, moment = wrench
         arm = self.arm(joint.near, joint.near_local) if isinstance(joint, Revolute) else self.gap(joint.near, joint.far)
         self._charge(joint.near, (-x, -y), arm, -moment)
 
     def book(self, joint: GroupJoint, wrench: Wrench) -> None:
-        """Enter what a joint exerts on its far body, and the reverse on the near one."""
+        """Enter the wrench of a joint on its far body, and the reverse on the near body."""
         if isinstance(joint, DrivenDistance):
             self.drive = frames.dot(self.direction(joint), (wrench[0], wrench[1]))
         elif isinstance(joint, Revolute):
@@ -71,13 +71,13 @@ class LinkBalance:
         return (-x, -y, frames.cross(gap, (x, y)) - moment)
 
     def _charge(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
-        """Enter a load on a body, its force at an arm from the reference point; the ground keeps no books."""
+        """Enter a load on a body, its force at an arm from the reference point; loads on the ground are not entered."""
         if body != GROUND:
             x, y, moment = self.needs[body]
             self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
 
     def _add(self, point: str, body: str, force: Pair) -> None:
-        """Add to the force of a pin on a body, which the pin may hold in one group and load from others."""
+        """Add to the force of a pin on a body, which several groups may share."""
         x, y = self.at_pins.get((point, body), (0.0, 0.0))
         self.at_pins[point, body] = (x + force[0], y + force[1])
 
@@ -94,7 +94,7 @@ class LinkBalance:
         return (x / length, y / length)
 
     def place(self, body: str) -> Pair:
-        """Where the reference point of a body is."""
+        """Position of the reference point of a body, m, ground frame."""
         return frames.point(self.poses[body], self.references[body])
 
     def gap(self, start: str, end: str) -> Pair:

@@ -1,4 +1,4 @@
-"""What acts on the links besides their joints: weights, inertia forces, applied forces and torques, springs, dampers.
+"""Loads on the links besides joint forces: weights, inertia forces, applied forces and torques, springs, dampers.
 
 By d'Alembert's principle a link's inertia force −m S̈ at its mass centre and inertia torque −J θ̈ are loads like any
 other: with them, all forces and moments on a link balance.
@@ -24,7 +24,7 @@ TINY: Final = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class Load:
-    """A force, N, ground frame, at a point given in the frame of ``body``, and a torque, N m; None where there is none.
+    """A force, N, ground frame, at a point given in the frame of ``body``, and a torque, N m; None stands for zero.
 
     The ``body`` may be the ground.
     """
@@ -38,7 +38,8 @@ class Load:
 class LoadedSweep:
     """The loads on the links of a sweep while the crank turns at ``speed`` (rad/s) with ``acceleration`` (rad/s²).
 
-    Both are signed, of the sweep's shape or scalar. A crank at rest without acceleration asks for no second derivative.
+    Both are signed, of the sweep's shape or scalar. No second derivative is computed for a crank at rest without
+    acceleration.
     """
 
     def __init__(self, sweep: Sweep, speed: Scalar, acceleration: Scalar) -> None:
@@ -49,7 +50,7 @@ class LoadedSweep:
         self.is_static = not (self.turns or np.any(self.acceleration))
 
     def from_outside(self) -> Iterator[Load]:
-        """Weights, inertia forces, forces at points and torques on links: what has no counterpart in the linkage."""
+        """Weights, inertia forces, forces at points and torques on links: loads without a reaction on the linkage."""
         yield from (self._of_mass(link) for link in self.linkage.links.values())
         for force in self.linkage.forces:
             x, y = force.force(self.sweep.places)
@@ -81,19 +82,21 @@ class LoadedSweep:
 
     def _of_spring(self, spring: Spring) -> tuple[Load, Load]:
         """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
-        (first, two), (here, there) = spring.links, self._ends(spring)
-        span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((first, here), (two, there))))
+        (first, two), (near_end, far_end) = spring.links, self._ends(spring)
+        span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((first, near_end), (two, far_end))))
         over_length = _over_length(span)
         per_length = spring.stiffness * (1.0 - spring.length * over_length)
         if self.turns and not frames.is_zero(spring.damping):
-            rate = frames.minus(*(self.sweep.local_point(body, at, 1) for body, at in ((first, here), (two, there))))
+            rate = frames.minus(
+                *(self.sweep.local_point(body, at, 1) for body, at in ((first, near_end), (two, far_end)))
+            )
             per_length = per_length + spring.damping * self.speed * frames.dot(span, rate) * over_length * over_length
         force = (per_length * span[0], per_length * span[1])
-        return Load(first, here, (-force[0], -force[1])), Load(two, there, force)
+        return Load(first, near_end, (-force[0], -force[1])), Load(two, far_end, force)
 
     def _ends(self, spring: Spring) -> tuple[Vector, Vector]:
-        here, there = (self.linkage.local(p, body) for p, body in zip(spring.points, spring.links, strict=True))
-        return here, there
+        near_end, far_end = (self.linkage.local(p, body) for p, body in zip(spring.points, spring.links, strict=True))
+        return near_end, far_end
 
     def _of_damper(self, damper: RotaryDamper) -> tuple[Load, Load]:
         first, second = (self.sweep.rates(name)[2] for name in damper.links)
@@ -102,7 +105,7 @@ class LoadedSweep:
 
 
 def _over_length(span: Pair) -> Scalar:
-    """Reciprocal of a length, zero of none."""
+    """Reciprocal of a length; zero for a length of zero."""
     square = frames.dot(span, span)
     return (square > 0.0) / np.sqrt(np.maximum(square, TINY))
 

@@ -1,4 +1,4 @@
-"""Reduced dynamics: everything about the linkage that a rigid driver feels (articles 000, 001 and 003).
+"""Reduced dynamics: the linkage as a variable inertia and a torque at the crank (articles 000, 001 and 003).
 
 The units are those of a turning crank; a driver that is pushed has its own (``analytic.signals.unit_of``).
 
@@ -40,7 +40,7 @@ def _link_inertia(sweep: Sweep, link: str) -> Scalar:
 
 
 def _weighed(sweep: Sweep, link: str, order: int) -> Scalar:
-    """A link's part of ½ Jeq', m S'·S'' + J θ' θ'', and with order 1 of Jeq; what is zero takes no work."""
+    """A link's part of ½ Jeq', m S'·S'' + J θ' θ'', and with order 1 of Jeq; zero factors are left out."""
     body = sweep.linkage.links[link]
     inertia = _inertia(body)
     moved = 0.0 if is_zero(body.mass) else body.mass * frames.dot(sweep.centre(link, 1), sweep.centre(link, order))
@@ -130,7 +130,7 @@ def generalised_force(sweep: Sweep) -> Array:
 
 
 def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
-    """Length of a spring, m, and its derivative over φ; none where its ends meet and it has no line to act along."""
+    """Length of a spring, m, and its derivative over φ; the derivative is zero where its ends meet."""
     spring = sweep.linkage.springs[number]
     ends = [(body, sweep.linkage.local(point, body)) for point, body in zip(spring.points, spring.links, strict=True)]
     (b1, p1), (b2, p2) = ends
@@ -172,7 +172,7 @@ def potential_energy(sweep: Sweep) -> Array:
 
 
 def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:
-    """Mkr = Jeq ε + ½ Jeq' ω² + b ω − Q, N m: what the drive must supply.
+    """Mkr = Jeq ε + ½ Jeq' ω² + b ω − Q, N m: the torque of the drive.
 
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank, signed, of the sweep's shape or scalar.
     """
@@ -182,7 +182,7 @@ def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Arr
 
 
 def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> Array:
-    """Mkr as ``drive_torque`` has it, where Jeq is known already; a crank at rest asks for no second derivative."""
+    """Mkr as ``drive_torque`` has it, where Jeq is known already; a crank at rest needs no second derivative."""
     turns = bool(np.any(speed))
     torque = inertia * acceleration
     if turns:

@@ -1,1 +1,1 @@
-"""Assur groups: found, solved in closed form, differentiated over the crank angle, and bounded in their error."""
+"""Assur groups: decomposition, closed-form solution, derivatives over the crank angle, error bounds."""

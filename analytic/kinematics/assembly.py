@@ -52,7 +52,7 @@ def _severity(solver: DyadSolver) -> Scalar:
     with np.errstate(invalid="ignore"):
         missing, lengths = solver.missing()
         short = np.minimum(missing + ROUNDING * lengths, 0.0)
-    undefined = ~(np.isfinite(solver.own[0][0]) & np.isfinite(solver.own[0][2]))
+    undefined = ~(np.isfinite(solver.link_poses[0][0]) & np.isfinite(solver.link_poses[0][2]))
     return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
 
 

@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 class GroupBranch:
     """Nodes over φ, ``coordinate`` (m,), rad or m, increasing: ``state`` (m, 3, links, 3), x, y, θ and derivatives.
 
-    ``turns`` (links,) is what each link turns by, rad, in a turn of a crank after which all is as before; None where
-    the branch has two ends. ``strays`` says that a turn of the crank ends in another configuration.
+    ``turns`` (links,) is each link's angle per turn of a crank that returns to its start, rad; None for a branch with
+    two ends. ``strays`` says that a turn of the crank ends in another configuration.
     """
 
     coordinate: Array
@@ -33,7 +33,7 @@ class GroupBranch:
         return float(self.coordinate[0]), float(self.coordinate[-1])
 
     def within(self, coordinate: Array) -> Array:
-        """φ brought among the nodes by whole turns of a crank, where that helps."""
+        """φ shifted into the range of the nodes by whole turns of a crank, if the branch repeats."""
         if self.is_linear:
             return coordinate
         low, high = self.ends

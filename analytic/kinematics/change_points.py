@@ -64,14 +64,14 @@ def through_change_points(structure: Structure, angle: float) -> tuple[Structure
     """
     if not is_followed(structure):
         return structure, ()
-    search = _Search(structure, angle)
+    search = _ChangePointSearch(structure, angle)
     for number in range(len(structure.dyads)):
         search.look_at(number)
     return replace(structure, groups=tuple(search.dyads)), tuple(search.undetermined)
 
 
 def is_followed(structure: Structure) -> bool:
-    """Whether a linkage goes on through its change points: with a driver that is pushed it ends there."""
+    """Whether a linkage passes its change points: with a driver that is pushed its range ends there."""
     return isinstance(structure.pivot, Revolute) and not structure.is_numerical
 
 
@@ -85,13 +85,13 @@ class _Chain:
         self.angle = np.asarray(angle)
         moving = crank_motion(pivot, self.angle)[: order + 1]
         self.known: list[dict[str, Any]] = [
-            {GROUND: fixed, pivot.far: own} for fixed, own in zip(FIXED, moving, strict=False)
+            {GROUND: fixed, pivot.far: driver} for fixed, driver in zip(FIXED, moving, strict=False)
         ]
         self.done = 0
         self.fails = np.zeros(self.angle.shape, dtype=bool)  # where a dyad solved so far cannot be assembled
 
     def up_to(self, dyads: Sequence[Dyad]) -> list[dict[str, Any]]:
-        """What is known once these first dyads are solved."""
+        """The poses after these first dyads are solved."""
         for dyad in dyads[self.done :]:
             patches = dyad.changes.patches if dyad.changes else ()
             touches = [patch.touch for patch in patches]
@@ -102,7 +102,7 @@ class _Chain:
         return self.known
 
     def solve(self, dyad: Dyad, known: list[dict[str, Any]], touches: Sequence[Touch] = ()) -> DyadSolver:
-        """Add a dyad's links to what is known, with the lengths that touch."""
+        """Add the poses of a dyad's links, with the lengths that touch."""
         solver = DyadSolver(dyad, self.angle)
         for touch in touches:
             solver.touch(touch.margin, touch.gap)
@@ -112,7 +112,7 @@ class _Chain:
         return solver
 
 
-class _Search:
+class _ChangePointSearch:
     """Dyad after dyad: those before it are followed through their own change points already."""
 
     def __init__(self, structure: Structure, start: float) -> None:
@@ -166,7 +166,7 @@ class _Search:
                 self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))
 
     def _margin(self, number: int, chain: _Chain) -> tuple[Any, Any, Any]:
-        """What is left of a dyad's margin, the lengths it comes from, and the gap between the outer pins."""
+        """A dyad's margin, m, the lengths it comes from, and the gap between the outer pins."""
         poses = chain.up_to(self.dyads[:number])[0]
         solver = chain.solve(self.dyads[number], [dict(poses)])
         with np.errstate(invalid="ignore"):
@@ -236,7 +236,7 @@ class _Search:
 
 
 def _apart(angles: tuple[float, ...], touch: Touch, period: float) -> float:
-    """Distance of a change point from the next one of the dyad, rad; the period if there is no other."""
+    """Distance of a change point from the next one of the dyad, rad; the period if it is the only one."""
     others = [abs((angle - float(touch.angle) + 0.5 * period) % period - 0.5 * period) for angle in angles]
     return min((other for other in others if other > 0.0), default=period)
 

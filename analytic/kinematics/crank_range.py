@@ -1,4 +1,4 @@
-"""The range of φ, a crank angle or a travel, in which a linkage keeps its assembly mode, and what limits it."""
+"""The range of φ, a crank angle or a travel, in which a linkage stays in its assembly mode, and its limits."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Toggle:
 
     @property
     def sentence(self) -> str:
-        """Which links, and how they stand."""
+        """The links and their position, in words."""
         return f"{self.dyad.name}: {self.reason}"
 
 
@@ -65,7 +65,7 @@ class CrankRange:
 
     @property
     def is_full_turn(self) -> bool:
-        """Whether the driver is a crank that nothing limits."""
+        """Whether the driver is a crank without limits."""
         return self.low is None and not self.is_linear
 
     @property
@@ -103,7 +103,7 @@ def crank_range(
     zero, and the linkage is not followed on, the root of rounding. Raises AssemblyError where it cannot be assembled at
     the start.
     """
-    search = _Search(linkage, structure, linkage.sketch_angle if start is None else start)
+    search = _Margins(linkage, structure, linkage.sketch_angle if start is None else start)
     low, high = search.first_fault(-1.0), search.first_fault(1.0)
     changes = search.change_points(low, high, undetermined)
     if linkage.is_linear:
@@ -111,8 +111,8 @@ def crank_range(
     return CrankRange(search.start, low, high, changes)
 
 
-class _Search:
-    """The margins of a linkage over the crank angle: what its groups have left before their links fail to meet."""
+class _Margins:
+    """The margins of a linkage's groups over the crank angle: the lengths left before links fail to meet."""
 
     def __init__(self, linkage: Linkage, structure: Structure, start: float) -> None:
         self.structure, self.start = structure, start
@@ -137,9 +137,9 @@ class _Search:
         return solvers
 
     def margins(self, offset: Array) -> Array:
-        """Of each group the length it has left over the lengths it comes from, negative where it fails; (groups, ...).
+        """Of each group the remaining length over the lengths it comes from, negative where it fails; (groups, ...).
 
-        Two crossing lines have the sine of their angle left. Behind a group that fails the others have nothing to say.
+        The margin of two crossing lines is the sine of their angle. Behind a group that fails margins have no meaning.
         """
         rows = np.full((len(self.signs), *offset.shape), np.inf)
         fails = np.zeros(offset.shape, dtype=bool)

@@ -1,4 +1,4 @@
-"""Taking a linkage apart: a driver, then Assur groups, found from the description alone.
+"""Decomposition of a linkage into its driver and Assur groups, from the description alone.
 
 The groups of two links come first. Where none fits, the next is the smallest group of a higher class.
 """
@@ -54,11 +54,11 @@ def _carriers(linkage: Linkage) -> Mapping[str, list[str]]:
     return carriers
 
 
-class _Search:
+class _PlacedBodies:
     """The bodies already placed, and which of the others can be placed next.
 
-    A body is looked at when one of its joints gets a placed body on its other side, and never again: the work grows
-    with the number of joints.
+    A body is visited once, when one of its joints gets a placed body on its other side: the work grows with the number
+    of joints.
     """
 
     def __init__(self, linkage: Linkage) -> None:
@@ -196,11 +196,11 @@ def _other_end(slider: Slider, body: str) -> str:
 
 
 def find_structure(linkage: Linkage) -> Structure:
-    """Take the linkage apart; signs are left 0.
+    """The driver and the Assur groups of a linkage, in an order in which they can be solved; signs are left 0.
 
-    Raises StructureError where the crank has not exactly one joint, its pivot, or where no further group can be found.
+    Raises StructureError where the crank has not exactly one joint, its pivot, or where the other links form no group.
     """
-    search = _Search(linkage)
+    search = _PlacedBodies(linkage)
     pivots = list(search.joints(GROUND, linkage.crank)) if linkage.crank else []
     if linkage.crank and len(pivots) != 1:
         raise StructureError(
@@ -224,8 +224,8 @@ def find_structure(linkage: Linkage) -> Structure:
     return Structure(dict(sorted(search.bodies.items())), pivot, tuple(groups))
 
 
-def _leftover(search: _Search) -> str:
-    """Why the bodies that are left form no group: too many or too few joints, in all or in a part of the linkage."""
+def _leftover(search: _PlacedBodies) -> str:
+    """Why the remaining bodies form no group: too many or too few joints, in all or in a part of the linkage."""
     left = sorted(set(search.bodies) - search.placed)
     moving = len(search.bodies)
     lower_pairs = sum(len(pin.links) - 1 for pin in search.linkage.pins) + len(search.linkage.sliders)

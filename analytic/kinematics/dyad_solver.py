@@ -19,7 +19,7 @@ FORMULAS: Final[Mapping[str, ModuleType]] = {"RRR": rrr, "RRP": rrp, "RPR": rpr,
 class DyadSolver:
     """A dyad being solved; the mappings hold every body placed before it.
 
-    What a later step needs from an earlier one is kept here, so that asking for poses alone costs nothing more.
+    Results of one step are stored for the next, so that poses alone cost no more than poses.
     """
 
     def __init__(self, dyad: Dyad, angle: Scalar = None) -> None:
@@ -28,12 +28,12 @@ class DyadSolver:
         self.sign: Scalar = float(dyad.sign) if dyad.changes is None else dyad.changes.signs(angle)
         self.constants = self.formulas.constants(*dyad.joints, self.sign)
         self.hosts = (dyad.first_joint.near, dyad.second_joint.near)
-        self.own: tuple[Pose, Pose]
-        self.own_rates: tuple[Rate, Rate]
+        self.link_poses: tuple[Pose, Pose]
+        self.link_rates: tuple[Rate, Rate]
 
     @property
     def formulas(self) -> ModuleType:
-        """The module of the dyad's kind; looked up, since a solver travels to other processes and a module does not."""
+        """The module of the dyad's kind; looked up here, since solvers are pickled and modules cannot be."""
         return FORMULAS[self.dyad.kind]
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, Pose]:
@@ -41,13 +41,13 @@ class DyadSolver:
         first, two = self.hosts
         self.near = (poses[first], poses[two])
         with np.errstate(divide="ignore", invalid="ignore"):
-            self.own, self.closure = self.formulas.poses(self.constants, self.near)
+            self.link_poses, self.closure = self.formulas.poses(self.constants, self.near)
             self.moves = self._moves()
-        self.own = self._followed(0, self.own)
-        return self.own
+        self.link_poses = self._followed(0, self.link_poses)
+        return self.link_poses
 
     def _followed(self, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:
-        """What the formulas give, beside change points what the motion through them has."""
+        """Values of the formulas, near change points those of the series through them."""
         return pair if self.dyad.changes is None else self.dyad.changes.patched(self.angle, order, pair)
 
     def _moves(self) -> Scalar:
@@ -64,9 +64,11 @@ class DyadSolver:
         first, two = self.hosts
         self.near_rates = (rates[first], rates[two])
         with np.errstate(divide="ignore", invalid="ignore"):
-            own, self.travel = self.formulas.rates(self.constants, self.near, self.near_rates, self.own, self.closure)
-        self.own_rates = self._followed(1, own)
-        return self.own_rates
+            link_poses, self.travel = self.formulas.rates(
+                self.constants, self.near, self.near_rates, self.link_poses, self.closure
+            )
+        self.link_rates = self._followed(1, link_poses)
+        return self.link_rates
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, Rate]:
         """Second derivatives over φ; the rates must be known."""
@@ -75,7 +77,7 @@ class DyadSolver:
             pair = self.formulas.accelerations(
                 self.constants,
                 (self.near, self.near_rates, (accelerations[first], accelerations[two])),
-                (self.own, self.own_rates),
+                (self.link_poses, self.link_rates),
                 self.closure,
                 self.travel,
             )
@@ -95,6 +97,6 @@ class DyadSolver:
         self.constants = self.formulas.touching(self.constants, margin, gap)
 
     def shortfall(self, at: At, written: Written) -> Shortfall:
-        """What is wrong where the links do not meet, and which link misses by how much and what to do."""
+        """Why the links do not meet at a crank angle: the link, by how much it misses, and the remedy."""
         fault, detail = self.formulas.shortfall(self.dyad, self.constants, self.near, at, written)
         return fault, detail

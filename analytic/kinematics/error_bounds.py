@@ -1,12 +1,12 @@
-"""How far the closed form can be from the exact solution of the linkage it is given: a bound by perturbation theory.
+"""Bounds on the difference between the closed form and the exact solution of a linkage, by perturbation theory.
 
 The computed poses, rates and accelerations of a dyad fulfil its joint equations (and these once and twice
-differentiated) up to the roundings in them, and up to what the placed bodies and the lower orders err by: what the
-equations come to with numbers that carry their errors. All three systems have the Jacobian J of the joint equations, so
-|J⁻¹| times these residuals bounds the error, body after body along the chain. |J⁻¹| grows as the reciprocal of the
-transmission angle's sine: near a dead position the bound shows it, and it is infinite where the linearisation itself
-breaks down. Over 324 random four-bars, slider-cranks, quick returns and six-bars of 50 digits the true error came up to
-0.54 of the bound, and nothing keeps it from coming nearer.
+differentiated) up to the roundings in them, and up to the errors of the placed bodies and the lower orders: these
+residuals are the equations' values in numbers that carry their errors. All three systems have the Jacobian J of the
+joint equations, so |J⁻¹| times these residuals bounds the error, body after body along the chain. |J⁻¹| grows as the
+reciprocal of the transmission angle's sine: near a dead position the bound shows it, and it is infinite where the
+linearisation itself breaks down. Over 324 random four-bars, slider-cranks, quick returns and six-bars of 50 digits the
+true error came up to 0.54 of the bound, and it may come nearer.
 """
 
 from __future__ import annotations
@@ -62,14 +62,14 @@ class ErrorBounds:
         """Bounds for the group's links, order by order."""
         steps = (self.sweep.poses, self.sweep.rates, self.sweep.accelerations)
         plain = {body: [self._full(step(body)) for step in steps] for body in group.links}
-        own: dict[str, list[Any]] = {body: [] for body in group.links}
+        bounded: dict[str, list[Any]] = {body: [] for body in group.links}
         poses = {body: self.sweep.poses(body) for joint in group.joints for body in (joint.near, joint.far)}
         matrix = jacobian(group.joints, group.links, poses, len(self.sweep.angle))
         inverse = np.abs(np.linalg.inv(matrix))
         distances = np.concatenate([DISTANCES[type(joint)] for joint in group.joints])
-        hosts = {body: self.motion(body) for body in poses if body not in own}
+        hosts = {body: self.motion(body) for body in poses if body not in bounded}
         for order in range(ORDERS):
-            known = {body: (*own[body], *(map(Rounded, part) for part in plain[body][order:])) for body in own}
+            known = {body: (*bounded[body], *(map(Rounded, part) for part in plain[body][order:])) for body in bounded}
             known = {body: tuple(tuple(part) for part in motion) for body, motion in known.items()}
             rows = values(group.joints, {**hosts, **known}, order, self.sweep.angle)
             residual = np.stack([np.broadcast_to(bound_of(row), self.sweep.angle.shape) for row in rows], axis=-1)
@@ -81,14 +81,14 @@ class ErrorBounds:
                 error = _curved(inverse, error, self._reach(group, poses), distances)
             error[np.isnan(error)] = np.inf
             for number, body in enumerate(group.links):
-                own[body].append(_with_errors(plain[body][order], error[:, 3 * number : 3 * number + 3].T))
-        self.motions |= own
+                bounded[body].append(_with_errors(plain[body][order], error[:, 3 * number : 3 * number + 3].T))
+        self.motions |= bounded
 
     def _full(self, parts: Any) -> list[Array]:  # noqa: ANN401 - a pose or a rate
         return [np.broadcast_to(np.asarray(part, dtype=float), self.sweep.angle.shape) for part in parts]
 
     def _elimination(self, matrix: Array, motions: Array, lengths: NDArray[np.bool_]) -> Array:
-        """What elimination with pivots leaves of the equations of an order, (n, equations): eps of the largest row.
+        """Residual of elimination with pivots in the equations of an order, (n, equations): eps of the largest row.
 
         (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 9.3.)
         """
@@ -135,7 +135,7 @@ def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:
     """Bounds for positions, first and second derivatives, each relative to its peak.
 
     The worst over all named points and mass centres of all links and over the sweep's crank angles, divided by the
-    largest magnitude of the same. Where a position has no bound, nothing behind it has one, nor a derivative.
+    largest magnitude of the same. Without a bound of a position, later bodies and derivatives have no bound either.
     """
     bounds = ErrorBounds(sweep)
     errors, peaks = np.zeros(ORDERS), np.zeros(ORDERS)

@@ -3,8 +3,8 @@
 Vectors are pairs (x, y) of floats or arrays that go together. A pose is (x, y, c, s): origin and cosine and sine of the
 frame's angle. A rate is (x', y', θ'), an acceleration (x'', y'', θ''); primes are d/dφ.
 
-The functions take floats, arrays, numbers that carry their derivatives (``analytic.numerics.dual``) and numbers that
-note what is done to them (``analytic.machine_code.tracing``). ``is_zero``, ``is_one``, ``is_origin`` and ``is_still``
+The functions take floats, arrays, numbers that carry their derivatives (``analytic.numerics.dual``) and traced numbers,
+which record operations (``analytic.machine_code.tracing``). ``is_zero``, ``is_one``, ``is_origin`` and ``is_still``
 spare them the work with constants that are zero.
 """
 
@@ -130,7 +130,7 @@ def minus(a: Pair, b: Pair) -> Pair:
 
 
 def ahead(place: Pair, travel: Scalar, direction: Pair) -> Pair:
-    """The place a travel along a direction leads to."""
+    """The point at a travel along a direction from another point."""
     x, y = direction
     return (place[0] if is_zero(x) else place[0] + travel * x, place[1] if is_zero(y) else place[1] + travel * y)
 
@@ -179,13 +179,13 @@ def plus(a: Pair, b: Pair) -> Pair:
 
 
 def coriolis(turn_rate: Scalar, travel: Scalar, direction: Pair) -> Pair:
-    """2 θ' t' e⊥: what sliding along e adds to a second derivative on a host that turns."""
+    """2 θ' t' e⊥: the Coriolis term of sliding along e on a host that turns."""
     twice = 2.0 * turn_rate * travel
     return (-twice * direction[1], twice * direction[0])
 
 
 def is_plain(vector: Pair) -> bool:
-    """Whether both components are plain numbers, so that the standard library's functions will do."""
+    """Whether both components are plain numbers, for which the standard library's functions serve."""
     return isinstance(vector[0], float | int) and isinstance(vector[1], float | int)
 
 
@@ -195,7 +195,7 @@ def length(vector: Pair) -> Scalar:
 
 
 def root(square: Scalar) -> Scalar:
-    """Square root, and zero of what is below zero."""
+    """Square root; zero for numbers below zero."""
     return np.sqrt(np.maximum(square, 0.0))
 
 

@@ -1,4 +1,4 @@
-"""A linkage ready to be evaluated: its structure found, its assembly modes chosen from the sketch."""
+"""A linkage ready to be evaluated: with its Assur groups and the assembly modes that its sketch means."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ AT_REST = 1e-6  # rad from a change point
 class Mechanism:
     """The closed form of one linkage.
 
-    Raises StructureError if the linkage cannot be taken apart or its sketch leaves an assembly mode open, and
+    Raises StructureError if the linkage has no Assur groups or its sketch leaves an assembly mode open, and
     AssemblyError if it cannot be put together at the sketch's crank angle.
     """
 
@@ -55,7 +55,7 @@ class Mechanism:
         return other
 
     def with_loads_of(self, linkage: Linkage) -> Mechanism:
-        """The closed form of a linkage that differs in nothing but masses and loads: it moves as this one does."""
+        """The closed form of a linkage that differs in masses and loads only, so that it moves as this linkage does."""
         other = copy(self)
         other.__dict__.pop("turn", None)
         other.linkage = linkage
@@ -63,7 +63,7 @@ class Mechanism:
 
     @property
     def repeats(self) -> bool:
-        """Whether all is as before after a turn: not of a driver that is pushed, nor with one change point a turn."""
+        """Whether a turn returns to its start: not for a driver that is pushed, nor with one change point a turn."""
         return not self.linkage.is_linear and self.period == FULL_TURN
 
     @cached_property
@@ -74,7 +74,7 @@ class Mechanism:
         return tuple(sorted({round(angle, 8): angle for angle in turned}.values()))
 
     def sweep(self, angle: ArrayLike) -> Sweep:
-        """The linkage at every crank angle (rad, any shape); nothing is computed before it is needed."""
+        """The linkage at every crank angle (rad, any shape); poses are computed when they are needed."""
         return Sweep(self.linkage, self.structure, np.asarray(angle, dtype=float))
 
     @property
@@ -135,7 +135,7 @@ class Mechanism:
 
 
 def _signed(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
-    """Choose each group's assembly mode as the one that lies nearest to the sketch, one group after the other.
+    """Choose each group's assembly mode nearest to the sketch, group by group.
 
     Dyads take the ``signs``, if there are any.
     """
@@ -185,7 +185,7 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dic
 
 
 def _ambiguous(linkage: Linkage, dyad: Dyad, telling: Sequence[str]) -> str:
-    """What to add to the sketch: only points that tell the two modes apart are of use."""
+    """The error that names points to add to the sketch, those that distinguish the two modes."""
     if telling:
         needed, cure = f"the rough position of {' or '.join(map(repr, telling))}", "add it under [sketch.points]"
     else:

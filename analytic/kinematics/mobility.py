@@ -1,4 +1,4 @@
-"""What a linkage's joints and lengths say before anything moves: Grübler's count and Grashof's rule."""
+"""Mobility of a linkage from its joints and lengths alone: Grübler's count and Grashof's rule."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def grashof(linkage: Linkage, structure: Structure) -> str | None:
     """The class of a four-bar by Grashof's rule, with its lengths; None for any other linkage.
 
     The frame and the three links turn fully against each other where shortest + longest < the sum of the other two;
-    which link is the shortest then decides what turns.
+    the shortest link then decides which links turn.
     """
     pivot = structure.pivot
     if len(structure.dyads) != 1 or structure.dyads[0].kind != "RRR" or not isinstance(pivot, Revolute):

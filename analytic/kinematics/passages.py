@@ -1,6 +1,6 @@
 """Passages through change points as they are read: angles at which W changes, and series about each of them.
 
-Found and fitted by ``analytic.kinematics.change_points``.
+``analytic.kinematics.change_points`` computes them.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class ChangePoints:
         return pair if result is None else (tuple(result[:size]), tuple(result[size:]))
 
     def moved_out(self, angle: Array) -> None:
-        """Move crank angles within patches to where what is read there comes from.
+        """Move crank angles within patches to the nodes that determine the series there.
 
         The series are no worse than the closed form at the edges of the patch or, where the machine has no extended
         precision, at the nodes nearest to the change point.

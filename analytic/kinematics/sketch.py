@@ -12,14 +12,14 @@ from analytic.description.linkage import Linkage, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pose
 
-# Two configurations closer to the sketch than this ratio of each other are not told apart by it.
+# Two configurations closer to the sketch than this ratio of each other are not distinguished by it.
 AMBIGUITY: Final = 0.9
 TELLING: Final = 1e-6  # share of the drawing's size by which they must differ at a point for the sketch to show it
 Points = Mapping[str, Mapping[str, Vector]]  # of links, by name, in their frames
 
 
 def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
-    """Where the named points of links with these poses, one each, are."""
+    """Positions of the named points of links at these poses, one pose per link."""
     places = {}
     for locals_, pose in zip(points.values(), poses, strict=True):
         for point, local in locals_.items():
@@ -29,7 +29,7 @@ def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
 
 
 def meant(linkage: Linkage, places: Sequence[Mapping[str, Vector]]) -> tuple[int, list[str] | None]:
-    """The number of the configuration nearest to the sketch; and where that leaves it open, which points would tell."""
+    """The number of the configuration nearest to the sketch; if ambiguous, the points that would distinguish them."""
     distances = [
         math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in configuration.items() if p in linkage.sketch))
         for configuration in places

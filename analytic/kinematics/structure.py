@@ -1,4 +1,4 @@
-"""What a linkage is made of: its driver and its Assur groups, in an order in which they can be solved.
+"""The structure of a linkage: its driver and its Assur groups, in an order in which they can be solved.
 
 Every joint is one of two kinds. A *revolute* joint (R) joins all bodies that carry a point of one name. A *prismatic*
 joint (P) lets a body translate along a line of its host without turning against it; a pin in a slot is a massless
@@ -115,7 +115,7 @@ class Dyad:
 
 @dataclass(frozen=True)
 class Group:
-    """An Assur group that is no dyad, or one that a cylinder is part of: solved by Newton's method.
+    """An Assur group of class III or higher, or with the driving cylinder in it: solved by Newton's method.
 
     ``joints`` are outer ones, seen from a placed body, and inner ones. ``grade`` is its class by Artobolevskii: the
     sides of its largest closed contour, three of a rigid one. ``branch`` is the configuration that the sketch means,
@@ -134,7 +134,7 @@ class Group:
 
     @property
     def hosts(self) -> tuple[str, ...]:
-        """The placed bodies that it hangs on."""
+        """The placed bodies that its outer joints connect it to."""
         return tuple(dict.fromkeys(body for j in self.joints for body in (j.near, j.far) if body not in self.links))
 
     @property
@@ -183,7 +183,7 @@ class Structure:
         return replace(self, groups=groups)
 
     def changes_at(self, angle: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether crank angles, rad, are change points of a dyad, to the digits that such are known with."""
+        """Whether crank angles, rad, are change points of a dyad, to the accuracy of change points."""
         result = np.zeros(np.shape(angle), dtype=bool)
         for change in {change for dyad in self.dyads if dyad.changes for change in dyad.changes.angles}:
             result |= np.abs(np.mod(angle - change + np.pi, 2.0 * np.pi) - np.pi) < AT_A_CHANGE

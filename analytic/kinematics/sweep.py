@@ -41,7 +41,7 @@ def crank_motion(pivot: Revolute | Prismatic, angle: Scalar) -> tuple[Pose, Rate
 
 
 def output_of(linkage: Linkage) -> Output:
-    """The linkage's output; raises LinkproofError where it names none."""
+    """The linkage's output; raises LinkproofError for a linkage without an output."""
     if linkage.output is None:
         raise LinkproofError(
             f"'{linkage.name}' names no output, so its S, v and a are undefined: add "
@@ -51,13 +51,13 @@ def output_of(linkage: Linkage) -> Output:
 
 
 def placed(structure: Structure, angle: Scalar) -> dict[str, Pose]:
-    """Poses of what no group places: the ground, and the driven link."""
+    """Poses of the ground and the driven link, which belong to no group."""
     poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0)}
     return poses if structure.pivot is None else poses | {structure.pivot.far: crank_pose(structure.pivot, angle)}
 
 
 def solver_of(group: AnyGroup, angle: Array) -> DyadSolver | GroupSolver:
-    """What solves a group at values of φ: formulas of a dyad, Newton's method for a higher class."""
+    """The solver of a group at values of φ: formulas for a dyad, Newton's method for a higher class."""
     return DyadSolver(group, angle) if isinstance(group, Dyad) else GroupSolver(group, angle)
 
 
@@ -104,7 +104,7 @@ class Sweep:
         return second
 
     def _solved(self, body: str, order: int) -> Any:  # noqa: ANN401 - a pose or a rate
-        """Pose of a body or its derivative of an order; of its dyad, and of those before it, what is not yet known."""
+        """Pose of a body or its derivative of an order; computes its dyad and those before it as far as needed."""
         known = self._known[order]
         if body not in known:
             if body not in self._needs:
@@ -126,7 +126,7 @@ class Sweep:
         return known[body]
 
     def determinant(self, dyad: Dyad) -> Scalar:
-        """Of the dyad's closure equations; its sign is that of the assembly mode, and it is zero in a dead position."""
+        """Determinant of the dyad's closure equations: its sign is the assembly mode's; zero in a dead position."""
         self.poses(dyad.first)
         solver = self._solvers[dyad.first]
         assert isinstance(solver, DyadSolver)
@@ -176,7 +176,7 @@ class Sweep:
         return np.unwrap(np.broadcast_to(np.arctan2(s, c), self.angle.shape)) if self.angle.ndim else np.arctan2(s, c)
 
     def centre(self, body: str, order: int = 0) -> Pair:
-        """Mass centre of a link, or a derivative of it; kept, since all of the dynamics asks for it."""
+        """Mass centre of a link, or a derivative of it; stored, since all of the dynamics uses it."""
         if (body, order) not in self._centres:
             self._centres[body, order] = self.local_point(body, self.linkage.links[body].centre, order)
         return self._centres[body, order]
@@ -192,7 +192,7 @@ class Sweep:
         return np.broadcast_to(along, self.angle.shape)
 
     def closure_error(self) -> Array:
-        """Largest distance between the two ends of any joint, m, per crank angle: loop closure on trial."""
+        """Largest distance between the two ends of any joint, m, per crank angle: a check of loop closure."""
         worst = np.zeros(self.angle.shape)
         for joint in (joint for group in self.structure.groups for joint in group.joints):
             motions = {body: (self.poses(body), STILL, STILL) for body in (joint.near, joint.far)}

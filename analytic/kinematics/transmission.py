@@ -1,4 +1,4 @@
-"""Transmission angle of a dyad: how well its links can push each other, 90° at best, 0° in a dead position.
+"""Transmission angle of a dyad: how well its links transmit force to each other: 90° at best, 0° in a dead position.
 
 Of two rods (RRR) it is the angle between them at their common pin (Alt). Of a rod and a slide (RRP) it is the angle
 between the rod and the slide's normal; of a slide between two pins (RPR) the angle between the line through the pins

@@ -1,6 +1,6 @@
 """Printed functions as machine code, by numba where it is installed.
 
-A function takes 1 to 3 s to compile and is kept for the process alone, so it is compiled where that saves time.
+A function takes 1 to 3 s to compile and serves this process only, so it is compiled where that saves time.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def is_installed() -> bool:
 class StraightFunction:
     """Lines of a trace as machine code: ``results`` of lanes, from ``lanes`` and ``rows``, lines that are given.
 
-    See ``analytic.machine_code.printing`` for lanes and rows. The compiled code lets go of the interpreter.
+    See ``analytic.machine_code.printing`` for lanes and rows. The compiled code releases the interpreter's lock.
     """
 
     def __init__(

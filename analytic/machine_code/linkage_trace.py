@@ -35,7 +35,7 @@ class TracedSweep(Sweep):
         self.moves = solver.moves if self.moves is True else self.moves & solver.moves
 
     def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
-        """It can where it could be assembled away from its dead positions."""
+        """Nothing to check: ``_check_assembly`` has recorded where the group can move."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,7 +36,7 @@ LATEST: Final = "{value}"  # a result that is the last row's
 
 
 class Result(NamedTuple):
-    """A result of each lane, by what it becomes in every row, from its ``start`` on.
+    """A result of each lane: its value after every row, from its ``start`` on.
 
     The ``formula`` is of the ``line`` as {value}, of the result up to here as {so_far}, and of the next result in the
     list as {next}, as the row before has left it.

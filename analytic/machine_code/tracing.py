@@ -1,9 +1,9 @@
-"""Numbers that record what formulas do to them: the closed form as one straight list of operations.
+"""Numbers that record the operations on them: the closed form as one straight list of operations.
 
 A formula written for arrays does not compute when it gets ``Traced`` numbers: every NumPy function that it calls is
-noted in their ``OperationList``. What stands there already is not noted again, constants are computed at once, and
-sums with zero and products with zero or one fall away. The list is data: ``analytic.machine_code.printing`` writes it
-as a function, and ``OperationList.computed`` computes it by NumPy.
+noted in their ``OperationList``. An operation that is in the list already is not added again, constants are computed at
+once, and sums with zero and products with zero or one fall away. The list is data: ``analytic.machine_code.printing``
+writes it as a function, and ``OperationList.computed`` computes it by NumPy.
 
 The list has no branches: formulas choose by ``np.where``, and a branch on a traced number raises TypeError.
 """
@@ -124,7 +124,7 @@ class OperationList:
 
 
 class Traced(NDArrayOperatorsMixin):
-    """A number of a trace: what NumPy's functions do to it is noted there."""
+    """A number of a trace, which records every NumPy function that is applied to it."""
 
     __slots__ = ("line", "trace")
     __hash__ = None  # type: ignore[assignment]

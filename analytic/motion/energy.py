@@ -17,7 +17,7 @@ def energy_imbalance(motion: FreeMotion) -> float:
     """Largest gap between the energy gained and the work of torque, forces and damping, over the energy scale.
 
     Energies come from the closed form at the angles and speeds of the motion, the work from Gauss quadrature along it;
-    neither uses ½ Jeq' or the equation of motion. A wrong model shows here: it makes energy out of nothing.
+    neither uses ½ Jeq' or the equation of motion. A wrong model shows here, since it violates conservation of energy.
     """
     mechanism, starts = motion.equation.mechanism, motion.windows.starts
     ends = mechanism.sweep(motion.angle(starts))
@@ -31,7 +31,7 @@ def energy_imbalance(motion: FreeMotion) -> float:
 
 
 def _power(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Power of what is not in the potential energy, W."""
+    """Power of the torque, the forces and the damping, which the potential energy does not include, W."""
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
     linkage = replace(mechanism.linkage, springs=(), dampers=())
     force = reduced.load_force(Sweep(linkage, mechanism.structure, angle)) + motion.equation.torque(angle)[0]

@@ -91,8 +91,8 @@ class FreeMotion:
         """Bound on the error of φ at any instant, rad: of the integration, the closed form, and rounding φ itself.
 
         The first is twice the largest difference from a second integration of another order, with a tighter tolerance
-        and a table of its own. The second is what the bounds on the closed form's own error, which both share, do to
-        the motion: the response to a small disturbance, scaled down.
+        and a table of its own. The second is the effect on the motion of the bounds on the
+        closed form's own error, which both integrations share: the response to a small disturbance, scaled down.
         """
         time = self._instants(SAMPLES)
         angle = self.angle(time)
@@ -105,7 +105,7 @@ class FreeMotion:
         return float(np.max(np.abs(angle - control.angle_at(time))))
 
     def _closed_form_error(self, time: Array, angle: Array) -> float:
-        """Roundings of the moment may all have one sign; those of ½Jeq' are taken in proportion, else they do work."""
+        """Roundings of the moment may all have one sign; those of ½Jeq' are in proportion to it, else they would do work."""
         seen = np.linspace(0.0, self.duration, SEEN)
         path = self.equation.mechanism.sweep(self.angle(seen))
         _, first, second = relative_bounds(path)
@@ -141,7 +141,7 @@ def free_motion(
     tolerance: float = TOLERANCE,
     over_time: TimeLaw | None = None,
 ) -> FreeMotion:
-    """Let the linkage go at crank angle ``start_angle`` (rad) with ``start_speed`` (rad/s), for ``duration`` seconds.
+    """Release the linkage at crank angle ``start_angle`` (rad) with ``start_speed`` (rad/s), for ``duration`` seconds.
 
     ``torque`` is M1 on the crank, N m, a number or a law of φ; a torque ``over_time`` and the linkage's loads act
     besides. ``half_slope`` names the model of ½ Jeq': ``exact``, or ``moduli`` as printed in article 000. ``tolerance``

@@ -1,6 +1,6 @@
 """The integrator of articles 000 and 001: the classical Runge-Kutta method with a fixed step (Mathcad's ``rkfixed``).
 
-It is here to show its own error: 1000 steps in 10 s are more than a radian of crank each at the steady speed of the
+It serves to show its error: 1000 steps in 10 s are more than a radian of crank each at the steady speed of the
 slotted take-up.
 """
 

@@ -87,7 +87,7 @@ def _instant(motion: FreeMotion, angle: float) -> float | None:
 def steady_state(mechanism: Mechanism, torque: float | Law, half_slope: str = "exact") -> Rotation:
     """The rotation that repeats itself turn after turn under a crank torque M1, N m, a number or a law of φ.
 
-    Raises LinkproofError where there is none: no damping, no mean torque, or too little of it to get over the loads.
+    Raises LinkproofError without a steady rotation: no damping, no mean torque, or too little torque for the loads.
     """
     equation = equation_of_motion(mechanism, torque, half_slope)
     sweep = mechanism.sweep(grid())

@@ -1,1 +1,1 @@
-"""Methods that know no linkage: quadrature in time, periodic tables, extremes, roots."""
+"""Numerical methods without linkages: integration in time, periodic tables, extremes, roots, derivatives."""

@@ -30,7 +30,7 @@ MOST: Final = 128  # cells of a row that still differ: of more the integrand is 
 def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
     """Means (k, rows) of integrands over the interval that ascending ``edges`` divide, nan where they are nan.
 
-    A jump is best an edge. Of an interval without length it is the value there.
+    An edge at a jump saves work. The mean over an interval without length is the value there.
     """
     start, width = np.tile(edges[:-1], rows), np.tile(np.diff(edges), rows)
     row = np.repeat(np.arange(rows), len(edges) - 1)
@@ -40,16 +40,16 @@ def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
     means, sizes = np.zeros((2, len(parts), rows))
     rough = np.zeros(means.shape, dtype=bool)
     for level in range(LEVELS):
-        whole, own = parts, row
+        whole, row_of_cell = parts, row
         start, width = np.concatenate([start, start + 0.5 * width]), np.tile(0.5 * width, 2)
         row, share = np.tile(row, 2), np.tile(0.5 * share, 2)
         parts, magnitudes = _weighed(integrands, row, start, width, share)
         halves = parts.reshape(len(parts), 2, -1).sum(axis=1)
         scale = sizes + _sums(magnitudes, row, rows)
-        off = np.abs(halves - whole) > SAME * scale[:, own]
-        rough |= _sums(off, own, rows) > MOST
-        wide = np.any(off & ~rough[:, own], axis=0) & (level < LEVELS - 1)
-        means += _sums(halves[:, ~wide], own[~wide], rows)
+        off = np.abs(halves - whole) > SAME * scale[:, row_of_cell]
+        rough |= _sums(off, row_of_cell, rows) > MOST
+        wide = np.any(off & ~rough[:, row_of_cell], axis=0) & (level < LEVELS - 1)
+        means += _sums(halves[:, ~wide], row_of_cell[~wide], rows)
         both = np.tile(wide, 2)
         sizes += _sums(magnitudes[:, ~both], row[~both], rows)
         if not np.any(wide):
@@ -59,7 +59,7 @@ def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
 
 
 def _weighed(integrands: Integrands, row: Integers, start: Array, width: Array, share: Array) -> tuple[Array, Array]:
-    """What cells (n,) add to the means of integrands, and to those of their magnitudes: (k, n)."""
+    """Contributions of cells (n,) to the means of integrands, and to those of their magnitudes: (k, n)."""
     values = integrands(row, start[:, None] + width[:, None] * NODES)
     return np.sum(values * WEIGHTS, axis=2) * share, np.sum(np.abs(values) * WEIGHTS, axis=2) * share
 

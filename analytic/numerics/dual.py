@@ -1,6 +1,6 @@
 """Numbers that carry their derivatives: formulas written for arrays give exact derivatives when they get these.
 
-Forward differentiation. What a formula does to arrays by NumPy's functions it does to a ``Dual`` as well, by the rules
+Forward differentiation. A NumPy function in a formula acts on a ``Dual`` as on an array, by the rules
 of ``RULES`` and ``FUNCTIONS``; any other raises TypeError, lest a derivative be lost.
 """
 
@@ -49,8 +49,8 @@ class Dual(NDArrayOperatorsMixin):
         return Dual(law(self.value, order), law(self.value, order + 1) * self.slopes[:, None])
 
     def __getitem__(self, key: Any) -> Dual:  # noqa: ANN401 - whatever an array takes
-        own = key if isinstance(key, tuple) else (key,)
-        return Dual(self.value[own], self.full[(slice(None), *own)])
+        keys = key if isinstance(key, tuple) else (key,)
+        return Dual(self.value[keys], self.full[(slice(None), *keys)])
 
     def __array__(self, *_: object, **__: object) -> Array:
         raise TypeError("expected a formula of arrays that keeps derivatives, got one that makes a plain array of them")

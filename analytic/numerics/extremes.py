@@ -1,4 +1,4 @@
-"""Mean, extremes and zeros of a periodic quantity of the crank angle, refined beyond the grid they show up on."""
+"""Mean, extremes and zeros of a periodic quantity of the crank angle, refined between the samples of a grid."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Extremes:
 
     @property
     def relative_pulsation(self) -> float:
-        """(max − min) / (2 mean), as in article 003; 0 of a constant, though it be zero."""
+        """(max − min) / (2 mean), as in article 003; 0 for a constant, also for zero."""
         if self.maximum == self.minimum:
             return 0.0
         return (self.maximum - self.minimum) / (2.0 * self.mean)
@@ -48,7 +48,7 @@ def in_turn(angle: ArrayLike) -> Array:
 
 
 def periodic_mean(values: Array) -> float:
-    """Mean over a turn of samples on ``grid``: the trapezoid rule, exponentially accurate for what is smooth."""
+    """Mean over a turn of samples on ``grid``: the trapezoid rule, exponentially accurate for smooth functions."""
     return float(np.mean(values))
 
 
@@ -74,7 +74,7 @@ def largest(quantity: Quantity, points: int = GRID) -> float:
 def zeros(quantity: Quantity, points: int = GRID, turns: int = 1) -> Array:
     """Crank angles in [0, 2π), rad, where a periodic quantity changes sign.
 
-    In [0, 2π ``turns``) of what has as many turns for a period.
+    For a quantity whose period is several ``turns`` they are in [0, 2π ``turns``).
     """
     angle = np.arange(float(points * turns)) * (FULL_TURN / points)
     values = quantity(angle)

@@ -1,6 +1,6 @@
 """Integration of φ̈ = ε(φ, φ̇) in windows as long as the motion allows.
 
-All nodes of a window are found at once by fixed-point iteration, so that NumPy evaluates the equation for all of them
+All nodes of a window are solved at once by fixed-point iteration, so that NumPy evaluates the equation for all of them
 together. A window is accepted when the last terms of its series are below the tolerance.
 """
 
@@ -97,7 +97,7 @@ class _Path:
 
 
 def _sum(value: float, lost: float, change: float) -> tuple[float, float]:
-    """A sum and the rounding of the addition, which the next one makes good (Kahan)."""
+    """A sum and the rounding of the addition, which the next addition compensates (Kahan)."""
     change += lost
     total = value + change
     return total, change - (total - value)
@@ -118,8 +118,8 @@ def integrate(
 ) -> Windows:
     """Integrate from ``start``, (φ, ω), for ``duration`` seconds; ``tolerance`` is of the speed within a window.
 
-    ``rounding`` is what of an acceleration is noise, rad/s²: no window is made smaller to follow it. ``place`` writes a
-    φ for a reader, ``period`` is that of the acceleration in φ, infinite where nothing comes again. ``push`` is a part
+    ``rounding`` is the noise of an acceleration, rad/s²: no window is made smaller to follow it. ``place`` writes a
+    φ for a reader, ``period`` is that of the acceleration in φ, infinite without a period. ``push`` is a part
     of the acceleration that depends on time, s, and φ; at its ``knots``, s, where it has kinks, a window ends and the
     next one begins anew. Raises LinkproofError where the motion cannot be followed.
     """

@@ -27,7 +27,7 @@ TOLERANCE: Final = 4e-15  # of each function's peak: the closed form's own round
 # Halving a cell that shrinks its error by less than this, once that is small, only chases the closed form's rounding.
 PROGRESS, SMALL = 0.6, 1e-11
 PIECE: Final = 16384  # angles at a time: a linkage of many links takes kilobytes an angle
-MOST_HALVINGS: Final = 40  # a cell of 1e-13 rad: nothing narrower can be told from a jump
+MOST_HALVINGS: Final = 40  # a cell of 1e-13 rad: nothing narrower can be distinguished from a jump
 MOST_CELLS: Final = 8192  # of a level: functions so rough are left as they are, with the error they have
 
 
@@ -36,7 +36,7 @@ class PeriodicTable:
     """Functions of a ``period``, 2π, or infinite for those of a travel.
 
     ``edges`` (cells + 1,), rad, span a period or less; ``coefficients`` (cells, degree + 1, functions) are of powers
-    of the coordinate in [-1, 1] across the cell; ``error`` is the largest deviation found between the nodes,
+    of the coordinate in [-1, 1] across the cell; ``error`` is the largest deviation between the nodes,
     relative to the function's peak.
     """
 
@@ -68,13 +68,11 @@ def tabulate(
     degree: int = DEGREE,
     *,
     ends: tuple[float, float] = (0.0, FULL_TURN),
-    least_peak: Array | float = 0.0,
     period: float = FULL_TURN,
 ) -> PeriodicTable:
     """Tabulate functions (angles (n,) to values (functions, n)) over a turn with polynomials of a degree.
 
-    ``ends``, rad, are those of what is tabulated, a ``period`` at most. A function whose peak is smaller than
-    ``least_peak`` is tabulated to that accuracy: what is left of terms that cancel is rounding.
+    The table spans the angles between ``ends``, rad, a ``period`` at most.
     """
     nodes, analysis, powers = _rules(degree)
     between = chebyshev.chebpts2(degree + 2)
@@ -87,7 +85,7 @@ def tabulate(
     for level in range(MOST_HALVINGS + 1):
         last = level == MOST_HALVINGS or len(left) > MOST_CELLS
         values = _on(functions, left, right, nodes)
-        peak = np.maximum(np.abs(values).max(axis=(1, 2)), least_peak if peak is None else peak)
+        peak = np.maximum(np.abs(values).max(axis=(1, 2)), 0.0 if peak is None else peak)
         # Two products: in one, the large entries of the conversion to powers would amplify roundings of the values.
         coefficients = np.moveaxis((values @ analysis.T) @ powers.T, 0, -1)
         true = np.moveaxis(_on(functions, left, right, between), 0, -1)

@@ -1,4 +1,4 @@
-"""The true highest values of many sampled curves at once, closed in between the neighbours of their highest samples.
+"""The true highest values of many sampled curves at once, refined between the neighbours of their highest samples.
 
 The one refinement of extremes: over the turn of a crank, the time of a motion, or the turns of many designs. A curve
 may jump between two samples: it is followed on either side of the jump, never across it. A top narrower than two steps
@@ -161,13 +161,13 @@ def climb(outcome: Tops, heights: Heights) -> tuple[Array, Array]:
 
 
 def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
-    """The places beside the best one of some."""
+    """The places on either side of the best place."""
     row = np.arange(len(x))
     return x[row, np.maximum(best - 1, 0)], x[row, np.minimum(best + 1, x.shape[1] - 1)]
 
 
 def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
-    """Place and height of the top of the parabola through three points; infinite or nan where it has none to trust."""
+    """Place and height of the top of the parabola through three points; infinite or nan without a reliable top."""
     first, two = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):  # two of the places may be the same
         rise, fall = (y[:, 1] - y[:, 0]) / first, (y[:, 2] - y[:, 1]) / two

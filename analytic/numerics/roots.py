@@ -67,7 +67,8 @@ def may_touch_zero(values: Array, rounding: float) -> NDArray[np.bool_]:
 
     About a double root, or the tip of a magnitude, a sample is at most as high as both neighbours together are above
     it; of a smooth function that stays away it is higher, the more so the finer the samples. Where a neighbour is no
-    finite number the other one has to be that much higher. A sample below zero by more than ``rounding`` counts not.
+    finite number the other one has to be that much higher. A sample below zero by more than ``rounding`` does not
+    count.
     """
     here, beside = values[..., 1:-1], np.stack([values[..., :-2], values[..., 2:]])
     with np.errstate(invalid="ignore"):

@@ -1,4 +1,4 @@
-"""Numbers that carry a bound on their error: what a formula written for arrays loses to rounding, and inherits.
+"""Numbers that carry a bound on their error: the rounding of a formula written for arrays, and its inherited errors.
 
 Running error analysis (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 3.3) to the first
 order, by the derivatives in ``dual.RULES``.

@@ -1,4 +1,4 @@
-"""Functions of the crank angle over a turn, of a crank that may not be able to make one."""
+"""Functions of the crank angle that are nan where the linkage cannot be assembled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where S counts from: the top dead centre, or the farthest place of a crank that cannot turn fully."""
+"""The zero of S: the top dead centre, or the farthest position of a crank that cannot turn fully."""
 
 from __future__ import annotations
 

@@ -53,8 +53,8 @@ def read_required_feed(path: str | Path) -> RequiredFeed:
     """Read a required curve from a CSV file: crank angle in degrees and feed in mm.
 
     A first line with the columns' names is optional and may swap them; empty lines and lines that start with # are
-    passed over. Columns are parted by commas, or by semicolons or tabs, where the numbers may have decimal commas.
-    Raises LinkproofError with the line at fault.
+    passed over. Columns are separated by commas, or by semicolons or tabs, in which case numbers may have decimal
+    commas. Raises LinkproofError with the line at fault.
     """
     rows: list[tuple[float, float]] = []
     swapped = False

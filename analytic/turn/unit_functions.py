@@ -2,7 +2,7 @@
 
 S is the output's displacement from its top dead centre, positive away from it; the phase runs from the crank angle of
 that centre in the direction of rotation. The unit functions S/stroke, v/max|v| and a/max|a| depend on the geometry
-alone and are held against 0.5 (1 - cos), sin and cos of the phase.
+alone and are compared with 0.5 (1 - cos), sin and cos of the phase.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class UnitFunctions:
 
     @property
     def harmonics(self) -> tuple[Array, Array, Array]:
-        """What a harmonic drive would do: 0.5 (1 - cos), sin and cos of the phase."""
+        """The unit functions of a harmonic drive: 0.5 (1 - cos), sin and cos of the phase."""
         return 0.5 * (1.0 - np.cos(self.phase)), np.sin(self.phase), np.cos(self.phase)
 
     @property
@@ -52,7 +52,7 @@ class UnitFunctions:
 
     @property
     def deviations(self) -> tuple[float, float, float]:
-        """Mean absolute differences over the turn, as ratios: what article 003 prints in per cent."""
+        """Mean absolute differences over the turn, as ratios; article 003 prints them in per cent."""
         s, v, a = (periodic_mean(np.abs(difference)) for difference in self.differences)
         return s, v, a
 

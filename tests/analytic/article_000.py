@@ -99,15 +99,15 @@ def acceleration(phi, omega, torque, damping):
 
 def motion(times, start_angle, torque, damping, steps_per_second):
     """φ at increasing times from rest, rad, by extrapolated steps of Gragg's rule."""
-    state, time, found = np.array([start_angle, 0], dtype=Long), Long(0), []
+    state, time, result = np.array([start_angle, 0], dtype=Long), Long(0), []
     for instant in times:
         steps = int(np.ceil(float(Long(instant) - time) * steps_per_second))
         step = (Long(instant) - time) / steps
         for _ in range(steps):
             state = _extrapolated(state, step, torque, damping)
         time = Long(instant)
-        found.append(state[0])
-    return np.array(found)
+        result.append(state[0])
+    return np.array(result)
 
 
 def _extrapolated(state, step, torque, damping):

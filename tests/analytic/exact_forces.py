@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from mpmath import mp, mpf
 
 from analytic.description.linkage import GROUND
-from analytic.kinematics.structure import Dyad, Joint, Prismatic
 from tests.analytic.fifty_digits import Exact, Frames, equations
 
 TINY = mpf(10) ** -20  # m or rad, of differences of the equations
@@ -17,23 +16,23 @@ def signals_of(exact: Exact, speed: float) -> dict[str, mpf]:
     """Torque, energies, points and angles by the names of ``analytic.signals`` at constant speed, rad/s."""
     w, linkage = mpf(speed), exact.linkage
     inertia, torque = exact.inertia(), exact.torque(speed, 0.0)
-    found = {"Jeq": inertia, "Mkr": torque, "Peq": torque * w, "Teq": inertia * w * w / 2}
+    outcome = {"Jeq": inertia, "Mkr": torque, "Peq": torque * w, "Teq": inertia * w * w / 2}
     for name, link in linkage.links.items():
-        found |= zip(
+        outcome |= zip(
             [f"link:{name}:{one}" for one in ("angle", "omega", "alpha")], _timed(exact.turn(name), w), strict=True
         )
         for point, local in link.points.items():
             x, y = (_timed(one, w) for one in exact.point(name, local))
             parts = zip((x[0], y[0], x[1], y[1], x[2], y[2]), ("x", "y", "vx", "vy", "ax", "ay"), strict=True)
-            found |= {f"point:{point}:{part}": value for value, part in parts}
+            outcome |= {f"point:{point}:{part}": value for value, part in parts}
     if linkage.output is not None:
         x, y = (
             _timed(one, w)
             for one in exact.point(linkage.output.link, linkage.local(linkage.output.point, linkage.output.link))
         )
         c, s = map(mpf, linkage.output.along)
-        found |= {"v": -(c * x[1] + s * y[1]), "a": -(c * x[2] + s * y[2])}
-    return found
+        outcome |= {"v": -(c * x[1] + s * y[1]), "a": -(c * x[2] + s * y[2])}
+    return outcome
 
 
 def _timed(parts: tuple[mpf, mpf, mpf], speed: mpf) -> tuple[mpf, mpf, mpf]:
@@ -43,30 +42,6 @@ def _timed(parts: tuple[mpf, mpf, mpf], speed: mpf) -> tuple[mpf, mpf, mpf]:
 def forces_of(exact: Exact, speed: float) -> dict[str, mpf]:
     """Joint forces by the names of ``analytic.signals``: what the multipliers of a joint do to the body it acts on."""
     return dict(_forces(exact, mpf(speed)))
-
-
-def transmission_of(exact: Exact, dyad: Dyad) -> mpf:
-    """Transmission angle of a group of two links, from the description: rods, slides and their normals."""
-    linkage, here = exact.linkage, exact.states[0]
-    guides = {one.link: one.guide for one in linkage.sliders} | {one.name: one.guide for one in linkage.slots}
-
-    def line(joint: Joint) -> tuple[mpf, mpf]:
-        guide = guides[joint.slider]
-        return here.turned(guide.host, guide.along)
-
-    def rod(start: Joint, end: Joint) -> tuple[mpf, mpf]:
-        (x, y), (u, v) = (here.named(pin.point, pin.near) for pin in (start, end))
-        return u - x, v - y
-
-    first, inner, second = dyad.joints
-    if dyad.kind == "RRR":
-        one, other = rod(inner, first), rod(inner, second)
-    elif dyad.kind in ("RRP", "RPR"):
-        x, y = line(second if dyad.kind == "RRP" else inner)
-        one, other = rod(inner, first) if dyad.kind == "RRP" else rod(first, second), (-y, x)
-    else:
-        one, other = (line(joint) for joint in dyad.joints if isinstance(joint, Prismatic))
-    return mp.atan2(abs(one[0] * other[1] - one[1] * other[0]), abs(one[0] * other[0] + one[1] * other[1]))
 
 
 def _forces(exact: Exact, speed: mpf) -> Iterator[tuple[str, mpf]]:

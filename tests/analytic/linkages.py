@@ -57,29 +57,12 @@ def modes(mechanism: Mechanism, angle: float) -> Iterator[Sweep]:
         yield sweep
 
 
-IN_LINE = """
-title = "slider-crank in line"
-units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-source = "textbook"
-crank = "crank"
-ground = { O = [0, 0] }
-output = { point = "B" }
-[links.crank]
-points = { O = [0, 0], A = [0.03, 0] }
-mass = 0.5
-inertia = 1e-4
-[links.rod]
-points = { A = [0, 0], B = [0.11, 0] }
-mass = 0.2
-centre = [0.04, 0]
-inertia = 3e-4
-[links.piston]
-slides = { point = "B", through = [0, 0], along = [1, 0] }
-mass = 0.3
-[sketch]
-angle = 0
-points = { B = [0.14, 0] }
-"""
+def file_text(name: str) -> str:
+    """The text of a linkage of the folder ``files``, which is there for these tests alone."""
+    return (Path(__file__).parent / "files" / f"{name}.toml").read_text(encoding="utf-8")
+
+
+IN_LINE = file_text("slider-crank-in-line")
 
 FOUR_BAR = """
 title = "four-bar"

@@ -93,10 +93,10 @@ class Balance:
 
     def left_over(self) -> dict[str, np.ndarray]:
         """Sums less m S̈ and J θ̈, the moment about the mass centre: zero on every body if the joint forces are right."""
-        found = {}
+        result = {}
         for name, body in self.bodies.items():
             x, y, moment = self.sums[name]
             moment -= body.position[0] * y - body.position[1] * x
             needed = (*(body.mass * np.array(body.acceleration)), (body.inertia or 0.0) * body.angular_acceleration)
-            found[name] = np.array([x, y, moment]) - needed
-        return found
+            result[name] = np.array([x, y, moment]) - needed
+        return result

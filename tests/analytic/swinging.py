@@ -1,41 +1,12 @@
-"""Linkages that can only swing, written as a user writes them."""
+"""A double rocker, whose crank can only swing, as a user writes it."""
 
 from analytic.description.loading import parse
+from tests.analytic.linkages import file_text
 
-DOUBLE_ROCKER = """
-title   = "A double rocker, swung"
-source  = "made up"
-units   = {{ length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }}
-crank   = "crank"
-gravity = [0, -9.81]
-output  = {{ point = "C", along = [{0}, {1}] }}
-
-[ground]
-O1 = [0, 0]
-O2 = [100, 0]
-
-[links.crank]
-points = {{ O1 = [0, 0], B = [80, 0] }}
-mass = 0.4
-centre = [40, 0]
-inertia = 3e-4
-
-[links.coupler]
-points = {{ B = [0, 0], C = [50, 0] }}
-mass = 0.2
-centre = [25, 0]
-inertia = 1e-4
-
-[links.rocker]
-points = {{ O2 = [0, 0], C = [60, 0] }}
-mass = 0.3
-centre = [30, 0]
-inertia = 2e-4
-
-[sketch]
-angle = 60
-points = {{ C = [95, 60] }}
-"""
+# Its file as a template for ``str.format``: the direction of the output is left open.
+DOUBLE_ROCKER = (
+    file_text("swung-double-rocker").replace("{", "{{").replace("}", "}}").replace("[1, 0] }}", "[{0}, {1}] }}")
+)
 
 
 def double_rocker_text(along=(1.0, 0.0), regimes=""):

@@ -22,44 +22,33 @@ def test_the_nearest_name_is_offered(name, hint):
     assert str(error) == f"unknown link '{name}': {hint}known are crank, needle_bar, rocker"
 
 
-def test_nothing_may_be_known():
+def test_a_name_far_from_all_others_gets_no_hint_and_each_name_is_listed_once():
     assert str(UnknownNameError("variant", "x", [])) == "unknown variant 'x': known are none"
-
-
-@pytest.mark.parametrize(
-    ("name", "hint"), [("fast", ""), ("bst", "did you mean 'best'? "), ("beat", "did you mean 'best'? ")]
-)
-def test_what_is_far_from_a_name_is_not_taken_for_it(name, hint):
-    assert str(UnknownNameError("setting", name, ["naive", "tuned", "best"])).startswith(
-        f"unknown setting '{name}': {hint}known"
+    assert str(UnknownNameError("setting", "fast", ["naive", "tuned", "best"])).startswith(
+        "unknown setting 'fast': known"
     )
-
-
-def test_a_name_is_listed_once():
+    assert "did you mean 'best'? " in str(UnknownNameError("setting", "beat", ["naive", "tuned", "best"]))
     assert str(UnknownNameError("quantity", "x", ["S", "v", "S"])).endswith("known are S, v")
 
 
 def test_long_names_and_long_lists_make_no_long_message():
-    message = str(UnknownNameError("link", "x" * 1_000_000, [f"link{number}" for number in range(10_000)]))
+    message = str(UnknownNameError("link", "x" * 20_000, [f"link{number}" for number in range(10_000)]))
     assert message.startswith(f"unknown link '{'x' * 60}...': known are link0, ")
     assert message.endswith(" and 9970 more")
-    long = str(LinkproofError("expected " + "x" * 1_000_000 + "; correct it"))
+    long = str(LinkproofError("expected " + "x" * 20_000 + "; correct it"))
     assert len(long) <= 1500
     assert long.endswith("x; correct it")
 
 
 def test_control_characters_are_escaped():
-    assert (
-        str(LinkproofError("got '\x1b[2J', '\u202e', '\ud800' and 'ω²'"))
-        == r"got '\x1b[2J', '\u202e', '\ud800' and 'ω²'"
-    )
+    message = str(LinkproofError("got '\x1b[2J', '\u202e', '\ud800' and 'ω²'"))
+    assert message == r"got '\x1b[2J', '\u202e', '\ud800' and 'ω²'"
 
 
 @pytest.mark.parametrize(
     ("word", "symbol"),
-    [("torque", "Mkr"), ("Power", "Peq"), ("energy", "Teq"), ("inertia", "Jeq"), ("stroke", "S"), ("position", "S"),
-     ("velocity", "v"), ("acceleration", "a"), ("forces", "joint_force")],
-)  # fmt: skip
+    [("torque", "Mkr"), ("Power", "Peq"), ("stroke", "S"), ("acceleration", "a"), ("forces", "joint_force")],
+)
 def test_a_quantity_is_offered_for_its_word(word, symbol):
     known = ["Jeq", "Mkr", "Teq", "Peq", "S", "v", "a", "joint_force"]
     assert f"did you mean '{symbol}'? " in str(UnknownNameError("quantity", word, known))

@@ -19,61 +19,9 @@ from comparisons.judging import quantities
 from comparisons.reference.case import Case
 from engines.scene import Channel
 from engines.stepping.loop_engine import plain_law
-from tests.analytic.linkages import from_text
+from tests.analytic.linkages import file_text, from_text
 
-TEXT = """
-title = "offset slider-crank with a load over the crank angle"
-source = "made up"
-crank = "crank"
-gravity = [0, -9.81]
-output = { point = "D", along = [1, 0] }
-[units]
-length = "mm"
-mass = "g"
-inertia = "kg*mm^2"
-angle = "deg"
-force = "N"
-stiffness = "N/mm"
-turn_damping = "N*m*s"
-[ground]
-O = [0, 0]
-G1 = [100, 40]
-[links.crank]
-points = { O = [0, 0], A = [20, 0] }
-mass = 300
-centre = [8, 0]
-inertia = 60
-[links.rod]
-points = { A = [0, 0], D = [80, 0] }
-mass = 120
-centre = [30, 0]
-inertia = 90
-[links.piston]
-points = { D = [0, 0] }
-slides = { point = "D", through = [0, 10], along = [1, 0] }
-mass = 200
-[[forces]]
-link = "piston"
-point = "D"
-angle = [0, 90, 180, 270]
-force = [[-10, 0], [-20, 0], [-5, 0], [0, 0]]
-[[dampers]]
-between = ["crank", "ground"]
-coefficient = 1e-3
-[[springs]]
-between = ["D", "G1"]
-links = ["piston", "ground"]
-stiffness = 0.2
-length = 10
-[thread]
-stops = [{ guide = [0, 60, 0], name = "N" }, { eye = "D" }]
-stretch = 2
-feed = "lengthening"
-reference = 90
-[sketch]
-angle = 0
-points = { D = [99, 10] }
-"""
+TEXT = file_text("loaded-slider-crank")
 R, L, E, RPM = 0.020, 0.080, 0.010, 600.0
 AT = 0.05  # s of the constant speed: half a turn and a little more from 40°
 TOLERANCE = 1e-9
@@ -141,22 +89,22 @@ def _found():
     )
     name = f"sample-{next(NUMBERS)}"  # files once read are kept by their text and name
     case = Case(from_text(TEXT, name), motion)
-    found = {name: float(quantities.QUANTITIES[name].reference(case, np.array([AT]))[0]) for name in _expected()}
+    result = {name: float(quantities.QUANTITIES[name].reference(case, np.array([AT]))[0]) for name in _expected()}
     scene = case.scene([Channel.POSITION])  # what an engine is told
     (load,), end = scene.forces, math.radians(40.0) + RPM / 60.0 * 2.0 * math.pi * AT
     knots, pieces, _ = plain_law(load.force)
     piece = int(np.searchsorted(knots, end, side="right")) - 1
     pull = np.polyval(pieces[piece][0][::-1], end - knots[piece])
-    return found | {"crank": float(case.motion.angle(AT)), "pull": float(pull)}
+    return result | {"crank": float(case.motion.angle(AT)), "pull": float(pull)}
 
 
 def _wrong():
     """The figures that are off by more than the differences' own error."""
     end = math.radians(40.0) + RPM / 60.0 * 2.0 * math.pi * AT
     expected = _expected() | {"crank": end, "pull": _pull(end)}
-    found = _found()
+    result = _found()
     scale = {"Mkr": 1e-6}
-    return [name for name, value in expected.items() if abs(found[name] - value) > scale.get(name, TOLERANCE)]
+    return [name for name, value in expected.items() if abs(result[name] - value) > scale.get(name, TOLERANCE)]
 
 
 def test_the_figures_that_both_sides_share_are_right():

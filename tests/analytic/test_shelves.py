@@ -1,15 +1,13 @@
 """Linkages that packages announce: known by name to every command, clashes refused in a sentence."""
 
 import json
-import os
-import subprocess
-import sys
 
 import pytest
 
 from analytic import shelves
 from analytic.description.loading import CATALOGUE, find, installed, load, read
 from analytic.errors import LinkproofError
+from tests.commands import linkproof
 from tests.comparisons.faults import announce
 
 TEXT = (CATALOGUE / "juki-mf7923d.toml").read_text(encoding="utf-8")
@@ -17,11 +15,11 @@ TEXT = (CATALOGUE / "juki-mf7923d.toml").read_text(encoding="utf-8")
 
 def _package(folder, name, *linkages):
     """A package whose import fails, with linkages in a folder of its own; announced from the same folder."""
-    held = folder / name / "linkages"
-    held.mkdir(parents=True)
+    inside = folder / name / "linkages"
+    inside.mkdir(parents=True)
     (folder / name / "__init__.py").write_text("raise RuntimeError('imported')\n")
     for linkage in linkages:
-        (held / f"{linkage}.toml").write_text(TEXT, encoding="utf-8")
+        (inside / f"{linkage}.toml").write_text(TEXT, encoding="utf-8")
     announce(folder, name, {"own": f"{name}.linkages"}, shelves.GROUP)
 
 
@@ -67,22 +65,19 @@ def test_one_folder_announced_twice_is_no_clash(folder):
     assert installed() == ("ram",)
 
 
-def test_commands_know_what_is_installed_and_what_the_project_here_names(tmp_path):
-    _package(tmp_path, "mill", "ram")
-    project = tmp_path / "project"
+def test_commands_know_the_linkages_of_packages_and_of_the_project(folder):
+    _package(folder, "mill", "ram")
+    project = folder / "project"
     project.mkdir()
     (project / "press.toml").write_text(TEXT, encoding="utf-8")
     (project / "linkproof.toml").write_text('linkages = ["*.toml"]\n')
-    paths = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
-
-    def said(*words):
-        command = [sys.executable, "-m", "reports.command_line.main", *words, "--json", "-"]
-        done = subprocess.run(
-            command, capture_output=True, text=True, cwd=project, check=True, env={**os.environ, "PYTHONPATH": paths}
-        )
-        return json.loads(done.stdout)
-
-    shelf = {row["mechanism"]: row["shelf"] for row in said("list")["records"]}
+    shelf = {row["mechanism"]: row["shelf"] for row in _records(project, "list")}
     assert (shelf["ram"], shelf["press.toml"], shelf["juki-mf7923d"]) == ("installed", "project", "catalogue")
-    records = said("compare", "ram", "--engine", "direct", "--quantity", "S")["records"]
+    records = _records(project, "compare", "ram", "--engine", "direct", "--quantity", "S", "--jobs", "0")
     assert {(row["mechanism"], row["outcome"]) for row in records} == {("ram", "passed")}
+
+
+def _records(project, *words):
+    done = linkproof(*words, "--json", "-", cwd=project)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["records"]

@@ -5,65 +5,16 @@ import math
 import numpy as np
 import pytest
 
+from tests.analytic.linkages import file_text
+
 needs_extended_precision = pytest.mark.skipif(
     np.finfo(np.longdouble).eps > 1e-18, reason="this machine's long double is a double"
 )
 
-PENDULUM = """
-title = "pendulum"
-source = "textbook"
-units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }
-crank = "crank"
-gravity = [0, -9.81]
-ground = { O = [0, 0] }
-[links.crank]
-points = { O = [0, 0], A = [1, 0] }
-mass = 2
-centre = [0.5, 0]
-inertia = 0.1
-"""
+PENDULUM, ROTOR = file_text("pendulum"), file_text("rotor")
 PENDULUM_RATE = math.sqrt(2 * 9.81 * 0.5 / (0.1 + 2 * 0.25))  # rad/s, of small oscillations
-
-ROTOR = """
-title = "balanced rotor with a damper"
-source = "textbook"
-units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }
-crank = "crank"
-gravity = [0, -9.81]
-ground = { O = [0, 0] }
-dampers = [{ between = ["crank", "ground"], coefficient = 0.05 }]
-[links.crank]
-points = { O = [0, 0], A = [1, 0] }
-mass = 2
-inertia = 0.1
-"""
-
 # Its crank swings between limits on both sides; turned upside down it has a place to rest.
-DOUBLE_ROCKER = """
-title = "double rocker"
-source = "drawn for the tests"
-units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-crank = "crank"
-gravity = [0, 9.81]
-ground = { O = [0, 0], B = [100, 0] }
-[links.crank]
-points = { O = [0, 0], A = [80, 0] }
-mass = 0.1
-inertia = 1e-4
-[links.coupler]
-points = { A = [0, 0], C = [60, 0] }
-mass = 0.1
-centre = [30, 0]
-inertia = 1e-4
-[links.rocker]
-points = { B = [0, 0], C = [90, 0] }
-mass = 0.1
-centre = [30, 0]
-inertia = 1e-4
-[sketch]
-angle = 70
-points = { C = [86, 90] }
-"""
+DOUBLE_ROCKER = file_text("double-rocker")
 
 
 def four_bar(ground, crank, coupler, rocker, start):

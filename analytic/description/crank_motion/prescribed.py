@@ -69,7 +69,8 @@ class Segment:
 def derivative(coefficients: tuple[float, ...], order: int) -> tuple[float, ...]:
     """Coefficients of a polynomial's derivative, highest power first, from those of the polynomial, lowest first.
 
-    Stepping engines ask for one instant at a time: NumPy's own functions take ten times the time of the arithmetic.
+    Stepping engines evaluate single instants, for which NumPy's own functions take ten times the time of the
+    arithmetic.
     """
     for _ in range(order):
         coefficients = tuple(power * c for power, c in enumerate(coefficients))[1:] or (0.0,)
@@ -101,7 +102,7 @@ class CrankMotion:
 
     @cached_property
     def jumps(self) -> tuple[float, ...]:
-        """Times at which the acceleration jumps, s, the start from rest included; a rounding at a join is none."""
+        """Times at which the acceleration jumps, s, the start from rest included, roundings at joins excluded."""
         before = [0.0] + [float(s.value(s.end, 2)) for s in self.segments[:-1]]
         after = [float(s.value(s.start, 2)) for s in self.segments]
         scale = max(self.peak_speed / self.duration, *map(abs, before), *map(abs, after))

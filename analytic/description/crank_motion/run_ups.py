@@ -26,8 +26,8 @@ def crank_motion(
 ) -> CrankMotion:
     """Build a regime by name.
 
-    ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and holds it for
-    ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do it with continuous acceleration; ``constant-speed``
+    ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and continues at
+    it for ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do so with continuous acceleration; ``constant-speed``
     turns at ``speed`` for ``ramp_time + hold_time``. ``start_angle`` is φ at t = 0, rad.
     """
     if regime not in REGIMES:

@@ -4,7 +4,7 @@ Every law is s(x), from 0 to 1 while x = t / time goes from 0 to 1. Constant spe
 segments; the polynomial 10x³ − 15x⁴ + 6x⁵ (3-4-5) has two, about x = 0 and ½, where its terms cancel least. The
 cycloidal law x − sin(2πx)/2π and the modified sine (Norton, Cam Design and Manufacturing Handbook, chapter 3) are sines
 beside a straight line: they are cut where the sine's argument is a multiple of π/4, so that the sines there are 0, √½
-and 1 exactly, and expanded about these places to the power ORDER. What the expansion leaves out is (π/4)^19/19! of the
+and 1 exactly, and expanded about these places to the power ORDER. The remainder of the expansion is (π/4)^19/19! of the
 sine, 8e-20, and of its second derivative (π/4)^17/17!, 5e-17: angle, speed and acceleration are exact to their
 rounding, and the pieces meet to it.
 """

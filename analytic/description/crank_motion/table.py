@@ -42,7 +42,7 @@ def _segment(start: float, end: float, coefficients: Sequence[float]) -> Segment
 
 
 def check_table(time: Sequence[float], angle: Sequence[float]) -> None:
-    """Raise LinkproofError for what is no motion, by the number of the point at fault, counted from 1."""
+    """Raise LinkproofError for a table that is no motion; names the point at fault, counted from 1."""
     if len(time) != len(angle) or len(time) < FEWEST:
         raise LinkproofError(
             f"expected as many angles as times and {FEWEST} or more of each, got {len(angle)} angles and {len(time)} "

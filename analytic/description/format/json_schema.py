@@ -87,8 +87,8 @@ def _describe(table: Schema, definitions: Schema, outermost: str) -> None:
 def _tables_in(part: object) -> list[str]:
     """Names of the definitions that a part refers to."""
     if isinstance(part, Mapping):
-        own = [str(part["$ref"]).rpartition("/")[2]] if "$ref" in part else []
-        return own + [name for value in part.values() for name in _tables_in(value)]
+        direct = [str(part["$ref"]).rpartition("/")[2]] if "$ref" in part else []
+        return direct + [name for value in part.values() for name in _tables_in(value)]
     return [name for entry in part for name in _tables_in(entry)] if isinstance(part, list) else []
 
 
@@ -105,7 +105,7 @@ def _changed(name: str, prefix: str, definitions: Schema, change: Callable[[Sche
 
 
 def _loosened(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
-    """What may stand in a variant: nothing is required but in lists, which are replaced whole."""
+    """The part as a variant may have it: no key is required, except in lists, which are replaced whole."""
     if not isinstance(part, dict):
         return part
     looser = {key: _loosened(value, prefix) for key, value in part.items() if key != "required"}
@@ -117,7 +117,7 @@ def _loosened(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a sc
 
 
 def _templated(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
-    """What may stand in a repeated part: a formula for every number."""
+    """The part as a repeated part may have it: a formula in place of any number."""
     if isinstance(part, list):
         return [_templated(entry, prefix) for entry in part]
     if not isinstance(part, dict):

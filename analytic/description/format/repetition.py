@@ -1,7 +1,7 @@
-"""Repeated parts of a linkage file: ``[repeat.NAME]`` with ``count`` copies of what is written once.
+"""Repeated parts of a linkage file: ``[repeat.NAME]`` stands for ``count`` copies.
 
 In every key and text of it ``{...}`` is a number made of the copy's number n = 1, 2, ..., such as ``{n}``, ``{n-1}`` or
-``{60*n}``; a text that is nothing but one such pair of braces stands for the number itself.
+``{60*n}``; a text that consists of one such pair of braces stands for the number itself.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ Table = dict[str, Any]
 
 
 def expanded(raw: Table, source: Source) -> tuple[Table, Source]:
-    """A document with all copies written out, and its source, which finds the lines of what was copied.
+    """A document with all copies written out, and its source with the line in the file of every copied key.
 
-    Raises DescriptionError where a copy cannot be made or takes a name that is taken.
+    Raises DescriptionError for a copy that cannot be made and for a name that is taken already.
     """
     groups = raw.get("repeat", {})
     if not isinstance(groups, dict) or not all(isinstance(group, dict) for group in groups.values()):

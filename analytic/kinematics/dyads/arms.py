@@ -41,5 +41,5 @@ def on_rail(rail: Prismatic, local: Vector) -> Vector:
 
 
 def size(a: Pair, b: Pair) -> Scalar:
-    """Sum of the magnitudes of all components: what a difference of two vectors has to be judged by."""
+    """Sum of the magnitudes of all components: the scale of rounding in a difference of two vectors."""
     return abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1])

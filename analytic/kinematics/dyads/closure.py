@@ -1,4 +1,4 @@
-"""What the five dyads share: the form of their files, the vectors of the closure equations, the travels along slides.
+"""Common parts of the five dyads: the form of their files, the vectors of the closure equations, travels of slides.
 
 Each dyad is solved by the vector method of the articles (chained vectors, sign W). The derivatives come from
 differentiating the closure equations once and twice, which are linear in the unknown rates. A dyad's file has
@@ -7,7 +7,7 @@ differentiating the closure equations once and twice, which are linear in the un
     Its constants, a named tuple of pairs of floats, from its three joints and the sign of its assembly mode.
 ``poses(k, near)``
     Poses of its two links and the ``Closure``, from the constants and the poses of the two bodies it hangs on.
-``rates(k, near, near_rates, own, closure)``
+``rates(k, near, near_rates, link_poses, closure)``
     First derivatives over φ, and the ``Travel``.
 ``accelerations(k, hosts, links, closure, travel)``
     Second derivatives over φ.
@@ -18,8 +18,8 @@ differentiating the closure equations once and twice, which are linear in the un
 ``toggle(dyad, closure)``
     How its links stand in a dead position, for a reader.
 ``shortfall(dyad, k, near, at, written)``
-    What is wrong, which link misses by how much, and what to do; ``at`` picks the value at one crank angle, ``written``
-    writes a length.
+    Why the links do not meet: which link misses by how much, and the remedy; ``at`` picks the value at one crank
+    angle, ``written`` writes a length.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What RPP and PRP share: two lines along e and f, t e − u f = gap, with one assembly mode.
+"""Common part of RPP and PRP: two lines along e and f, t e − u f = gap, with one assembly mode.
 
 The determinant e × f vanishes where the lines are parallel.
 """

@@ -52,7 +52,7 @@ def poses(k: PRPConstants, near: Poses) -> tuple[Poses, Closure]:
     return (first, second), Closure(e, f, determinant, c)
 
 
-def rates(k: PRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: PRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """C moves as the point of each host under it does, plus that host's slide."""
     a = frames.carried_rate(near[0], near_rates[0], closure.pin)
     b = frames.carried_rate(near[1], near_rates[1], closure.pin)
@@ -60,8 +60,8 @@ def rates(k: PRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     first, two = slides(closure.u, closure.v, frames.minus(b, a), scale)
     c = frames.ahead(a, first, closure.u)
     pair = (
-        frames.rate_through(own[0], c, near_rates[0][2], k.first_pin),
-        frames.rate_through(own[1], c, near_rates[1][2], k.second_pin),
+        frames.rate_through(link_poses[0], c, near_rates[0][2], k.first_pin),
+        frames.rate_through(link_poses[1], c, near_rates[1][2], k.second_pin),
     )
     return pair, Travel(scale, first, two)
 
@@ -69,14 +69,14 @@ def rates(k: PRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
 def accelerations(k: PRPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """The same once more, with the Coriolis term of each slide on its host."""
     near, near_rates, near_seconds = hosts
-    own, _ = links
+    link_poses, _ = links
     a = _on_host(near[0], near_rates[0], near_seconds[0], closure.pin, travel.first, closure.u)
     b = _on_host(near[1], near_rates[1], near_seconds[1], closure.pin, travel.second, closure.v)
     slide, _ = slides(closure.u, closure.v, frames.minus(b, a), travel.scale)
     c = frames.ahead(a, slide, closure.u)
     return (
-        frames.acceleration_through(own[0], c, near_rates[0][2], near_seconds[0][2], k.first_pin),
-        frames.acceleration_through(own[1], c, near_rates[1][2], near_seconds[1][2], k.second_pin),
+        frames.acceleration_through(link_poses[0], c, near_rates[0][2], near_seconds[0][2], k.first_pin),
+        frames.acceleration_through(link_poses[1], c, near_rates[1][2], near_seconds[1][2], k.second_pin),
     )
 
 

@@ -56,20 +56,20 @@ def poses(k: RPPConstants, near: Poses) -> tuple[Poses, Closure]:
     return (first, (x, y, c, s)), Closure(e, f, determinant, a)
 
 
-def rates(k: RPPConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: RPPConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """The pin moves as the point of the host under it does, plus the two slides."""
     host, moves, e = near[1], near_rates[1], closure.u
     a = frames.point_rate(near[0], near_rates[0], k.a)
     scale = frames.inverse(closure.determinant)
     first, two = slides(e, closure.v, frames.minus(a, frames.carried_rate(host, moves, closure.pin)), scale)
-    x, y = frames.ahead(frames.carried_rate(host, moves, (own[1][0], own[1][1])), first, e)
-    return (frames.rate_through(own[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, first, two)
+    x, y = frames.ahead(frames.carried_rate(host, moves, (link_poses[1][0], link_poses[1][1])), first, e)
+    return (frames.rate_through(link_poses[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, first, two)
 
 
 def accelerations(k: RPPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """The same once more, with the Coriolis term of both slides on the turning host."""
     near, near_rates, near_seconds = hosts
-    own, _ = links
+    link_poses, _ = links
     host, moves, seconds = near[1], near_rates[1], near_seconds[1]
     e, f = closure.u, closure.v
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
@@ -77,6 +77,6 @@ def accelerations(k: RPPConstants, hosts: Hosts, links: Links, closure: Closure,
     first, two = frames.coriolis(moves[2], travel.first, e), frames.coriolis(moves[2], travel.second, f)
     gap = frames.minus(frames.minus(a, under), frames.minus(first, two))
     slide, _ = slides(e, f, gap, travel.scale)
-    home = frames.carried_acceleration(host, moves, seconds, (own[1][0], own[1][1]))
+    home = frames.carried_acceleration(host, moves, seconds, (link_poses[1][0], link_poses[1][1]))
     x, y = frames.plus(frames.ahead(home, slide, e), first)
-    return frames.acceleration_through(own[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])
+    return frames.acceleration_through(link_poses[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])

@@ -67,7 +67,7 @@ def _line(d: Pair, along: Scalar, offset: Scalar, square: Scalar) -> Pair:
     return ((along * d[0] + offset * d[1]) * scale, (along * d[1] - offset * d[0]) * scale)
 
 
-def rates(k: RPRConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: RPRConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """Closure once differentiated: d' = t' e + θ' d⊥."""
     a, b = frames.point_rate(near[0], near_rates[0], k.a), frames.point_rate(near[1], near_rates[1], k.b)
     apart = frames.minus(a, b)
@@ -75,22 +75,23 @@ def rates(k: RPRConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     scale = frames.inverse(closure.determinant)
     w = frames.cross(e, apart) * scale
     slide = frames.dot(apart, e) + w * k.line[0]
-    return (frames.rate_through(own[0], a, w, k.pin_a), frames.rate_through(own[1], b, w, k.pin_b)), Travel(
-        scale, slide, 0.0
-    )
+    return (
+        frames.rate_through(link_poses[0], a, w, k.pin_a),
+        frames.rate_through(link_poses[1], b, w, k.pin_b),
+    ), Travel(scale, slide, 0.0)
 
 
 def accelerations(k: RPRConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated: d'' = t'' e + 2 θ' t' e⊥ + θ'' d⊥ - θ'² d."""
     near, near_rates, near_seconds = hosts
-    own, own_rates = links
+    link_poses, link_rates = links
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
     b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
-    w = own_rates[0][2]
+    w = link_rates[0][2]
     turn = (frames.cross(closure.u, frames.minus(a, b)) + w * (w * k.line[0] - 2.0 * travel.first)) * travel.scale
     return (
-        frames.acceleration_through(own[0], a, w, turn, k.pin_a),
-        frames.acceleration_through(own[1], b, w, turn, k.pin_b),
+        frames.acceleration_through(link_poses[0], a, w, turn, k.pin_a),
+        frames.acceleration_through(link_poses[1], b, w, turn, k.pin_b),
     )
 
 

@@ -66,7 +66,7 @@ def _beside(e: Pair, along: Scalar, offset: Scalar) -> Pair:
     return (along * x - offset * y, along * y + offset * x)
 
 
-def rates(k: RRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: RRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """Closure once differentiated: A' + θ' r⊥ = carried' + t' e, carried' that of the host's point at C."""
     a = frames.point_rate(near[0], near_rates[0], k.a)
     carried = frames.carried_rate(near[1], near_rates[1], closure.pin)
@@ -76,18 +76,21 @@ def rates(k: RRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     w = frames.cross(e, apart) * scale
     slide = w * frames.cross(r, e) - frames.dot(apart, e)
     c = frames.ahead(carried, slide, e)
-    pair = frames.rate_through(own[0], a, w, k.pin_a), frames.rate_through(own[1], c, near_rates[1][2], k.inner)
+    pair = (
+        frames.rate_through(link_poses[0], a, w, k.pin_a),
+        frames.rate_through(link_poses[1], c, near_rates[1][2], k.inner),
+    )
     return pair, Travel(scale, slide, 0.0)
 
 
 def accelerations(k: RRPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated, with the Coriolis term of sliding on a turning host."""
     near, near_rates, near_seconds = hosts
-    own, own_rates = links
+    link_poses, link_rates = links
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
     carried = frames.carried_acceleration(near[1], near_rates[1], near_seconds[1], closure.pin)
     r, e = closure.u, closure.v
-    w, host = own_rates[0][2], near_rates[1]
+    w, host = link_rates[0][2], near_rates[1]
     if not frames.is_still(host):
         carried = frames.plus(carried, frames.coriolis(host[2], travel.first, e))
     square = w * w
@@ -96,8 +99,8 @@ def accelerations(k: RRPConstants, hosts: Hosts, links: Links, closure: Closure,
     slide = turn * frames.cross(r, e) - frames.dot(apart, e)
     c = frames.ahead(carried, slide, e)
     return (
-        frames.acceleration_through(own[0], a, w, turn, k.pin_a),
-        frames.acceleration_through(own[1], c, host[2], near_seconds[1][2], k.inner),
+        frames.acceleration_through(link_poses[0], a, w, turn, k.pin_a),
+        frames.acceleration_through(link_poses[1], c, host[2], near_seconds[1][2], k.inner),
     )
 
 

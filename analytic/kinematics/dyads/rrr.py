@@ -66,30 +66,30 @@ def poses(k: RRRConstants, near: Poses) -> tuple[Poses, Closure]:
     return (first, second), Closure(r, q, determinant, c)
 
 
-def rates(k: RRRConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: RRRConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """Closure once differentiated: A' + θ1' r⊥ = B' + θ2' q⊥."""
     a, b = frames.point_rate(near[0], near_rates[0], k.a), frames.point_rate(near[1], near_rates[1], k.b)
     scale = frames.inverse(closure.determinant)
     apart = frames.minus(b, a)
     first, two = frames.dot(apart, closure.v) * scale, frames.dot(apart, closure.u) * scale
-    pair = frames.rate_through(own[0], a, first, k.pin_a), frames.rate_through(own[1], b, two, k.pin_b)
+    pair = frames.rate_through(link_poses[0], a, first, k.pin_a), frames.rate_through(link_poses[1], b, two, k.pin_b)
     return pair, Travel(scale, 0.0, 0.0)
 
 
 def accelerations(k: RRRConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated: A'' + θ1'' r⊥ - θ1'² r = B'' + θ2'' q⊥ - θ2'² q."""
     near, near_rates, near_seconds = hosts
-    own, own_rates = links
+    link_poses, link_rates = links
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
     b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
     r, q = closure.u, closure.v
-    w, v = own_rates[0][2], own_rates[1][2]
+    w, v = link_rates[0][2], link_rates[1][2]
     w_squared, v_squared = w * w, v * v
     g = (b[0] - a[0] + w_squared * r[0] - v_squared * q[0], b[1] - a[1] + w_squared * r[1] - v_squared * q[1])
     first, second = frames.dot(g, q) * travel.scale, frames.dot(g, r) * travel.scale
     return (
-        frames.acceleration_through(own[0], a, w, first, k.pin_a),
-        frames.acceleration_through(own[1], b, v, second, k.pin_b),
+        frames.acceleration_through(link_poses[0], a, w, first, k.pin_a),
+        frames.acceleration_through(link_poses[1], b, v, second, k.pin_b),
     )
 
 

@@ -1,1 +1,1 @@
-"""Assur groups of class III and higher: found, followed over the driver's coordinate, and solved by Newton's method."""
+"""Assur groups of class III and higher: search, continuation over the driver's coordinate, Newton's method."""

@@ -1,8 +1,8 @@
 """The joints of a group as equations between poses, with two derivatives over φ and their Jacobian.
 
 A pin holds two points together, a slide keeps a frame on a line and its angle, a cylinder's length is φ. The unknowns
-are x, y and θ of the group's links. All three orders have one Jacobian, Φ_q: with the unknowns of an order left at zero
-an equation of that order is what the terms already known bring, so Φ_q q' = −Φ' and Φ_q q'' = −Φ''.
+are x, y and θ of the group's links. All three orders have one Jacobian, Φ_q: with the unknowns of an order set to zero
+an equation of that order has the terms already known, so Φ_q q' = −Φ' and Φ_q q'' = −Φ''.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ def located(motion: Motion, local: Pair, order: int) -> Pair:
     return frames.point_acceleration(motion[0], motion[1], motion[2], local)
 
 
-def _spans(far: Motion, there: Pair, near: Motion, here: Pair, order: int) -> list[Pair]:
+def _spans(far: Motion, far_point: Pair, near: Motion, near_point: Pair, order: int) -> list[Pair]:
     """From a point of the near body to one of the far body, and the derivatives up to an order."""
-    return [frames.minus(located(far, there, k), located(near, here, k)) for k in range(order + 1)]
+    return [frames.minus(located(far, far_point, k), located(near, near_point, k)) for k in range(order + 1)]
 
 
 def _line(near: Motion, along: Pair, order: int) -> list[Pair]:
@@ -145,7 +145,7 @@ def _scales(joint: GroupJoint, unit: float) -> tuple[float, ...]:
 class GroupSystem:
     """The equations of a group beside the motions of the bodies it hangs on, at n values of φ.
 
-    Lengths are counted in ``unit``, m, in what is solved, so that lengths and angles weigh alike.
+    The unknowns have lengths in ``unit``, m, so that lengths and angles weigh alike.
     """
 
     def __init__(
@@ -160,8 +160,8 @@ class GroupSystem:
         """Of all bodies, the group's links by their coordinates and derivatives (n, links, 3); zero where not given."""
         still = np.zeros((self.count, len(self.links), 3))
         rates = [rates_of(orders[k] if k < len(orders) else still) for k in (1, 2)]
-        own = zip(poses_of(orders[0]), *rates, strict=True)
-        return {**self.hosts, **dict(zip(self.links, own, strict=True))}
+        motion = zip(poses_of(orders[0]), *rates, strict=True)
+        return {**self.hosts, **dict(zip(self.links, motion, strict=True))}
 
     def residual(self, motions: Motions, order: int) -> Array:
         """The equations of an order in the system's unit, (n, equations)."""
@@ -174,7 +174,7 @@ class GroupSystem:
         return np.asarray(jacobian(self.joints, self.links, poses, self.count) * self.rows[:, None] * self.columns)
 
     def step(self, matrix: Array, residual: Array) -> Array:
-        """What the unknowns lack, (n, links, 3), m and rad; nan where the matrix is singular."""
+        """Newton's step of the unknowns, (n, links, 3), m and rad; nan where the matrix is singular."""
         solution = _solved(matrix, -residual) * self.columns
         return np.asarray(solution.reshape(self.count, -1, 3))
 

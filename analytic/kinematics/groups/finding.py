@@ -1,4 +1,4 @@
-"""Assur groups of any class: the smallest sets of links that their joints place, found by matching and components.
+"""Search for Assur groups of any class: the smallest sets of links that their joints place, by bipartite matching.
 
 Bodies not yet placed have three unknowns each, pins not yet placed two; a body on a pin, a slide, a cylinder are two
 equations, two, and one between them. A matching gives every equation an unknown of its own; what depends on what
@@ -25,7 +25,7 @@ Edge = tuple[int, tuple[str, ...]]  # a number of equations, and the unplaced bo
 def find_group(
     linkage: Linkage, placed: set[str], holders: dict[str, str], cylinder: DrivenDistance | None
 ) -> Group | None:
-    """The first group of what is left, by its links' names; None where the joints do not fit the unknowns.
+    """The first group of the remaining links by name; None where the joints do not fit the unknowns.
 
     ``holders`` are placed bodies of pins; a slot's pin is a slider of the linkage.
     """
@@ -92,9 +92,9 @@ def _joints(
 ) -> Iterable[GroupJoint]:
     """Outer joints seen from placed bodies, and inner ones."""
     for pin in linkage.pins:
-        own = [body for body in pin.links if body in links]
-        near = holders.get(pin.point) or (own[0] if own else GROUND)
-        yield from (revolute_joint(linkage, pin.point, near, body) for body in own if body != near)
+        members = [body for body in pin.links if body in links]
+        near = holders.get(pin.point) or (members[0] if members else GROUND)
+        yield from (revolute_joint(linkage, pin.point, near, body) for body in members if body != near)
     for slider in linkage.sliders:
         yield from _slide(linkage, slider, links, placed)
     if cylinder is not None and {cylinder.near, cylinder.far} & {*links}:
@@ -122,8 +122,8 @@ def _round_trip(pair: tuple[str, str], pairs: set[tuple[str, str]]) -> int:
     while queue:
         here = queue.popleft()
         for a, b in pairs - {pair}:
-            there = b if a == here else a if b == here else None
-            if there is not None and there not in steps:
-                steps[there] = steps[here] + 1
-                queue.append(there)
+            neighbour = b if a == here else a if b == here else None
+            if neighbour is not None and neighbour not in steps:
+                steps[neighbour] = steps[here] + 1
+                queue.append(neighbour)
     return steps.get(end, 0)

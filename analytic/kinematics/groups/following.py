@@ -38,7 +38,7 @@ SPAN: Final = 16.0  # units that the branch of a driver that does not turn is fo
 
 @dataclass(frozen=True)
 class Problem:
-    """A group, the motions of the bodies it hangs on as a function of φ, and what lengths are counted in, m."""
+    """A group, the motions of its host bodies as a function of φ, and the unit of its lengths, m."""
 
     joints: tuple[GroupJoint, ...]
     links: tuple[str, ...]
@@ -48,7 +48,7 @@ class Problem:
 
     @property
     def radian(self) -> float:
-        """What φ is counted in: rad, or the unit of length."""
+        """The unit of φ: 1 rad, or the unit of length."""
         return self.unit if self.is_linear else 1.0
 
     def system(self, coordinate: Array) -> GroupSystem:

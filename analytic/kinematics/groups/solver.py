@@ -43,8 +43,8 @@ class GroupSolver:
         outside = self.branch.margin(self.coordinate) < 0.0
         self.place[outside] = np.nan
         self.moves: Scalar = np.isfinite(self.place[:, 0, 0]).reshape(self.shape)
-        self.own = tuple(self._shaped(pose) for pose in poses_of(self.place))
-        return self.own
+        self.link_poses = tuple(self._shaped(pose) for pose in poses_of(self.place))
+        return self.link_poses
 
     def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, ...]:
         """First derivatives over φ; the poses must be known."""
@@ -62,7 +62,7 @@ class GroupSolver:
         return tuple(self._shaped(rate) for rate in rates_of(second))
 
     def _system(self) -> GroupSystem:
-        """The equations with what is known of the bodies before."""
+        """The equations with the known motions of the placed bodies."""
         hosts = {
             body: tuple(self._flat(known.get(body, STILL)) for known in self.known) for body in self.hosts
         }  # fmt: skip
@@ -76,7 +76,7 @@ class GroupSolver:
         return tuple(part.reshape(self.shape) for part in parts)
 
     def margin(self) -> Scalar:
-        """How far φ is from the end of the configuration over what is followed of it, negative outside."""
+        """Distance of φ from the end of the followed configuration over its whole extent, negative outside."""
         low, high = self.branch.ends
         return self.branch.margin(self.coordinate).reshape(self.shape) / (high - low or 1.0)
 

@@ -1,4 +1,4 @@
-"""The configuration of a group that the sketch means: of those found from many starts the one nearest to it."""
+"""The configuration of a group that the sketch means: of the solutions from many starts the nearest to the sketch."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SAME: Final = 1e-6  # units and rad between two configurations that are one
 def nearest(linkage: Linkage, structure: Structure, group: Group, problem: Problem) -> Array:
     """The group's configuration (links, 3), x, y and θ, at the sketch.
 
-    Raises AssemblyError where none is found, StructureError where the sketch leaves open which is meant.
+    Raises AssemblyError without any solution, StructureError where the sketch leaves open which is meant.
     """
     at = linkage.sketch_angle
     points = {name: structure.bodies[name].points for name in group.links}
@@ -58,7 +58,7 @@ def _names(points: Points) -> set[str]:
 
 
 def _known(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, Vector]:
-    """Where points are: those of placed bodies, and those of the sketch."""
+    """Positions of points: of placed bodies, and of the sketch."""
     known = dict(linkage.sketch)
     for joint in group.joints:
         if isinstance(joint, Revolute) and joint.near in hosts:
@@ -106,10 +106,10 @@ def _damped(system: GroupSystem, guess: Array) -> Array:
         normal = matrix.swapaxes(1, 2) @ matrix + factor[:, None, None] * identity
         slope = (matrix.swapaxes(1, 2) @ residual[..., None])[..., 0]
         step = -np.linalg.solve(normal, slope[..., None])[..., 0] * system.columns
-        there = here + step.reshape(here.shape)
-        after = system.residual(system.motions(there), 0)
+        moved = here + step.reshape(here.shape)
+        after = system.residual(system.motions(moved), 0)
         better = np.sum(after**2, axis=1) < np.sum(residual**2, axis=1)
-        here = np.where(better[:, None, None], there, here)
+        here = np.where(better[:, None, None], moved, here)
         residual = np.where(better[:, None], after, residual)
         factor = np.clip(np.where(better, factor * 0.2, factor * 4.0), 1e-15, 1e6)
         if np.all(np.max(np.abs(residual), axis=1) < MET):
@@ -119,7 +119,7 @@ def _damped(system: GroupSystem, guess: Array) -> Array:
 
 
 def _distinct(values: Array, unit: float) -> list[Array]:
-    """The different configurations among those found, in the order of their starts."""
+    """The different configurations among all solutions, in the order of their starts."""
     result: list[Array] = []
     for root in values[np.all(np.isfinite(values), axis=(1, 2))]:
         if not any(_same(root, other, unit) for other in result):

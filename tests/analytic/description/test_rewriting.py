@@ -5,7 +5,7 @@ import re
 import tomllib
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic.description import changes, load_tables
@@ -17,14 +17,11 @@ from tests.analytic.mutations import mutated_files
 
 FILES = {
     path.stem: path.read_text(encoding="utf-8")
-    for path in (*CATALOGUE.glob("*.toml"), *LITERATURE.glob("*.toml"), *FOLDER.rglob("*.toml"))
+    for path in (*CATALOGUE.glob("*.toml"), *FOLDER.rglob("*.toml"), LITERATURE / "stephenson-six-bar.toml")
 }
-BIG = "n-four-bar"  # forty windows: one example of it will do
-DESIGNS = [
-    (name, variant) for name, text in FILES.items() if name != BIG for variant in parse(text, name, name).variants
-]
+DESIGNS = [(name, variant) for name, text in FILES.items() for variant in parse(text, name, name).variants]
 RIMOLDI = FILES["rimoldi-164"]
-WHERE = re.compile(r"#.*$", re.MULTILINE)
+COMMENTS = re.compile(r"#.*$", re.MULTILINE)
 
 
 def numbers_of(text, variant=None):
@@ -49,6 +46,7 @@ def assert_written(text, variant, numbers, ulps=1):
         assert abs(value - meant[name]) <= size, name
 
 
+@settings(max_examples=30)
 @given(st.sampled_from(DESIGNS), st.data())
 def test_any_numbers_are_written_to_the_last_digit(design, data):
     name, variant = design
@@ -60,13 +58,17 @@ def test_any_numbers_are_written_to_the_last_digit(design, data):
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_all_numbers_at_once(name):
-    old = numbers_of(FILES[name])
-    assert_written(FILES[name], None, {one: value * 1.1 + 1e-3 for one, value in old.items()})
+def test_all_numbers_at_once_and_writing_twice(name):
+    numbers = {one: value * 1.1 + 1e-3 for one, value in numbers_of(FILES[name]).items()}
+    once = rewritten(FILES[name], name, None, numbers)
+    assert_written(FILES[name], None, numbers)
+    again = rewritten(once, name, None, {})
+    assert again.partition("\n")[2] == once.partition("\n")[2]
+    assert again.count(MARK) == 1
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_nothing_changed_is_the_variant_itself_with_its_comments(name):
+def test_without_a_change_the_variant_is_the_file_with_its_comments(name):
     text = FILES[name]
     new = rewritten(text, name, None, {}, new_variant="as it was")
     linkage = parse(new, name, name)
@@ -74,18 +76,9 @@ def test_nothing_changed_is_the_variant_itself_with_its_comments(name):
     assert (linkage.variant, linkage.variants) == ("as it was", ("as it was",))
     assert not linkage.published
     assert not linkage.errata
-    own = text if "\n[repeat" not in text else ""
-    for part in re.split(r"\n(?=\[)", own):
+    for part in re.split(r"\n(?=\[)", text if "\n[repeat" not in text else ""):
         if not part.startswith(("[variants", "[[published]]", "[[errata]]")):
-            assert set(WHERE.findall(part)) <= set(WHERE.findall(new))
-
-
-@pytest.mark.parametrize(("name", "variant"), DESIGNS)
-def test_writing_twice_changes_nothing(name, variant):
-    numbers = {one: value * 1.01 for one, value in numbers_of(FILES[name], variant).items()}
-    once = rewritten(FILES[name], name, variant, numbers)
-    assert rewritten(once, name, None, {}).partition("\n")[2] == once.partition("\n")[2]
-    assert rewritten(once, name, None, {}).count(MARK) == 1
+            assert set(COMMENTS.findall(part)) <= set(COMMENTS.findall(new))
 
 
 def test_only_what_changes_is_touched():
@@ -104,23 +97,11 @@ def test_points_by_radius_and_angle_become_coordinates():
     assert_written(text, None, {"coupler.P4.x": 1e-3}, ulps=2)
 
 
-def test_what_was_left_out_is_written():
-    text = FILES["shaper"]
-    old = numbers_of(text)
-    assert "mass" not in tomllib.loads(FILES["slot-without-mass"])["links"].get("stone", {})
-    numbers = {name: 0.25 for name in old if name.endswith((".mass", ".through.x", "gravity.x"))}
-    assert_written(text, None, numbers)
-
-
 def test_the_stroke_stays_along_its_direction_where_a_guide_turns():
     text = FILES["force-over-angle"]  # its output has no direction of its own
     new = parse(rewritten(text, "sample", None, {"piston.along.x": 0.0}), "sample", "sample.toml")
     assert new.sliders[0].guide.along == (0.0, 1.0)
     assert new.output.along == pytest.approx((12 / 13, 5 / 13), abs=1e-15)
-
-
-def test_a_table_over_the_angle():
-    assert_written(FILES["force-over-angle"], None, {"forces.T.3.y": -7.0, "torques.rod.1": -0.04})
 
 
 LOADED = """
@@ -139,6 +120,7 @@ def test_loads_in_another_order_than_the_file_has_them():
     assert_written(text, None, {"forces.D.x": 7.0})
 
 
+@settings(max_examples=40)
 @given(mutated_files())
 def test_what_can_be_read_can_be_written(text):
     try:
@@ -156,7 +138,6 @@ def test_what_can_be_read_can_be_written(text):
         ({"needle_bar.along.y": 0.0}, "needle_bar.along.y: expected a direction, got [0, 0]"),
         ({"rod.mass": -1.0}, "links.rod.mass: expected"),
         ({"rod.B.x": 0.0}, "links.rod.points: expected a positive length"),
-        ({"rod.B.x": 1e-300}, "links.rod.points: expected a positive length"),
         ({"rod.mass": 1e80}, "links.rod.mass: expected a magnitude"),
     ],
 )

@@ -14,14 +14,12 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
 from analytic.motion.steady_rotation import last_turns, steady_state
-from analytic.numerics.roots import root
 from tests.analytic import article_000
-from tests.analytic.linkages import FULL_TURN, from_text, mechanism
+from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, ROTOR, needs_extended_precision
 
 # rad. A moment of a few roundings over its slope.
 ANGLE = 1e-13
-ROUNDING = 1e-15
 # The balance of work over a turn, relative: the speed is settled to 1e-10, its mean is a sum of many samples.
 WORK = 1e-8
 # rad. Steps to either side of an equilibrium: for a slope, for a look at the energy, for a release.
@@ -36,40 +34,28 @@ PRINTED = 0.005
 
 @needs_extended_precision
 def test_slotted_takeup_rests_near_the_published_angle():
-    found = equilibria(mechanism("slotted-takeup"))
-    assert [place.stable for place in found] == [False, True]
-    assert math.degrees(found[1].angle) == pytest.approx(268.77, abs=PRINTED)
-    for place in found:
+    result = equilibria(mechanism("slotted-takeup"))
+    assert [place.stable for place in result] == [False, True]
+    assert math.degrees(result[1].angle) == pytest.approx(268.77, abs=PRINTED)
+    for place in result:
         angle = article_000.Long(place.angle)
         force = article_000.acceleration(angle, article_000.Long(0), 0, 0)
         slope = (article_000.acceleration(angle + TINY, article_000.Long(0), 0, 0) - force) / TINY
         assert abs(force / slope) < ANGLE
 
 
-@pytest.mark.parametrize("torque", [0.0, 0.005, -0.01])
-@pytest.mark.parametrize("name", ["slotted-takeup", "two-crank-takeup", "spring-and-damper"])
-def test_equilibria_are_the_extremes_of_energy(name, torque):
+@pytest.mark.parametrize("torque", [0.0, 0.005])
+@pytest.mark.parametrize("name", ["slotted-takeup", "spring-and-damper"])
+def test_equilibria_are_the_extremes_of_energy_which_take_turns(name, torque):
     sample = mechanism(name)
-    for place in equilibria(sample, torque):
+    places = equilibria(sample, torque)
+    assert len(places) % 2 == 0
+    assert all(one.stable != two.stable for one, two in itertools.pairwise(places))
+    for place in places:
         around = sample.sweep(place.angle + SMALL * np.arange(-1.0, 2.0))
         energy = reduced.potential_energy(around) - torque * around.angle
         assert (min(energy[0], energy[2]) > energy[1]) == place.stable
         assert (max(energy[0], energy[2]) < energy[1]) != place.stable
-
-
-@pytest.mark.parametrize(("name", "variant"), FULL_TURN)
-def test_stable_and_unstable_angles_take_turns(name, variant):
-    stable = [place.stable for place in equilibria(mechanism(name, variant))]
-    assert len(stable) % 2 == 0
-    assert all(one != two for one, two in itertools.pairwise(stable))
-
-
-def test_a_crank_released_near_equilibrium_stays_or_leaves():
-    sample = mechanism("slotted-takeup")
-    for place in equilibria(sample):
-        motion = free_motion(sample, start_angle=place.angle + NEAR, duration=3.0)
-        away = np.max(np.abs(motion.angle(np.linspace(0.0, 3.0, 301)) - place.angle))
-        assert (away < 2.0 * NEAR) == place.stable
 
 
 def test_a_torque_over_the_angle_moves_the_equilibrium():
@@ -89,35 +75,21 @@ def test_no_equilibrium_where_nothing_holds_the_crank():
 
 def test_a_crank_that_only_swings_is_looked_at_where_it_can_stand():
     sample = from_text(DOUBLE_ROCKER)
-    found = equilibria(sample)
-    assert any(place.stable for place in found)
-    for place in found:
+    result = equilibria(sample)
+    assert any(place.stable for place in result)
+    for place in result:
         moments = reduced.generalised_force(sample.sweep(place.angle + np.array([-NEAR, 0.0, NEAR])))
         assert abs(moments[1]) < CANCELLED * np.max(np.abs(moments))
         assert (moments[0] > 0.0 > moments[2]) == place.stable
-
-
-def test_roots_are_found_to_the_last_digits():
-    assert root(math.cos, 1.0, 2.0) == pytest.approx(0.5 * math.pi, abs=ROUNDING)
-    assert root(lambda x: x**9, -1.0, 2.0) == pytest.approx(0.0, abs=NEAR)
-    assert root(lambda x: x, 0.0, 2.0) == 0.0
-    assert root(lambda x: math.copysign(1.0, x - 0.3), 1.0, 0.0) == pytest.approx(0.3, abs=ROUNDING)
-
-
-@pytest.mark.parametrize("torque", [0.025, -0.1])
-@pytest.mark.parametrize("name", ["slotted-takeup", "two-crank-takeup"])
-def test_the_mean_over_time_is_less_than_over_the_angle_in_steady_rotation(name, torque):
-    sample = mechanism(name)
-    mean_over_angle = torque / sample.linkage.dampers[0].coefficient
-    found = steady_state(sample, torque)
-    assert abs(found.mean_speed) < abs(mean_over_angle)
-    assert found.smallest < found.mean_speed < found.largest
 
 
 def test_the_steady_state_is_where_the_motion_ends_up():
     sample = mechanism("slotted-takeup")
     steady = steady_state(sample, 0.025)
     assert steady.mean_speed == pytest.approx(125.0, rel=0.005)  # the specification's M1/b to half a per cent
+    assert steady.smallest < steady.mean_speed < 0.025 / sample.linkage.dampers[0].coefficient  # the mean over φ
+    back = steady_state(sample, -0.025)
+    assert back.smallest < back.mean_speed < back.largest < 0.0
     long = free_motion(sample, torque=0.025, start_speed=120.0, duration=40.0, tolerance=GLANCE)
     ended = last_turns(long, 3)
     assert dataclasses.astuple(ended) == pytest.approx(dataclasses.astuple(steady), rel=WORK)
@@ -129,9 +101,9 @@ def test_the_steady_state_is_where_the_motion_ends_up():
 
 
 def test_a_rotor_turns_evenly():
-    found = steady_state(from_text(ROTOR), 0.3)
-    assert found.mean_speed == pytest.approx(6.0, rel=WORK)
-    assert found.largest - found.smallest < WORK
+    result = steady_state(from_text(ROTOR), 0.3)
+    assert result.mean_speed == pytest.approx(6.0, rel=WORK)
+    assert result.largest - result.smallest < WORK
 
 
 def test_what_has_no_steady_rotation_says_why():

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from analytic.errors import AssemblyError
-from tests.analytic.linkages import FOLDER, FULL_TURN, from_text, mechanism, text_of
+from tests.analytic.linkages import FOLDER, from_text, mechanism, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 from tests.analytic.tolerances import EPS
 
@@ -48,12 +48,13 @@ def expected_range(ground, crank, coupler, rocker):
     return low, high
 
 
-def hold(found, expected):
-    assert found.is_full_turn == (expected is None)
-    for limit, (angle, condition) in zip((found.low, found.high), expected or (), strict=False):
+def hold(result, expected):
+    assert result.is_full_turn == (expected is None)
+    for limit, (angle, condition) in zip((result.low, result.high), expected or (), strict=False):
         assert abs(limit.angle - angle) <= ROUNDINGS * condition
 
 
+@settings(max_examples=25)
 @given(LENGTHS, LENGTHS, LENGTHS, LENGTHS, st.floats(0.05, 0.95))
 def test_four_bars(ground, crank, coupler, rocker, share):
     low, high = max(abs(ground - crank), abs(coupler - rocker)), min(ground + crank, coupler + rocker)
@@ -66,27 +67,21 @@ def test_four_bars(ground, crank, coupler, rocker, share):
     hold(sample(ground, crank, coupler, rocker, start[0]).crank_range(), expected_range(ground, crank, coupler, rocker))
 
 
-@pytest.mark.parametrize("rocker", [1e-2, 1e-4, 1e-5])
+@pytest.mark.parametrize("rocker", [1e-2, 1e-5])
 def test_a_range_narrower_than_any_step(rocker):
     start = cosine_law(1.0, 0.8, 0.9)[0]
-    found = sample(1.0, 0.8, 0.9, rocker, start).crank_range()
-    hold(found, expected_range(1.0, 0.8, 0.9, rocker))
-    assert found.limits[1] - found.limits[0] < 4 * rocker
+    result = sample(1.0, 0.8, 0.9, rocker, start).crank_range()
+    hold(result, expected_range(1.0, 0.8, 0.9, rocker))
+    assert result.limits[1] - result.limits[0] < 4 * rocker
 
 
-@pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
+@pytest.mark.parametrize("short", [1e-4, 1e-12])
 def test_a_gap_narrower_than_any_step(short):
     hold(sample(1.0, 0.4, 0.9, 0.5 - short, 1.0).crank_range(), expected_range(1.0, 0.4, 0.9, 0.5 - short))
     assert sample(1.0, 0.4, 0.9, 0.5 + short, 1.0).crank_range().is_full_turn
 
 
-def test_limits_name_their_dyad_and_how_it_stands():
-    found = from_text(DOUBLE_ROCKER).crank_range()
-    assert found.low.sentence == "coupler + rocker (RRR): folded in one line"
-    assert found.high.sentence == "coupler + rocker (RRR): stretched in one line"
-    assert found.low.angle < found.start < found.high.angle
-
-
+@settings(max_examples=20)
 @given(st.floats(0.2, 0.95), st.floats(-0.9, 0.9))
 def test_slider_cranks_whose_rod_is_too_short(rod, offset):
     """The rod reaches the guide where |r sin φ - e| <= l, up to two arcs; with the crank at 0 it starts in one."""
@@ -98,82 +93,34 @@ def test_slider_cranks_whose_rod_is_too_short(rod, offset):
     )
     text = text.replace("A = [0.05, 0]", "A = [1, 0]").replace("through = [0, 0]", f"through = [0, {offset!r}]")
     sample = from_text(text)
-    found = sample.crank_range(0.0)
+    result = sample.crank_range(0.0)
     expected = [float(mp.asin(mpf(offset) + side * mpf(rod))) for side in (-1, 1)]
-    assert found.limits == pytest.approx(expected, rel=0, abs=ROUNDINGS / (1.0 - rod - abs(offset)))
-    assert "'rod' square to the guide of 'piston'" in found.low.sentence
+    assert result.limits == pytest.approx(expected, rel=0, abs=ROUNDINGS / (1.0 - rod - abs(offset)))
+    assert "'rod' square to the guide of 'piston'" in result.low.sentence
 
 
-SECOND_DYAD = """
-[links.link]
-points = { C = [0, 0], D = [0.6, 0] }
-mass = 0.1
-inertia = 1e-4
-[links.arm]
-points = { E = [0, 0], D = [0.4, 0] }
-mass = 0.1
-inertia = 1e-4
+TANGENT = """
+title = "tangent"
+units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }
+crank = "crank"
+ground = { O = [0, 0] }
+links.crank = { points = { O = [0, 0] }, mass = 1, inertia = 1 }
+links.stone = { slides = { point = "P", through = [0.3, 0], along = [0, 1] }, mass = 1 }
+slots = [{ point = "P", on = "crank", through = [0, 0], along = [1, 0] }]
 """
-
-
-def test_a_second_group_may_limit_the_crank():
-    """The crank of the four-bar turns fully; C then comes too far from E for the two links between them."""
-    four = four_bar(1.0, 0.3, 0.9, 0.7, 1.0).replace("O = [0, 0],", "O = [0, 0], E = [1.5, 0.8],", 1)
-    found = from_text(four.replace("points = { C =", "points = { D = [1, 1], C =") + SECOND_DYAD).crank_range()
-
-    def missing(angle):
-        a = 0.3 * mp.expj(angle)
-        gap = abs(1 - a)
-        along = (gap**2 + mpf("0.81") - mpf("0.49")) / (2 * gap)
-        c = a + mp.mpc(along, mp.sqrt(mpf("0.81") - along**2)) * (1 - a) / gap
-        return abs(c - mp.mpc("1.5", "0.8")) - mpf(1)
-
-    for limit in (found.low, found.high):
-        assert limit.dyad.links == ("arm", "link")
-        exact = mp.findroot(missing, mpf(limit.angle))
-        assert abs(limit.angle - exact) < 1e-14
-        assert all(missing(found.start + part * (limit.angle - found.start)) < 0 for part in np.linspace(0, 0.999, 30))
 
 
 def test_guides_that_become_parallel():
     """A slotted link on a line through the crank's pivot: it reaches to infinity a quarter turn either way."""
-    sample = from_text(
-        """
-        title = "tangent"
-        source = "made up"
-        units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-        crank = "crank"
-        ground = { O = [0, 0] }
-        [links.crank]
-        points = { O = [0, 0] }
-        mass = 1
-        inertia = 1
-        [links.stone]
-        slides = { point = "P", through = [0.3, 0], along = [0, 1] }
-        mass = 1
-        [[slots]]
-        point = "P"
-        on = "crank"
-        through = [0, 0]
-        along = [1, 0]
-        """.replace("        ", "")
-    )
-    found = sample.crank_range()
-    assert found.limits == pytest.approx([-math.pi / 2, math.pi / 2], rel=0, abs=4 * EPS)
-    assert "parallel" in found.high.sentence
-
-
-@pytest.mark.parametrize(("name", "variant"), FULL_TURN)
-def test_cranks_that_turn_fully_meet_no_change_point(name, variant):
-    found = mechanism(name, variant).crank_range()
-    assert found.is_full_turn
-    assert found.change_points == ()
+    result = from_text(TANGENT).crank_range()
+    assert result.limits == pytest.approx([-math.pi / 2, math.pi / 2], rel=0, abs=4 * EPS)
+    assert "parallel" in result.high.sentence
 
 
 def test_a_parallelogram_turns_through_two_change_points():
-    found = mechanism("parallelogram").crank_range()
-    assert found.is_full_turn
-    assert [toggle.angle for toggle in found.change_points] == pytest.approx([math.pi, 2 * math.pi], abs=2e-9)
+    result = mechanism("parallelogram").crank_range()
+    assert result.is_full_turn
+    assert [toggle.angle for toggle in result.change_points] == pytest.approx([math.pi, 2 * math.pi], abs=2e-9)
 
 
 def test_a_parallelogram_that_is_pushed_ends_at_its_change_point():
@@ -188,28 +135,26 @@ def test_a_parallelogram_that_is_pushed_ends_at_its_change_point():
     ):
         assert old in text
         text = text.replace(old, new)
-    found = from_text(text).crank_range()
-    assert found.low.angle == pytest.approx(math.hypot(0.01, 0.05), rel=0, abs=1e-9)
-    assert found.low.sentence == "coupler + rocker (RRR): folded in one line"
-    assert found.change_points == ()
+    result = from_text(text).crank_range()
+    assert result.low.angle == pytest.approx(math.hypot(0.01, 0.05), rel=0, abs=1e-9)
+    assert result.low.sentence == "coupler + rocker (RRR): folded in one line"
+    assert result.change_points == ()
 
 
-def test_a_start_at_the_limit_itself():
-    sample = from_text(DOUBLE_ROCKER)
-    inner = sample.crank_range()
-    found = sample.crank_range(inner.high.angle)
-    assert found.limits == pytest.approx(inner.limits, rel=0, abs=1e-14)
-
-
-def test_a_start_out_of_reach_and_a_motion_out_of_range():
-    sample = from_text(DOUBLE_ROCKER)
+def test_limits_have_a_sentence_each_and_a_start_or_motion_beyond_them_is_refused():
+    rocker = from_text(DOUBLE_ROCKER)
+    result = rocker.crank_range()
+    assert result.low.sentence == "coupler + rocker (RRR): folded in one line"
+    assert result.high.sentence == "coupler + rocker (RRR): stretched in one line"
+    assert result.low.angle < result.start < result.high.angle
+    at_the_limit = rocker.crank_range(result.high.angle)
+    assert at_the_limit.limits == pytest.approx(result.limits, rel=0, abs=1e-14)
     with pytest.raises(AssemblyError, match=r"cannot be assembled at 0°: 'coupler' \(60 mm\) and 'rocker' \(90 mm\)"):
-        sample.crank_range(0.0)
-    found = sample.crank_range()
-    found.check(*found.limits, "pendulum")
+        rocker.crank_range(0.0)
+    result.check(*result.limits, "pendulum")
     message = (
         r"'sample' cannot be moved from 20° to 120°: its crank reaches 14\.3615° to 112\.411° \(at 112\.411° "
         r"coupler \+ rocker \(RRR\): stretched in one line\); stay within"
     )
     with pytest.raises(AssemblyError, match=message):
-        found.check(np.radians(20.0), np.radians(120.0), "sample")
+        result.check(np.radians(20.0), np.radians(120.0), "sample")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from analytic.errors import StructureError
-from analytic.numerics.extremes import GRID
 from tests.analytic.drives import path_of
 from tests.analytic.linkages import angles, from_text, mechanism, text_of
 
@@ -23,7 +22,7 @@ def test_a_rough_sketch_is_enough():
     assert np.array_equal(one, two)
 
 
-@pytest.mark.parametrize("sketch", ["[sketch]\nangle  = 40\npoints = { D = [45, 33] }", "", "[sketch]\nangle = 40"])
+@pytest.mark.parametrize("sketch", ["[sketch]\nangle  = 40\npoints = { D = [45, 33] }", ""])
 def test_a_sketch_that_leaves_a_mode_open(sketch):
     text = text_of("carried-slider").split("[sketch]")[0] + sketch
     angle = 40 if sketch else 0
@@ -32,12 +31,6 @@ def test_a_sketch_that_leaves_a_mode_open(sketch):
         r"open how 'coupler' and 'rocker' are assembled; add it under \[sketch.points\]"
     )
     with pytest.raises(StructureError, match=message):
-        from_text(text)
-
-
-def test_a_sketch_point_half_way_between_the_modes_tells_nothing():
-    text = text_of("near-toggle").replace("B = [55, 30]", "B = [40, 10]")
-    with pytest.raises(StructureError, match="leaves open how 'coupler' and 'rocker' are assembled"):
         from_text(text)
 
 
@@ -54,10 +47,3 @@ def test_modes_that_no_named_point_tells_apart():
     )
     with pytest.raises(StructureError, match=message):
         from_text(text)
-
-
-def test_the_turn_is_a_full_one():
-    sample = mechanism("juki-mf7923d")
-    assert sample.turn is sample.turn
-    assert sample.turn.angle.shape == (GRID,)
-    sample.check_full_turn()

@@ -3,13 +3,9 @@
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from analytic.description.loading import parse
-from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mobility import grashof, loose_points, mobility
-from analytic.kinematics.structure import Dyad
 from tests.analytic.linkages import EVERY, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 
@@ -18,11 +14,10 @@ def _grashof(sample):
     return grashof(sample.linkage, sample.structure)
 
 
-@pytest.mark.parametrize(("name", "variant"), EVERY)
-def test_every_linkage_that_works_has_mobility_1(name, variant):
-    count = mobility(mechanism(name, variant).linkage)
-    assert count.degrees == 1
-    assert 3 * count.links - 2 * count.joints - count.slots == 1
+def test_every_linkage_that_works_has_mobility_1():
+    for name, variant in EVERY:
+        count = mobility(mechanism(name, variant).linkage)
+        assert count.degrees == 3 * count.links - 2 * count.joints - count.slots == 1
 
 
 def test_the_count_written_out():
@@ -51,18 +46,5 @@ def test_classes_of_four_bars(lengths, angle, kind):
 
 
 def test_other_linkages_have_no_class():
-    others = [name for name, variant in EVERY if _grashof(mechanism(name, variant)) is None]
-    assert "juki-mf7923d" in others
-    assert "rimoldi-164" in others
-
-
-@given(st.tuples(*[st.integers(10, 99)] * 4), st.integers(1, 179))
-def test_the_crank_turns_fully_where_grashof_says_so(lengths, angle):
-    try:
-        sample = from_text(four_bar(*lengths, math.radians(angle)))
-        assert all(isinstance(dyad, Dyad) for dyad in find_structure(sample.linkage).dyads)
-    except Exception:
-        return
-    kind = _grashof(sample)
-    if "change-point" not in kind:
-        assert sample.crank_range().is_full_turn == kind.startswith(("Grashof crank-rocker", "Grashof double-crank"))
+    assert _grashof(mechanism("juki-mf7923d")) is None
+    assert _grashof(mechanism("rimoldi-164")) is None

@@ -33,15 +33,15 @@ def every_operation():
 
 
 @numba
-@pytest.mark.parametrize("count", [1, LANES - 1, LANES, 2 * LANES + 5])
+@pytest.mark.parametrize("count", [1, 2 * LANES + 5])
 def test_every_operation_in_any_number_of_lanes(count):
     trace, lanes, rows, outputs = every_operation()
     assert {operation.name for operation in trace.operations} >= set(FUNCTIONS)
     draw = np.random.default_rng(count)
     x, y = draw.uniform(-3.0, 3.0, (2, count))
     given = dict(zip([*lanes, *rows], [x, y, 0.7], strict=True))
-    found = StraightFunction(trace, lanes, rows, [Result(line) for line in outputs])([x, y], np.array([[0.7]]), count)
-    for one, expected in zip(found, trace.computed(outputs, given), strict=True):
+    result = StraightFunction(trace, lanes, rows, [Result(line) for line in outputs])([x, y], np.array([[0.7]]), count)
+    for one, expected in zip(result, trace.computed(outputs, given), strict=True):
         np.testing.assert_allclose(one, np.broadcast_to(expected, count), rtol=SAME, atol=0.0)
 
 
@@ -53,10 +53,10 @@ def test_results_over_rows():
     sums = Result(outputs[1], "{so_far} + {value}", 1.0)
     rises = Result(outputs[1], "{so_far} + 1.0 if {value} > {next} else {so_far}")  # above the row before
     last = Result(outputs[1], start=math.nan)
-    found = StraightFunction(trace, lanes, rows, [sums, rises, last])([x, y], numbers[:, None], 70)
-    np.testing.assert_allclose(found[0], 1.0 + np.sum(x - numbers[:, None], axis=0), rtol=1e-13)
-    assert np.all(found[1] == 0.0)  # nothing is above nan, and x - row falls
-    np.testing.assert_array_equal(found[2], x - numbers[-1])
+    result = StraightFunction(trace, lanes, rows, [sums, rises, last])([x, y], numbers[:, None], 70)
+    np.testing.assert_allclose(result[0], 1.0 + np.sum(x - numbers[:, None], axis=0), rtol=1e-13)
+    assert np.all(result[1] == 0.0)  # nothing is above nan, and x - row falls
+    np.testing.assert_array_equal(result[2], x - numbers[-1])
 
 
 def test_a_source_is_made_of_numbers_and_operations():
@@ -70,35 +70,28 @@ def test_a_source_is_made_of_numbers_and_operations():
 
 
 @numba
-@pytest.mark.parametrize("name", ["rimoldi-164", "slotted-takeup", "moving-guides", "spring-and-damper"])
+@pytest.mark.parametrize("name", ["spring-and-damper", pytest.param("moving-guides", marks=pytest.mark.nightly)])
 def test_signals_of_one_linkage_are_numpy_s(name):
     sample, angle = mechanism(name), np.linspace(-7.0, 9.0, 700)
     motion = {"speed": np.cos(angle), "acceleration": 3.0 - angle}
-    found, expected = (evaluate(sample, angle, names(sample), **motion, path=path) for path in ("compiled", "numpy"))
-    assert list(found) == list(expected)
+    result, expected = (evaluate(sample, angle, names(sample), **motion, path=path) for path in ("compiled", "numpy"))
+    assert list(result) == list(expected)
     for signal, values in expected.items():
         peak = max(np.max(np.abs(values)), 1e-9 if "force" in signal else 0.0)
-        assert np.max(np.abs(found[signal] - values)) <= SAME * 10.0 * peak, signal
+        assert np.max(np.abs(result[signal] - values)) <= SAME * 10.0 * peak, signal
 
 
 @numba
-def test_nothing_of_one_linkage_is_left_to_numpy(monkeypatch):
+def test_threads_make_up_the_whole_and_leave_nothing_to_numpy(monkeypatch):
     monkeypatch.setattr(OperationList, "computed", lambda *_: pytest.fail("NumPy computes what machine code should"))
-    evaluate(
-        mechanism("rimoldi-164"), np.linspace(0.0, 6.0, LANES + 1), ["Mkr", "point:D:ay"], speed=2.0, path="compiled"
-    )
-
-
-@numba
-def test_threads_make_up_the_whole():
-    sample, angle = mechanism("rimoldi-164"), np.linspace(0.0, 40.0, 70_001)
+    sample, angle = mechanism("juki-mf7923d"), np.linspace(0.0, 40.0, 70_001)
     whole, parts = (evaluate(sample, angle, ["Mkr"], speed=2.0, cores=cores, path="compiled") for cores in (1, 3))
     np.testing.assert_array_equal(whole["Mkr"], parts["Mkr"])
 
 
 @numba
 @pytest.mark.parametrize("name", ["parallelogram", "shaper-quick-return"])
-def test_what_cannot_be_traced_is_numpy_s(name):
+def test_a_linkage_that_cannot_be_traced_is_left_to_numpy(name):
     sample, angle = mechanism(name), np.linspace(0.1, 0.4, 9)
     assert not is_traceable(sample)
     one, two = (evaluate(sample, angle, ["Jeq"], path=path)["Jeq"] for path in ("compiled", "numpy"))

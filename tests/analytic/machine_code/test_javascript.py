@@ -18,7 +18,7 @@ from tests.analytic.machine_code.test_compiling import every_operation
 from tests.javascript import called
 
 SAME = 1e-13  # of the peak
-CHANGES, SHARE, SPEED, ACCELERATION = 20, 0.02, 30.0, 400.0
+CHANGES, SHARE, SPEED, ACCELERATION = 6, 0.02, 30.0, 400.0
 ANGLES = np.linspace(-2.0, 9.0, 40)
 CALL = """({designs, rows, count, results}) => designs.map((given) => {
   const found = new Float64Array(results * count);
@@ -30,16 +30,16 @@ CALL = """({designs, rows, count, results}) => designs.map((given) => {
 def by_javascript(source, designs, rows, results):
     """Results (designs, results, count) of a printed function at rows (rows, count)."""
     arguments = {"designs": designs, "rows": rows.ravel().tolist(), "count": rows.shape[1], "results": results}
-    found = called(CALL.replace("FUNCTION", f"({source})"), arguments)
-    return np.array(found, dtype=float).reshape(len(designs), results, -1)
+    result = called(CALL.replace("FUNCTION", f"({source})"), arguments)
+    return np.array(result, dtype=float).reshape(len(designs), results, -1)
 
 
 def test_every_operation():
     trace, numbers, rows, outputs = every_operation()
     x, y, row = 0.7, -2.5, np.array([-1.0, -0.0, 0.0, 0.7, 3.0])
-    (found,) = by_javascript(javascript_source(trace, numbers, rows, outputs), [[x, y]], row[None], len(outputs))
+    (result,) = by_javascript(javascript_source(trace, numbers, rows, outputs), [[x, y]], row[None], len(outputs))
     expected = trace.computed(outputs, dict(zip([*numbers, *rows], [x, y, row], strict=True)))
-    for one, truth in zip(found, expected, strict=True):
+    for one, truth in zip(result, expected, strict=True):
         np.testing.assert_allclose(one, np.broadcast_to(truth, len(row)), rtol=1e-15, atol=0.0)
 
 
@@ -52,14 +52,16 @@ def test_a_source_has_no_names():
     assert "fetch" not in javascript_source(of.trace, sorted(of.trace.inputs.values()), (), of.lines)
 
 
-@pytest.mark.parametrize("name", [*catalogue(), *literature(), *MADE_UP])
+ORDINARY = ("rimoldi-164", "moving-guides", "spring-and-damper")
+OTHERS = [pytest.param(name, marks=pytest.mark.nightly) for name in (*catalogue(), *literature(), *MADE_UP)]
+
+
+@pytest.mark.parametrize("name", [*ORDINARY, *OTHERS])
 def test_signals_of_other_designs_are_numpy_s(name):
     sample = mechanism(name)
-    if not is_traceable(sample):
+    if not is_traceable(sample) or sample.linkage.is_linear:
         return
     linkage, chosen, chance = sample.linkage, names(sample), np.random.default_rng(7)
-    if linkage.is_linear:
-        return
     free = {number: value for number, (kind, value) in design_numbers(linkage).items() if kind != "direction"}
     listed = linkage_trace(sample, free, chosen, accelerates=True)
     given = {number: listed.trace.inputs[number] for number in free if number in listed.trace.inputs}
@@ -77,12 +79,12 @@ def test_signals_of_other_designs_are_numpy_s(name):
             truths.append(evaluate(sample.redesigned(with_numbers(linkage, other)), places, chosen, **motion))
             designs.append([other[one] for one in given])
     assert designs
-    for truth, found in zip(truths, by_javascript(source, designs, given_rows, len(chosen)), strict=True):
+    for truth, result in zip(truths, by_javascript(source, designs, given_rows, len(chosen)), strict=True):
         scales: dict[tuple[str, str], float] = {}
         for signal in chosen:
             kind = (signal.partition(":")[0], unit(signal, linkage))
             scales[kind] = max(scales.get(kind, 1e-9), float(np.max(np.abs(truth[signal]))))
-        for signal, one in zip(chosen, found, strict=True):
+        for signal, one in zip(chosen, result, strict=True):
             expected, near = truth[signal], one
             if signal == "S":  # counts from the farthest place, which the list leaves to who knows the motion
                 near = one + (expected[0] - one[0])

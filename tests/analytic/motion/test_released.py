@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
 from analytic.description.law import Law, TimeLaw
-from analytic.description.loading import load, parse
+from analytic.description.loading import parse
 from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
@@ -20,7 +20,7 @@ from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import free_motion
 from analytic.motion.rkfixed import fixed_step
 from tests.analytic import article_000
-from tests.analytic.linkages import FOLDER, from_text, mechanism, text_of
+from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.swinging import double_rocker_text
 from tests.analytic.textbook import (
     DOUBLE_ROCKER,
@@ -39,10 +39,6 @@ EXACT, AFTER_A_DWELL = 1e-12, 1e-9
 SECOND_INTEGRATOR = 1e-9
 # Energy balance over the energy scale: quadrature and a few roundings of a thousand windows.
 BALANCE = 1e-12
-# rad/s² over the peak: the slope of the dense output, by differences over this many seconds, against the equation.
-DENSE, HALF_STEP = 1e-9, 1e-4
-# Tolerances of a user in a hurry.
-LOOSE = (1e-4, 1e-6, 1e-8)
 # Ours for a motion that is only looked at.
 GLANCE = 1e-9
 # What samples 0.2 ms apart miss of a peak, relative.
@@ -81,6 +77,10 @@ def test_free_oscillation_of_the_slotted_takeup():
     motion = free_motion(mechanism("slotted-takeup"), **SLOTTED_FREE)
     error = float(np.max(np.abs(motion.angle(instants) - truth)))
     assert error < FREE
+    assert (motion.regime, motion.duration, motion.jumps) == ("free", 10.0, ())
+    assert motion.angle(np.zeros((2, 3))).shape == (2, 3)
+    fastest = np.max(np.abs(motion.speed(np.linspace(0.0, 10.0, 50001))))
+    assert fastest <= motion.peak_speed <= fastest * (1.0 + PEAK)
     assert error <= motion.error_bound <= max(BOUND_OVER_ERROR * error, FREE)
 
 
@@ -96,23 +96,13 @@ def test_driven_slotted_takeup_over_160_turns():
     assert error <= motion.error_bound < DRIVEN
 
 
-@pytest.mark.parametrize("released", [0.5, 2.0, 3.1])
+@pytest.mark.parametrize("released", [0.5, 3.1])
 def test_pendulum_swings_as_the_elliptic_functions_say(released):
     motion = free_motion(from_text(PENDULUM), start_angle=released - 0.5 * math.pi, duration=8.0)
     time, modulus = np.linspace(0.0, 8.0, 301), math.sin(0.5 * released) ** 2
     sn, *_ = ellipj(float(ellipk(modulus)) - PENDULUM_RATE * time, modulus)
     swing = 2.0 * np.arcsin(math.sin(0.5 * released) * sn)
     assert np.max(np.abs(motion.angle(time) + 0.5 * math.pi - swing)) < AFTER_A_DWELL
-
-
-@pytest.mark.parametrize("direction", [1, -1])
-def test_pendulum_goes_over_the_top_either_way(direction):
-    speed = 2.5 * PENDULUM_RATE  # 2 gets it just to the top
-    motion = free_motion(from_text(PENDULUM), start_angle=-0.5 * math.pi, start_speed=direction * speed, duration=5.0)
-    time, modulus = np.linspace(0.0, 5.0, 301), (2.0 * PENDULUM_RATE / speed) ** 2
-    _, _, _, amplitude = ellipj(0.5 * speed * time, modulus)
-    assert amplitude[-1] > 2.0 * math.pi
-    assert np.max(np.abs(motion.angle(time) + 0.5 * math.pi - direction * 2.0 * amplitude)) < EXACT * amplitude[-1]
 
 
 def test_rotor_under_torque_and_damping():
@@ -124,27 +114,18 @@ def test_rotor_under_torque_and_damping():
     assert np.max(np.abs(motion.angle(time) - (6.0 * time + (left[0] - left) / rate))) < EXACT * motion.angle(20.0)
 
 
-def test_rest_at_a_place_without_moment_stays_rest():
-    motion = free_motion(_undamped(from_text(ROTOR)), start_angle=1.25, duration=3.0)
-    assert np.all(motion.angle(np.linspace(0.0, 3.0, 7)) == 1.25)
-    assert energy_imbalance(motion) == 0.0
+OVER_ANGLE = Law(np.array([[0.1], [-0.02], [0.05], [0.0]]), np.array([0.2, 1.9, 3.3, 5.0]))
 
 
-@pytest.mark.parametrize("name", ["spring-and-damper", "force-over-angle"])
-def test_a_second_integrator_agrees_under_every_kind_of_load(name):
-    motion = free_motion(mechanism(name), torque=0.2, start_angle=0.5, start_speed=30.0, duration=0.1)
-    truth = _second_integrator(mechanism(name), 0.1, 0.5, 30.0, lambda _angle: 0.2)
-    assert abs(float(motion.angle(0.1)) - truth) < SECOND_INTEGRATOR
+@pytest.mark.parametrize(
+    ("name", "torque", "speed"), [("spring-and-damper", 0.2, 30.0), ("force-over-angle", OVER_ANGLE, 20.0)]
+)
+def test_a_second_integrator_agrees_under_every_kind_of_load(name, torque, speed):
+    sample = mechanism(name)
+    motion = free_motion(sample, torque=torque, start_angle=0.5, start_speed=speed, duration=0.04)
+    truth = _second_integrator(sample, 0.04, 0.5, speed, lambda phi: torque(phi)[0] if torque is OVER_ANGLE else torque)
+    assert abs(float(motion.angle(0.04)) - truth) < SECOND_INTEGRATOR
     assert motion.error_bound < SECOND_INTEGRATOR
-    assert energy_imbalance(motion) < BALANCE
-
-
-def test_a_second_integrator_agrees_under_a_crank_torque_over_the_angle():
-    torque = Law(np.array([[0.1], [-0.02], [0.05], [0.0]]), np.array([0.2, 1.9, 3.3, 5.0]))
-    sample = mechanism("juki-mf7923d")
-    motion = free_motion(sample, torque=torque, start_angle=-2.0, start_speed=5.0, duration=0.2)
-    truth = _second_integrator(sample, 0.2, -2.0, 5.0, lambda angle: torque(angle)[0])
-    assert abs(float(motion.angle(0.2)) - truth) < SECOND_INTEGRATOR
     assert energy_imbalance(motion) < BALANCE
 
 
@@ -162,10 +143,9 @@ def test_a_dead_position_ends_the_motion_with_one_sentence():
         free_motion(from_text(DOUBLE_ROCKER), start_angle=math.radians(60), start_speed=25.0, duration=3.0)
 
 
-@pytest.mark.parametrize("name", ["slotted-takeup", "two-crank-takeup"])
 @pytest.mark.parametrize("speed", [0.0, 40.0])
-def test_energy_is_kept_and_the_way_back_leads_to_the_start(name, speed):
-    sample = _undamped(mechanism(name))
+def test_energy_is_constant_and_the_way_back_leads_to_the_start(speed):
+    sample = _undamped(mechanism("slotted-takeup"))
     there = free_motion(sample, start_angle=4.9, start_speed=speed, duration=2.0)
     assert energy_imbalance(there) < BALANCE
     end, rate = float(there.angle(2.0)), float(there.speed(2.0))
@@ -174,73 +154,34 @@ def test_energy_is_kept_and_the_way_back_leads_to_the_start(name, speed):
     assert np.max(np.abs(back.angle(time) - there.angle(2.0 - time))) < DRIVEN
 
 
-@pytest.mark.parametrize("regime", [SLOTTED_FREE, SLOTTED_DRIVEN])
-def test_dense_output_obeys_the_equation_of_motion_everywhere(regime):
-    motion = free_motion(mechanism("slotted-takeup"), **{**regime, "duration": 1.5})
-    half = HALF_STEP
-    time = np.random.default_rng(5).uniform(3 * half, 1.5 - 3 * half, 200)
-    slope = sum(
-        weight * (motion.speed(time + k * half) - motion.speed(time - k * half))
-        for k, weight in ((1, 45.0), (2, -9.0), (3, 1.0))
-    ) / (60.0 * half)
-    truth = motion.equation.closed_form(motion.angle(time))
-    truth = truth[0] - motion.speed(time) * (truth[1] + truth[2] * motion.speed(time))
-    assert motion.acceleration(time) == pytest.approx(truth, abs=EXACT * np.max(np.abs(truth)))
-    assert slope == pytest.approx(truth, abs=DENSE * np.max(np.abs(truth)))
-
-
-@pytest.mark.parametrize("tolerance", LOOSE)
-def test_the_stated_bound_holds_at_every_tolerance(tolerance):
-    sample, time = mechanism("two-crank-takeup"), np.linspace(0.0, 0.5, 2001)
-    regime = {"torque": 0.05, "start_angle": math.radians(101), "duration": 0.5}
-    rough, fine = free_motion(sample, **regime, tolerance=tolerance), free_motion(sample, **regime)
-    error = float(np.max(np.abs(rough.angle(time) - fine.angle(time))))
-    assert error <= rough.error_bound + fine.error_bound
-
-
-def test_what_a_motion_tells_of_itself():
-    free = free_motion(mechanism("slotted-takeup"), **SLOTTED_FREE)
-    assert (free.regime, free.duration, free.jumps) == ("free", 10.0, ())
-    seen = np.max(np.abs(free.speed(np.linspace(0.0, 10.0, 50001))))
-    assert seen <= free.peak_speed <= seen * (1.0 + PEAK)
-    assert free_motion(mechanism("slotted-takeup"), torque=0.1, duration=0.1).regime == "driven"
-    assert float(free.angle(0.0)) == math.radians(280)
-    assert free.angle(np.zeros((2, 3))).shape == (2, 3)
-
-
 def test_the_printed_half_slope_makes_energy_out_of_nothing():
     printed = free_motion(mechanism("slotted-takeup"), **SLOTTED_DRIVEN, half_slope="moduli", tolerance=GLANCE)
     late = printed.speed(np.linspace(8.0, 10.0, 2001))
     # Specification: the printed form settles near 22-26 rad/s, the right one near M1/b = 125 rad/s.
     assert (late.min(), late.max()) == pytest.approx((22.0, 26.0), abs=0.5)
     assert energy_imbalance(printed) > 0.5
-    right = free_motion(mechanism("slotted-takeup"), **SLOTTED_DRIVEN)
-    assert float(right.speed(10.0)) == pytest.approx(125.0, rel=0.05)
-    assert energy_imbalance(right) < BALANCE
 
 
 def test_the_published_integrator_is_of_order_four_and_shows_its_own_error():
     sample = mechanism("slotted-takeup")
     truth = free_motion(sample, **SLOTTED_FREE)
     errors = [
-        np.max(np.abs(found.angle - truth.angle(found.time)))
-        for found in (fixed_step(sample, **SLOTTED_FREE, steps=steps) for steps in (1000, 2000))
+        np.max(np.abs(result.angle - truth.angle(result.time)))
+        for result in (fixed_step(sample, **SLOTTED_FREE, steps=steps) for steps in (1000, 2000))
     ]
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.1)
     driven = fixed_step(sample, **SLOTTED_DRIVEN)
-    true_end = float(free_motion(sample, **SLOTTED_DRIVEN).angle(10.0))
+    right = free_motion(sample, **SLOTTED_DRIVEN)
+    assert float(right.speed(10.0)) == pytest.approx(125.0, rel=0.05)
+    assert energy_imbalance(right) < BALANCE
     assert len(driven.time) == 1001
-    assert abs(driven.angle[-1] - true_end) > 10.0  # more than a turn lost: a radian of crank each step
-    assert driven.acceleration[5] == pytest.approx(
-        equation_of_motion(sample, 0.025).acceleration(driven.angle[5], driven.speed[5])
-    )
+    assert abs(driven.angle[-1] - float(right.angle(10.0))) > 10.0  # more than a turn lost: a radian of crank each step
 
 
 @pytest.mark.parametrize(("name", "limit"), [("slotted-takeup", TABLE), ("force-over-angle", SPLINE_TABLE)])
-@pytest.mark.parametrize("degree", [10, 12])
-def test_the_table_is_the_closed_form(name, limit, degree):
+def test_the_table_is_the_closed_form(name, limit):
     equation = equation_of_motion(mechanism(name), 0.01)
-    table = equation.tabulated(degree)
+    table = equation.tabulated()
     angle = np.random.default_rng(6).uniform(-1000.0, 1000.0, 5000)
     truth = equation.closed_form(angle % (2.0 * math.pi))
     peak = np.max(np.abs(truth), axis=1, keepdims=True)
@@ -248,15 +189,7 @@ def test_the_table_is_the_closed_form(name, limit, degree):
     assert table.table.error < limit
 
 
-def test_the_table_follows_the_kinks_of_the_printed_half_slope():
-    equation = equation_of_motion(mechanism("slotted-takeup"), 0.0, "moduli")
-    table = equation.tabulated()
-    angle = np.random.default_rng(7).uniform(0.0, 2.0 * math.pi, 20000)
-    truth = equation.closed_form(angle)[2]
-    assert np.max(np.abs(table.terms(angle)[2] - truth)) < SPLINE_TABLE * np.max(np.abs(truth))
-
-
-def test_bad_input_is_told_in_one_sentence():
+def test_bad_input_is_refused_in_one_sentence():
     sample = mechanism("slotted-takeup")
     for wrong in ({"duration": 0.0}, {"duration": math.nan}, {"duration": 1.0, "start_speed": math.inf}):
         with pytest.raises(LinkproofError, match=r"expected a .*finite number"):
@@ -301,32 +234,14 @@ def test_a_torque_over_time_turns_a_flywheel_as_its_integral_says():
     assert motion.error_bound < 1e-12
 
 
-def test_a_torque_over_time_makes_no_energy():
-    law = TimeLaw((0.1, 0.3, 0.9, 1.2), (0.0, 0.05, 0.05, -0.03))
-    motion = free_motion(Mechanism(load("slotted-takeup")), over_time=law, start_angle=4.7, duration=1.5)
-    assert energy_imbalance(motion) < 1e-6
-
-
-RODS, COUPLERS = 11, 10
-COUPLED_CRANKS = {  # start angle, rad, and speed, rad/s; moment of the weights at φ = 0 over Jeq, 1/s²
-    "change-points/ten-four-bars": (
-        math.pi / 2, 1.0, mp.mpf("9.81") * (mp.mpf(RODS) / 2 + COUPLERS) / (mp.mpf(RODS) / 3 + COUPLERS),
-    ),
-    "parallelogram": (
-        0.7, 30.0, mp.mpf("0.15") * mp.mpf("9.81") * mp.mpf("0.025") / (mp.mpf("1.3e-4") + mp.mpf("0.15") / 1600),
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", COUPLED_CRANKS)
-def test_coupled_cranks_are_one_pendulum_through_their_change_points(name):
+def test_coupled_cranks_are_one_pendulum_through_their_change_points():
     """All rods turn alike, so that Jeq is constant, φ̈ = -w/J cos φ, and the time of an angle is a quadrature."""
-    start, speed, rate = COUPLED_CRANKS[name]
-    sample = Mechanism(load(str(FOLDER / f"{name}.toml")))
-    motion = free_motion(sample, start_angle=start, start_speed=speed, duration=10.0)
+    start, speed = 0.7, 30.0
+    weight, inertia = mp.mpf("0.15") * mp.mpf("9.81") * mp.mpf("0.025"), mp.mpf("1.3e-4") + mp.mpf("0.15") / 1600
+    motion = free_motion(mechanism("parallelogram"), start_angle=start, start_speed=speed, duration=10.0)
 
     def swiftness(angle):
-        return mp.sqrt(mp.mpf(speed) ** 2 + 2 * rate * (mp.sin(mp.mpf(start)) - mp.sin(angle)))
+        return mp.sqrt(mp.mpf(speed) ** 2 + 2 * weight / inertia * (mp.sin(mp.mpf(start)) - mp.sin(angle)))
 
     def time_between(first, last):
         parts = mp.linspace(first, last, 1 + math.ceil((last - first) / 0.5))
@@ -334,7 +249,7 @@ def test_coupled_cranks_are_one_pendulum_through_their_change_points(name):
 
     with mp.workdps(25):
         turn = time_between(mp.mpf(start), start + 2 * mp.pi)
-        for time in (1.0, 2.5, 5.0, 10.0):
+        for time in (1.0, 10.0):
             angle = mp.mpf(float(motion.angle(time)))
             turns = mp.floor((angle - start) / (2 * mp.pi))
             late = turns * turn + time_between(mp.mpf(start), angle - 2 * mp.pi * turns) - time

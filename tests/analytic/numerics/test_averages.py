@@ -31,16 +31,16 @@ def truth(name):
 def test_a_mean_is_the_integral(name):
     curve, known = CURVES[name]
     expected = truth(name) if known is None else known
-    (found,) = averages(lambda _, x: curve(x)[None], np.linspace(0.0, 2.0, 13))
-    assert found == pytest.approx(expected, rel=1e-10, abs=1e-15)
+    (result,) = averages(lambda _, x: curve(x)[None], np.linspace(0.0, 2.0, 13))
+    assert result == pytest.approx(expected, rel=1e-10, abs=1e-15)
 
 
 def test_rows_have_curves_of_their_own_and_nan_stays_with_them():
     shift = np.array([0.1, np.nan, 0.7])
-    found = averages(lambda row, x: np.stack([(x - shift[row, None]) ** 2, x + 0.0 * shift[row, None]]),
+    result = averages(lambda row, x: np.stack([(x - shift[row, None]) ** 2, x + 0.0 * shift[row, None]]),
                      np.array([0.0, 0.5, 1.0]), 3)  # fmt: skip
     expected = [[((1.0 - s) ** 3 + s**3) / 3.0 for s in shift], [0.5, np.nan, 0.5]]
-    np.testing.assert_allclose(found, expected, rtol=1e-14)
+    np.testing.assert_allclose(result, expected, rtol=1e-14)
 
 
 def test_what_is_nothing_but_rounding_ends():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from analytic.numerics.refine import Tops, climb, highest
@@ -33,6 +33,7 @@ def test_peaks_of_sines_between_the_samples_and_at_the_ends_are_exact():
     assert places[:4] == pytest.approx([math.pi / 2 + 0.1234567, 2.0, 2.0 * math.pi, 0.0], abs=PLACE)
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats(-1.0, 1.0), min_size=12, max_size=12))
 @example([0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, -0.265625, -0.453125, 0.0, 0.4375])  # a top just behind the start
 def test_of_a_sum_of_harmonics_nothing_is_higher(coefficients):
@@ -83,7 +84,7 @@ def test_a_curve_that_is_not_finite_has_its_sample():
 
 
 def test_places_that_coincide_have_no_parabola():
-    found = Tops(np.array([0]), np.array([[0.0, 0.5, 0.5]]), np.full((1, 3), 0.2))
-    values, places = climb(found, lambda _, x: np.full(x.shape, 0.2))
+    result = Tops(np.array([0]), np.array([[0.0, 0.5, 0.5]]), np.full((1, 3), 0.2))
+    values, places = climb(result, lambda _, x: np.full(x.shape, 0.2))
     assert values[0] == 0.2
     assert 0.0 <= places[0] <= 0.5

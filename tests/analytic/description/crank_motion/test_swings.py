@@ -1,11 +1,17 @@
-"""Laws of motion against 50 digits, their joins, and sequences of them."""
+"""Laws of motion against 50 digits, their joins, sequences of them, tables, and the regimes of a linkage file."""
+
+import math
 
 import mpmath
 import numpy as np
 import pytest
 
 from analytic.description.crank_motion import LAWS, RPM, Move, sequence, swing
+from analytic.description.crank_motion.table import table_motion
+from analytic.description.linkage import PrescribedRegime
+from analytic.description.loading import parse
 from analytic.errors import LinkproofError, UnknownNameError
+from tests.analytic.faults import JUKI
 
 FIFTY = mpmath.mp.clone()
 FIFTY.dps = 50
@@ -23,42 +29,30 @@ def modified_sine(x):
     return (4 + pi * x - FIFTY.sin(4 * pi * x) / 4) / (4 + pi)
 
 
+# Each law with its largest speed and acceleration in textbooks, of travel over time and over its square.
 TEXTBOOK = {
-    "constant-speed": lambda x: x,
-    "cubic": lambda x: 3 * x**2 - 2 * x**3,
-    "polynomial": lambda x: 10 * x**3 - 15 * x**4 + 6 * x**5,
-    "cycloidal": lambda x: x - FIFTY.sin(2 * FIFTY.pi * x) / (2 * FIFTY.pi),
-    "modified-sine": modified_sine,
-}
-# The largest speed and acceleration of each in textbooks, of travel over time and over its square.
-PEAKS = {
-    "constant-speed": (1.0, 0.0),
-    "cubic": (1.5, 6.0),
-    "polynomial": (1.875, 10.0 / 3.0**0.5),
-    "cycloidal": (2.0, 2.0 * np.pi),
-    "modified-sine": (1.7596, 5.528),
+    "constant-speed": (lambda x: x, 1.0, 0.0),
+    "cubic": (lambda x: 3 * x**2 - 2 * x**3, 1.5, 6.0),
+    "polynomial": (lambda x: 10 * x**3 - 15 * x**4 + 6 * x**5, 1.875, 10.0 / 3.0**0.5),
+    "cycloidal": (lambda x: x - FIFTY.sin(2 * FIFTY.pi * x) / (2 * FIFTY.pi), 2.0, 2.0 * np.pi),
+    "modified-sine": (modified_sine, 1.7596, 5.528),
 }
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_a_law_is_its_formula_in_50_digits(law):
+def test_a_law_is_its_formula_in_50_digits_with_the_peaks_of_textbooks(law):
+    formula, speed, acceleration = TEXTBOOK[law]
     motion = swing(law, START, END, time=TIME)
+    time = np.linspace(0.0, TIME, 43)[1:-1]
     for order, values in enumerate((motion.angle, motion.speed, motion.acceleration)):
-        time = np.linspace(0.0, TIME, 83)[1:-1]
         scale = (FIFTY.mpf(END) - FIFTY.mpf(START)) / FIFTY.mpf(TIME) ** order
-        slopes = [FIFTY.diff(TEXTBOOK[law], FIFTY.mpf(float(t)) / FIFTY.mpf(TIME), order) for t in time]
+        slopes = [FIFTY.diff(formula, FIFTY.mpf(float(t)) / FIFTY.mpf(TIME), order) for t in time]
         exact = [scale * slope + (START if order == 0 else 0) for slope in slopes]
         errors = [abs(FIFTY.mpf(float(got)) - of) for got, of in zip(values(time), exact, strict=True)]
         assert max(errors) <= ROUNDINGS * max(*map(abs, exact), 1e-300)
-
-
-@pytest.mark.parametrize("law", LAWS)
-def test_peaks_are_the_textbooks(law):
-    motion = swing(law, START, END, time=TIME)
-    speed, acceleration = PEAKS[law]
+    peak = np.max(np.abs(motion.acceleration(np.linspace(0.0, TIME, 20001))))
     assert motion.peak_speed == pytest.approx(speed * 2.0 / TIME, rel=3e-5)
-    found = np.max(np.abs(motion.acceleration(np.linspace(0.0, TIME, 20001))))
-    assert found == pytest.approx(acceleration * 2.0 / TIME**2, rel=3e-5, abs=0.0)
+    assert peak == pytest.approx(acceleration * 2.0 / TIME**2, rel=3e-5, abs=0.0)
     assert swing(law, START, END, speed=3.0).peak_speed == pytest.approx(3.0, rel=1e-15)
     assert swing(law, START, END, speed=3.0).reach == pytest.approx((END, START), rel=1e-15)
 
@@ -73,7 +67,7 @@ def test_pieces_of_a_law_meet_without_a_jump_and_a_true_jump_is_seen():
             assert before.value(before.end, 1) == pytest.approx(after.value(after.start, 1), abs=6e-14)
 
 
-def test_a_sequence_goes_where_it_is_told():
+def test_a_sequence_goes_from_angle_to_angle():
     motion = sequence("tour", 0.1, [Move(0.2, 1.5, "cycloidal"), Move(0.3), Move(0.4, -0.5, "modified-sine")])
     assert motion.duration == pytest.approx(0.9)
     assert motion.angle([0.0, 0.2, 0.35, 0.5, 0.9]) == pytest.approx([0.1, 1.5, 1.5, 1.5, -0.5])
@@ -82,35 +76,74 @@ def test_a_sequence_goes_where_it_is_told():
 
 
 @pytest.mark.parametrize(
-    ("moves", "words"),
+    ("make", "words"),
     [
-        ([], "one segment or more, got none"),
-        ([Move(-1.0, 2.0)], "time of a segment: expected a positive finite number of s, got -1"),
-        ([Move(1.0, float("nan"))], "angle of a segment: expected a finite number of rad, got nan"),
-        ([Move(1.0, RPM), Move(1.0)], "got 1 rpm before and 0 rpm after 1 s"),
-        ([Move(1.0, 1.0), Move(1.0, 0.0)], "speed without a jump"),
-        ([Move(1.0, 1.0, "cycloid")], "unknown law 'cycloid': did you mean 'cycloidal'"),
+        (lambda: sequence("tour", 0.0, []), "one segment or more, got none"),
+        (lambda: sequence("tour", 0.0, [Move(-1.0, 2.0)]), "time of a segment: expected a positive finite number of s"),
+        (lambda: sequence("tour", 0.0, [Move(1.0, math.nan)]), "angle of a segment: expected a finite number of rad"),
+        (lambda: sequence("tour", 0.0, [Move(1.0, RPM), Move(1.0)]), "got 1 rpm before and 0 rpm after 1 s"),
+        (lambda: swing("constant-speed", 0.0, 1.0, speed=1.0, time=1.0), "either a speed or a time"),
+        (lambda: swing("constant-speed", 0.0, 1.0), "either a speed or a time"),
+        (lambda: swing("constant-speed", 0.0, 1.0, speed=0.0), "speed: expected a positive"),
+        (lambda: swing("constant-speed", 0.0, 1.0, time=1.0, dwell=-1.0), "dwell: expected"),
+        (lambda: swing("constant-speed", 0.0, 1.0, time=1.0, back=True), "speed without a jump"),
+        (lambda: swing("cubic", 1.0, 1.0, time=1.0), "the same twice"),
+        (lambda: table_motion("bad", [0.0, 1.0, 2.0, 3.0], [0.0, math.nan, 2.0, 3.0]), "finite times and angles"),
+        (lambda: table_motion("bad", [0.0, 1e-300, 2e-300, 3e-300], [0.0, 1.0, 2.0, 3.0]), "got some 1e-300 s apart"),
     ],
 )
-def test_a_sequence_that_cannot_be_is_refused(moves, words):
+def test_a_motion_that_cannot_be_is_refused(make, words):
     with pytest.raises(LinkproofError, match=words):
-        sequence("tour", 0.0, moves)
+        make()
+    with pytest.raises(UnknownNameError, match="unknown law 'sine'"):
+        swing("sine", 0.0, 1.0, time=1.0)
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"speed": 1.0, "time": 1.0}, "either a speed or a time"),
-        ({}, "either a speed or a time"),
-        ({"speed": 0.0}, "speed: expected a positive"),
-        ({"time": 1.0, "dwell": -1.0}, "dwell: expected"),
-        ({"time": 1.0, "back": True}, "speed without a jump"),
-    ],
-)
-def test_a_swing_that_cannot_be_is_refused(given, words):
-    with pytest.raises(LinkproofError, match=words):
-        swing("constant-speed", 0.0, 1.0, **given)
-    with pytest.raises(LinkproofError, match="the same twice"):
-        swing("cubic", 1.0, 1.0, time=1.0)
-    with pytest.raises(UnknownNameError):
-        swing("run-up", 0.0, 1.0, time=1.0)
+@pytest.mark.parametrize(("points", "error"), [(21, 2e-4), (161, 5e-8)])
+def test_a_table_of_a_law_is_that_law_to_the_fourth_order(points, error):
+    """A cubic spline errs by h⁴, at its ends, where its slopes are unknown, by a little more."""
+    law, time = swing("cycloidal", 0.2, 1.7, time=0.5), np.linspace(0.0, 0.5, points)
+    motion = table_motion("read", time.tolist(), law.angle(time).tolist())
+    assert motion.angle(time) == pytest.approx(law.angle(time), abs=1e-15)
+    dense = np.linspace(0.0, 0.5, 2003)
+    assert motion.angle(dense) == pytest.approx(law.angle(dense), abs=error)
+    assert motion.peak_speed == pytest.approx(law.peak_speed, rel=20 * error)
+
+
+def test_a_table_has_no_jump_but_the_start():
+    motion = table_motion("uneven", [0.0, 0.1, 0.15, 0.3, 0.5], [0.2, 0.3, 0.4, 1.1, 1.7])
+    assert set(motion.jumps) <= {0.0}
+    for before, after in zip(motion.segments, motion.segments[1:], strict=False):
+        for order in range(3):
+            assert before.value(before.end, order) == pytest.approx(after.value(after.start, order), abs=1e-11)
+    table_motion("fast", [0.0, 1.0, 2.0, 2.1, 2.2, 2.3, 3.0, 4.0], [0.0, 0.0, 0.0, 0.3, 0.8, 1.0, 1.0, 1.0])
+
+
+def regime(text):
+    """The regime that a linkage file describes by this text."""
+    (only,) = parse(f"{JUKI}\n[regimes.mine]\n{text}\n", "mine", "mine.toml", None).regimes
+    return only
+
+
+def test_a_file_describes_swings_segments_and_tables():
+    swinging = regime('from = 20\nto = 110\nspeed = 60\nlaw = "cycloidal"\ndwell = 0.2\nback = true')
+    assert isinstance(swinging, PrescribedRegime)
+    assert swinging.motion.regime == "mine"
+    assert swinging.motion.peak_speed == pytest.approx(60.0 * RPM)
+    assert swinging.motion.duration == pytest.approx(2 * 0.5 + 0.2)
+    assert np.degrees(swinging.motion.angle([0.0, 0.6, 1.2])) == pytest.approx([20.0, 110.0, 20.0])
+    assert regime("from = 20\nto = -10\ntime = 0.5").motion.speed(0.1) == pytest.approx(math.radians(-60.0))
+    parts = regime('start_angle = 10\nsegments = [{ to = 90, time = 0.2, law = "cubic" }, { dwell = 0.1 }]').motion
+    assert np.degrees(parts.angle([0.0, 0.2, 0.3])) == pytest.approx([10.0, 90.0, 90.0])
+    assert parts.jumps == pytest.approx((0.0, 0.2))
+    table = regime("time = [0, 0.1, 0.2, 0.3, 0.4]\nangle = [0, 5, 20, 30, 33]").motion
+    assert np.degrees(table.angle([0.0, 0.1, 0.2, 0.3, 0.4])) == pytest.approx([0, 5, 20, 30, 33])
+
+
+def test_a_file_releases_the_crank_under_a_torque_over_angle_or_time():
+    constant = regime("torque = 0.5\nstart_angle = 30\nduration = 2")
+    assert (constant.torque, constant.over_angle, constant.over_time) == (0.5, None, None)
+    over_angle = regime("torque = [0.1, 0.3, 0.2]\nangle = [0, 90, 180]\nstart_angle = 30\nduration = 2").over_angle
+    assert over_angle(math.pi / 2)[0] == pytest.approx(0.3)
+    over_time = regime("torque = [0.1, 0.3]\ntime = [0.5, 1.5]\nstart_angle = 30\nduration = 2").over_time
+    assert over_time([0.0, 1.0, 2.0]) == pytest.approx([0.1, 0.2, 0.3])

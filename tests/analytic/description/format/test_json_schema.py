@@ -26,22 +26,19 @@ def test_the_schema_itself():
     assert not {"$defs", "prefixItems", "const"} & set(str(SCHEMA).replace("'", " ").split())
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-def test_every_file_that_is_read_is_valid(path):
-    assert faults(path.read_text(encoding="utf-8")) == []
+def test_every_file_that_is_read_is_valid():
+    assert {path.name: faults(path.read_text(encoding="utf-8")) for path in FILES} == {path.name: [] for path in FILES}
 
 
 @pytest.mark.parametrize(
     ("old", "new", "fault"),
     [
         ("inertia = 0.64e-4", "inertai = 0.64e-4", "'inertai' was unexpected"),
-        ("gravity = ", "gravty = ", "'gravty' was unexpected"),
         ('length = "mm"', 'length = "MM"', "'MM' is not one of ['m', 'cm', 'mm', 'um', 'in']"),
-        ("mass    = 0.64", 'mass = "0.64"', "'0.64' is not of type 'number'"),
+        ("mass    = 0.64", 'mass = "{n}"', "'{n}' is not of type 'number'"),
         ("mass    = 0.64", "mass = -1", "-1 is less than the minimum of 0"),
         ('crank   = "crank"\n', "", "is not valid under any of the given schemas"),
         ("A = [15.5, 0]", "A = [15.5, 0, 1]", "is not valid under any of the given schemas"),
-        ("A = [15.5, 0]", "A = { radus = 3, angle = 0 }", "is not valid under any of the given schemas"),
         ("centre = [-12.9, 0]", "center = [-12.9, 0]", "'center' was unexpected"),
         ("through = [0, 0], ", "", "'through' is a required property"),
     ],
@@ -51,17 +48,11 @@ def test_what_is_refused(old, new, fault):
     assert any(fault in message for message in faults(JUKI.replace(old, new, 1)))
 
 
-def test_a_variant_may_change_a_part_of_a_table():
+def test_a_variant_may_change_a_part_of_a_table_and_a_repeated_part_takes_formulas():
     assert faults(JUKI + "\n[variants.x.links.crank]\npoints = { A = { angle = 3 } }\n") == []
-
-
-def test_a_repeated_part_takes_formulas_where_a_file_takes_numbers():
-    repeated = (
-        '\n[repeat.bars]\ncount = 3\nground = { "O{n}" = ["{60*n}", 0] }\n[repeat.bars.links."bar{n}"]\nmass = "{n}"\n'
-    )
+    repeated = '\n[repeat.bars]\ncount = 3\n[repeat.bars.links."bar{n}"]\nmass = "{n}"\n'
     assert faults(JUKI + repeated) == []
     assert faults(JUKI + repeated.replace("mass", "mas"))
-    assert faults(JUKI.replace("mass    = 0.64", 'mass = "{n}"'))
 
 
 def test_it_completes_units_and_choices_and_says_what_each_key_is():

@@ -1,6 +1,5 @@
-"""Groups of class III and higher: found, followed, solved; against 50 digits, class II routes, and their own bounds."""
+"""Groups of class III and higher: search, continuation, solution; against 50 digits and their own bounds."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,35 +10,26 @@ from analytic.description.linkage import GROUND
 from analytic.description.loading import parse
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.kinematics import frames
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import ErrorBounds
 from analytic.kinematics.groups.following import Problem, corrected, followed
-from analytic.kinematics.groups.solver import GroupSolver, problem_of
-from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Dyad, Group, Revolute
-from analytic.kinematics.sweep import Sweep
+from analytic.kinematics.groups.solver import GroupSolver
+from analytic.kinematics.structure import Group, Revolute
 from tests.analytic.drives import driven, path_of
 from tests.analytic.fifty_digits import exact
-from tests.analytic.linkages import EVERY, mechanism
+from tests.analytic.linkages import from_text
 from tests.analytic.tolerances import FIFTY_DIGITS, ORACLE
 
 SOLVED = ("boom", "cylinder-in-the-loop", "linear-motor", "ternary-on-rods")
 TEXT = Path(path_of("ternary-on-rods")).read_text(encoding="utf-8")
-
-
 BOOM = Path(path_of("boom")).read_text(encoding="utf-8")
-
-
-def from_text(text: str) -> Mechanism:
-    return Mechanism(parse(text, "sample", "sample.toml"))
 
 
 @pytest.mark.parametrize("name", SOLVED)
 def test_positions_derivatives_and_torque_are_those_of_50_digits_within_their_bound(name):
     model = driven(name)
     low, high = model.crank_range().limits
-    for value in low + (high - low) * np.array([0.07, 0.41, 0.93]):
+    for value in low + (high - low) * np.array([0.07, 0.93]):
         truth, sweep = exact(model, float(value)), model.sweep(float(value))
         bounds, errors, peaks = ErrorBounds(sweep), np.zeros(3), np.zeros(3)
         for body, link in model.linkage.links.items():
@@ -56,64 +46,10 @@ def test_positions_derivatives_and_torque_are_those_of_50_digits_within_their_bo
         assert abs(mpf(float(mkr)) - truth.torque(-3.0, 20.0)) <= FIFTY_DIGITS * abs(float(mkr))
 
 
-def test_driven_by_another_link_the_linkage_is_made_of_dyads_and_stands_alike():
-    angle = np.linspace(0.0, 2.0 * np.pi, 361)
-    sweep = driven("ternary-on-rods").sweep(angle)
-    turns = np.flatnonzero(np.diff(np.sign(sweep.rates("left")[2])))[0]  # there the new driver reverses
-    angle = angle[2 : turns - 1] if turns > 20 else angle[turns + 3 : turns + 80]
-    sweep = driven("ternary-on-rods").sweep(angle)
-    here = {point: 1e3 * sweep.point(point)[:, 0] for point in "ABD"}
-    text = TEXT[: TEXT.index("[sketch]")].replace('crank   = "crank"', 'crank   = "left"')
-    points = ", ".join(f"{point} = [{x!r}, {y!r}]" for point, (x, y) in ((p, map(float, at)) for p, at in here.items()))
-    start = float(np.degrees(sweep.angles("left")[0]))
-    other = from_text(f"{text}[sketch]\nangle = {start!r}\npoints = {{ {points} }}\n")
-    assert [group.kind for group in other.structure.groups] == ["RRR", "RRR"]
-    back = other.sweep(sweep.angles("left"))
-    near = [np.max(np.hypot(*(sweep.point(p) - back.point(p)))) for p in ("B", "C", "D", "P")]
-    assert max(near) < 1e-13 * other.linkage.extent()
-    speed = sweep.rates("left")[2]
-    assert np.stack(sweep.local_point("plate", (0.02, 0.01), 1)) == pytest.approx(
-        np.stack(back.local_point("plate", (0.02, 0.01), 1)) * speed, rel=1e-10, abs=1e-12
-    )
-
-
-@pytest.mark.parametrize(("name", "variant"), EVERY)
-def test_dyads_solved_by_numbers_are_the_closed_form(name, variant):
-    if name in ("parallelogram", "near-toggle"):
-        pytest.skip("its configuration ends at a change point, or all but does")
-    formulas = mechanism(name, variant)
-    linkage, at = formulas.linkage, formulas.linkage.sketch_angle
-    done: list[Dyad | Group] = []
-    for dyad in formulas.structure.dyads:
-        before = replace(formulas.structure, groups=tuple(done))
-        group = Group(dyad.links, dyad.joints, 2)
-
-        def hosts(angle, before=before, group=group):
-            sweep, one = Sweep(linkage, before, angle), np.ones(angle.shape)
-            motion = {b: (sweep.poses(b), sweep.rates(b), sweep.accelerations(b)) for b in group.hosts}
-            return {b: tuple(tuple(p * one for p in part) for part in parts) for b, parts in motion.items()}
-
-        here = formulas.sweep(np.asarray(at))
-        start = np.array([[*map(float, here.poses(b)[:2]), float(here.angles(b))] for b in dyad.links])
-        done.append(replace(group, branch=followed(problem_of(group, linkage, hosts), start, at)))
-    angle = formulas.turn.angle[::7]
-    numerical = Sweep(linkage, replace(formulas.structure, groups=tuple(done)), angle)
-    closed = formulas.sweep(angle)
-    for order, limit in enumerate((1e-13, 1e-11, 1e-9)):
-        for body in formulas.structure.bodies:
-            one, other = (s.local_point(body, (0.0, 0.0), order) for s in (numerical, closed))
-            peak = max(_peak(closed, b, order) for b in formulas.structure.bodies)
-            assert np.max(np.hypot(*frames.minus(one, other))) <= limit * peak
-
-
-def _peak(sweep: Sweep, body: str, order: int) -> float:
-    return float(np.max(np.hypot(*sweep.local_point(body, (0.0, 0.0), order))))
-
-
 HEAD = TEXT[: TEXT.index("[links.crank]")]
 
 
-def test_a_group_with_a_closed_contour_of_four_links_is_of_class_iv_and_names_do_not_matter():
+def test_a_group_with_a_closed_contour_of_four_links_is_of_class_iv():
     links = {
         "crank": {"O1": (0, 0), "A": (16, 0)},
         "a": {"A": (0, 0), "B": (30, 0), "E": (10, 20)},
@@ -122,15 +58,13 @@ def test_a_group_with_a_closed_contour_of_four_links_is_of_class_iv_and_names_do
         "d": {"D": (0, 0), "E": (40, 0)},
     }
     text = HEAD.replace('output  = { point = "P", along = [0, 1] }', "")
-    for rename in (str, lambda name: name if name == "crank" else f"x{ord('z') - ord(name[0])}"):
-        body = ""
-        for name, places in links.items():
-            points = ", ".join(f"{point} = {[*at]}" for point, at in places.items())
-            body += f"[links.{rename(name)}]\nmass = 1\ninertia = 1\npoints = {{ {points} }}\n"
-        structure = find_structure(parse(text + body, "sample", "sample.toml"))
-        assert [(g.kind, len(g.links)) for g in structure.groups] == [("IV, numerical", 4)]
-        assert structure.is_numerical
-        assert not structure.dyads
+    for name, places in links.items():
+        points = ", ".join(f"{point} = {[*at]}" for point, at in places.items())
+        text += f"[links.{name}]\nmass = 1\ninertia = 1\npoints = {{ {points} }}\n"
+    structure = find_structure(parse(text, "sample", "sample.toml"))
+    assert [(g.kind, len(g.links)) for g in structure.groups] == [("IV, numerical", 4)]
+    assert structure.is_numerical
+    assert not structure.dyads
 
 
 def test_a_turn_returns_and_later_turns_are_the_same():
@@ -177,39 +111,29 @@ def test_of_two_groups_that_end_between_two_looks_the_nearer_end_is_the_range_s(
     mechanism.sweep(np.array([low.angle + 1e-9])).poses("jib")
 
 
-FAULTS = {
-    "no sketch": (
-        TEXT.replace("points = { B = [40, 38], C = [80, 33], D = [62, 55] }", ""),
-        r"expected the rough position of 'B' or 'C' or 'D' or 'P' at crank angle 0°, got a sketch that leaves open",
-    ),
-    "too short": (TEXT.replace("B = [50, 0]", "B = [5, 0]"), r"cannot be assembled at 0° from the sketch; check the"),
-    "two drivers": (
-        TEXT.replace("gravity =", 'cylinder = { between = ["B", "O2"] }\ngravity ='),
-        r"expected one driver, got crank and cylinder",
-    ),
-    "no driver": (TEXT.replace('crank   = "crank"', ""), r"crank is missing: .* or a cylinder"),
-    "a cylinder on one body": (
-        BOOM.replace('["C", "Q"]', '["C", "J"], links = ["boom", "boom"]'),
-        r"on two different bodies, got both on 'boom'",
-    ),
-    "a cylinder of no length": (
+NO_SKETCH = TEXT.replace("points = { B = [40, 38], C = [80, 33], D = [62, 55] }", "")
+LOOSE = "O3 = [0, 0], D = [38, 0], O2 = [-30, -100]"
+LOCKED = TEXT.replace("O3 = [0, 0], D = [38, 0]", LOOSE).replace("O2 = [0, 0], C = [45, 0]", "C = [45, 0]")
+TWO_DRIVERS = TEXT.replace("gravity =", 'cylinder = { between = ["B", "O2"] }\ngravity =')
+ON_ONE_BODY = BOOM.replace('["C", "Q"]', '["C", "J"], links = ["boom", "boom"]')
+FAULTS = [
+    (NO_SKETCH, r"expected the rough position of 'B' or 'C' or 'D' or 'P' at crank angle 0°, got a sketch that leaves"),
+    (TEXT.replace("B = [50, 0]", "B = [5, 0]"), r"cannot be assembled at 0° from the sketch; check the"),
+    (TWO_DRIVERS, r"expected one driver, got crank and cylinder"),
+    (TEXT.replace('crank   = "crank"', ""), r"crank is missing: .* or a cylinder"),
+    (ON_ONE_BODY, r"on two different bodies, got both on 'boom'"),
+    (
         BOOM.replace("angle  = 350\n", ""),
-        r"sample.toml:\d+: sketch.*: expected the length of the cylinder at which the sketch is drawn",
+        r"sample.toml:\d+: sketch.*: expected the length of the cylinder at which the",
     ),
-    "a cylinder of no points": (BOOM.replace('["C", "Q"]', '["C", "Z"]'), r"cylinder: unknown point 'Z'"),
-    "a cylinder of three": (BOOM.replace('["C", "Q"]', '["C", "Q", "R"]'), r"cylinder.between: expected "),
-    "loose and locked": (
-        TEXT.replace("O3 = [0, 0], D = [38, 0]", "O3 = [0, 0], D = [38, 0], O2 = [-30, -100]").replace(
-            "points  = { O2 = [0, 0], C = [45, 0] }", "points  = { C = [45, 0] }"
-        ),
-        r"too many joints|form no group",
-    ),
-}
+    (BOOM.replace('["C", "Q"]', '["C", "Z"]'), r"cylinder: unknown point 'Z'"),
+    (BOOM.replace('["C", "Q"]', '["C", "Q", "R"]'), r"cylinder.between: expected "),
+    (LOCKED, r"too many joints|form no group"),
+]
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-def test_what_cannot_be_solved_is_said_with_its_cure(fault):
-    text, message = FAULTS[fault]
+@pytest.mark.parametrize(("text", "message"), FAULTS)
+def test_a_linkage_that_cannot_be_solved_is_refused_with_its_cure(text, message):
     with pytest.raises(LinkproofError, match=message):
         from_text(text)
 
@@ -217,51 +141,13 @@ def test_what_cannot_be_solved_is_said_with_its_cure(fault):
 def test_a_sketch_that_is_rough_finds_the_configuration_nearest_to_it():
     exact = driven("ternary-on-rods").sweep(np.asarray(0.0))
     here = {p: exact.point(p) * 1e3 for p in "BCD"}
-    for shift in ((9.0, 0.0), (-7.0, 7.0), (3.0, -9.0)):
+    for shift in ((9.0, 0.0), (-7.0, 7.0)):
         points = ", ".join(f"{p} = [{here[p][0] + shift[0]}, {here[p][1] + shift[1]}]" for p in here)
         model = from_text(TEXT.replace("B = [40, 38], C = [80, 33], D = [62, 55]", points))
         assert model.sweep(np.asarray(0.0)).point("P") == pytest.approx(exact.point("P"), abs=1e-14)
 
 
-def _drawn_at_random(seed: int) -> tuple[str, dict[str, np.ndarray]]:
-    """A ternary link on three rods through random places, sketched a little off."""
-    random = np.random.default_rng(seed)
-    places = {name: random.uniform(-100.0, 100.0, 2) for name in ("O1", "O2", "O3", "B", "C", "D")}
-    places["A"] = places["O1"] + np.array([random.uniform(5.0, 60.0), 0.0])
-
-    def length(one: str, other: str) -> float:
-        return float(np.hypot(*(places[one] - places[other])))
-
-    along = (places["C"] - places["B"]) / length("B", "C")
-    third = places["D"] - places["B"]
-    corner = f"[{float(along @ third)!r}, {float(along[0] * third[1] - along[1] * third[0])!r}]"
-    ends = {"crank": ("O1", "A"), "rod": ("A", "B"), "plate": ("B", "C"), "left": ("O2", "C"), "right": ("O3", "D")}
-    text = (
-        'title = "drawn"\nunits = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }\ncrank = "crank"\n'
-    )
-    text += "[ground]\n" + "".join(f"{name} = {[*map(float, places[name])]}\n" for name in ("O1", "O2", "O3"))
-    for name, (one, other) in ends.items():
-        more = f", D = {corner}" if name == "plate" else ""
-        text += f"[links.{name}]\npoints = {{ {one} = [0, 0], {other} = [{length(one, other)!r}, 0]{more} }}\n"
-        text += "mass = 1\ninertia = 1\n"
-    rough = {name: places[name] + random.normal(0.0, 2.0, 2) for name in "BCD"}
-    points = ", ".join(f"{name} = {[*map(float, place)]}" for name, place in rough.items())
-    return f"{text}[sketch]\nangle = 0\npoints = {{ {points} }}\n", places
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_linkages_drawn_at_random_start_as_drawn_and_stay_closed(seed):
-    text, places = _drawn_at_random(seed)
-    model = from_text(text)
-    start = model.sweep(np.asarray(0.0))
-    for name in "BCD":
-        assert 1e3 * start.point(name) == pytest.approx(places[name], abs=1e-9)
-    low, high = model.crank_range().limits
-    sweep = model.sweep(np.linspace(low, high, 102)[1:-1])
-    assert np.max(sweep.closure_error()) < 1e-15
-
-
-def test_a_turn_that_ends_in_another_configuration_is_told():
+def test_a_turn_that_ends_in_another_configuration_is_refused():
     """Two links between the ground and a body that turns half as fast as the crank."""
     joints = (
         Revolute("P", "half", "one", (0.3, 0.0), (0.0, 0.0)),

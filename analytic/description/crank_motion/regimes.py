@@ -29,12 +29,12 @@ KINDS: Final[Mapping[str, tuple[str, ...]]] = {
 
 
 def is_released(table: doc.RegimeTable) -> bool:
-    """Whether a regime of a file lets the crank go."""
+    """Whether the crank is released in a regime of a file."""
     return _kind(_given(table)) == "released crank"
 
 
-def regime(reader: Reader, name: str) -> OwnRegime:
-    """A regime of the linkage's own, which may not bear the name of one that every linkage can be given."""
+def regime_of(reader: Reader, name: str) -> OwnRegime:
+    """The regime of this name in a linkage file; raises DescriptionError for the name of a prescribed motion."""
     table, where = reader.document.regimes[name], f"regimes.{name}"
     if name in (*REGIMES, *LAWS):
         raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
@@ -55,7 +55,7 @@ def regime(reader: Reader, name: str) -> OwnRegime:
 
 
 def _given(table: doc.RegimeTable) -> list[str]:
-    """Keys that the file has, as it writes them."""
+    """Keys of the regime in the file, as written there."""
     return [field.alias or name for name, field in type(table).model_fields.items() if name in table.model_fields_set]
 
 
@@ -175,7 +175,7 @@ def _released(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> 
 
 
 def _torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[float, Law | None, TimeLaw | None]:
-    """The crank's torque: what of it is constant, and its law over the angle or over time."""
+    """The crank's torque: its constant part, its law over the angle, its law over time."""
     if not isinstance(table.torque, list):
         if table.angle is not None or table.time is not None:
             key = "angle" if table.angle is not None else "time"
