@@ -7,7 +7,6 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
-from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.errata import judge_errata
@@ -20,11 +19,9 @@ from comparisons.stress.cells import find_cell
 from comparisons.work_precision.points import Extent
 from comparisons.work_precision.study import BenchRequest, bench
 from engines import registry
-from engines.contract import Outcome, Setting
-from engines.ondsel_adapter import OndselEngine
+from engines.contract import Setting
 from engines.scene import Channel
-from reports.requests import campaign
-from tests.commands import process
+from tests.commands import linkproof, refused
 from tests.comparisons.faults import PATIENCE, announce
 
 ADAPTER = """from engines.registry import NOTHING
@@ -104,16 +101,6 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
     assert {(record.outcome, record.detail) for record in other.records} == {("unavailable", reason)}
 
 
-def test_an_engine_too_old_is_refused_by_name_and_a_row_otherwise(monkeypatch):
-    monkeypatch.setattr(OndselEngine, "package", "numpy")
-    monkeypatch.setattr(OndselEngine, "oldest", "9999")
-    monkeypatch.setattr(campaign, "adapters", lambda names: [OndselEngine() for _ in names])
-    with pytest.raises(LinkproofError, match=r"numpy .* is too old, 9999 is the first that will do: pip install"):
-        campaign.named(["ondsel"])
-    run = OndselEngine().run(CASE.scene([Channel.TORQUE]), Setting.TUNED)
-    assert (run.outcome, "is too old" in run.reason) == (Outcome.UNAVAILABLE, True)
-
-
 def test_a_plugin_that_cannot_be_imported_costs_its_own_rows_in_every_study(plugins):
     names, words = ("raising", "failing"), {"ValueError: at import", "ZeroDivisionError: ran"}
     request = CampaignRequest((CASE.mechanism.linkage,), (CASE.motion,), "", names, quantities=("Mkr",))
@@ -132,13 +119,9 @@ def test_a_plugin_that_cannot_be_imported_costs_its_own_rows_in_every_study(plug
     assert all(any(part in detail for part in words) for _, _, detail in rows), rows
 
 
-def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins):
-    (plugins / "hanging.py").write_text("")  # as long as it takes to load it would be waited for
-
-    def linkproof(*words):
-        return process(*words, PYTHONPATH=str(plugins))
-
-    words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "-")
+def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins, monkeypatch):
+    (plugins / "hanging.py").write_text("")  # it would be waited for
+    words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "-", "--jobs", "0")
     done = linkproof(*words, "--engine", "direct", "--engine", "raising")
     assert (done.returncode, done.stderr) == (1, "")
     rows = {row["engine"]: (row["outcome"], row["detail"]) for row in json.loads(done.stdout)["records"]}
@@ -152,6 +135,4 @@ def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins)
     checked = linkproof("check-engine", "raising")
     assert (checked.returncode, checked.stderr.count("raising.py, line 2")) == (1, 1)
     for command in (("compare", "--engine", "twin"), ("stress", "--engine", "twin"), ("check-engine", "twin")):
-        refused = linkproof(*command)
-        assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
-        assert "engine 'twin' is announced by other-engines 1.0 and some-engines 1.0" in refused.stderr
+        assert "engine 'twin' is announced by other-engines 1.0 and some-engines 1.0" in refused(*command)
