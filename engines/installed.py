@@ -58,10 +58,10 @@ def _numbers(version: str) -> tuple[int, ...]:
 
 
 def flush() -> None:
-    """Have Python and C write out what they hold back of standard output and error."""
+    """Flush the buffers that Python and C have for standard output and error."""
     for stream in filter(None, (sys.stdout, sys.stderr)):
         stream.flush()
-    with suppress(OSError, AttributeError, TypeError):  # a system without a C library of its own to ask
+    with suppress(OSError, AttributeError, TypeError):  # a system without a C library that can be loaded
         ctypes.CDLL(None).fflush(None)
 
 
@@ -76,7 +76,7 @@ def silenced(into: str = os.devnull) -> Iterator[None]:
                 os.dup2(file.fileno(), stream)
         yield
     finally:
-        flush()  # what is still held back is not written later
+        flush()  # buffered output is not written later
         for stream, copy in streams:
             os.dup2(copy, stream)
             os.close(copy)

@@ -19,7 +19,7 @@ PLANE = np.array([1.0, 1j, 0.0])  # vectors of space as complex numbers
 KINEMATICS = ("position", "velocity", "acceleration")
 
 
-class World:
+class MujocoWorld:
     """The compiled model in its start state; ``sums`` has for every body which hinges' angles add up to its own."""
 
     def __init__(self, given: Data) -> None:
@@ -151,12 +151,12 @@ def at(law: Any, angle: float) -> Any:  # noqa: ANN401
     return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
 
 
-def build(model: Data) -> World:
+def build(model: Data) -> MujocoWorld:
     """The world of a model."""
-    return World(model)
+    return MujocoWorld(model)
 
 
-def follow(world: World, course: Data) -> Data:
+def follow(world: MujocoWorld, course: Data) -> Data:
     """The samples of a course; of the two between parts the later part's counts."""
     rows: list[tuple[float, Data]] = []
     warnings: list[str] = []
@@ -176,7 +176,7 @@ def follow(world: World, course: Data) -> Data:
     return samples
 
 
-def part_states(world: World, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
+def part_states(world: MujocoWorld, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
     """Instants of a part, s, and what is read at them."""
     model, data, settle = world.model, world.data, world.given["settle"]
     sample = (part["end"] - part["start"]) / part["samples"]

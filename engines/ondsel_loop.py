@@ -129,7 +129,7 @@ def solved(model: AsmtModel, part: Data) -> Rows:
             path = cells[0]
         else:
             rows[path, label] = np.array(cells[1:], dtype=float)  # the first column is the pose that was given
-    # Ondsel ends early and says nothing where it finds no solution or does not understand a word.
+    # Ondsel ends early without a message where it has no solution or does not know a word.
     frames = min(map(len, rows.values()), default=0)
     if frames <= part["samples"]:
         raise ArithmeticError(f"Ondsel solved {frames} of {part['samples'] + 1} frames")

@@ -24,7 +24,7 @@ from engines.scene import Channel, Scene
 
 GROUP = "linkproof.engines"
 CONTRACT: Final = ("name", "abilities", "is_control", "version", "run")  # what every adapter has to have
-LOADING: Final = 30.0  # s that an adapter is given to be imported and to tell its version
+LOADING: Final = 30.0  # s within which an adapter must be imported and return its version
 NOTHING: Final = Abilities({}, frozenset(), frozenset(), frozenset(), settings=frozenset())
 _FAILED: dict[str, BaseException] = {}  # by entry point: what failed once is not tried again
 

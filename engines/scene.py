@@ -174,7 +174,7 @@ class Scene:
     """The whole input of an engine. ``crank`` names the driven body.
 
     It is pinned to the ground and turns, or held by a slider on the ground and is pushed along it; empty where a
-    ``cylinder`` drives. ``driver_kind`` says which.
+    ``cylinder`` drives. ``driver_kind`` is the kind.
     """
 
     crank: str

@@ -28,7 +28,7 @@ def scene_of(sample: str) -> Scene:
     return case(sample).scene(EVERY)
 
 
-class Trial:
+class EngineTrial:
     """An engine and what it has run so far."""
 
     def __init__(self, engine: Engine) -> None:

@@ -78,7 +78,7 @@ def _history(scene: Scene, spacing: float | None, cost: Cost) -> History:
             raise DivergedError(reason)
         equations = _equations(scene)
     try:
-        with cost.stepping(), np.errstate(all="ignore"):  # what is not finite is found and named
+        with cost.stepping(), np.errstate(all="ignore"):  # numbers that are not finite are named later
             history, cost.steps = motion(equations, spacing)
     finally:
         cost.solver_work = equations.solves

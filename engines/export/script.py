@@ -65,7 +65,7 @@ def script(
     about: str,
     figures: Callable[[History], Sequence[ScriptFigure]],
 ) -> str:
-    """The script of one run; ``about`` says what it is, ``figures`` what of its history it shows at its end.
+    """The script of one run; ``about`` describes it, ``figures`` gives those of its history that it shows at its end.
 
     Raises UnsupportedError in a sentence for what cannot be exported.
     """
@@ -97,7 +97,7 @@ def script(
 
 
 def written(value: object) -> str:
-    """Data as source, whatever text is in it."""
+    """Python source of plain data; any text in it stays data."""
     return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
 

@@ -1,6 +1,6 @@
 """One pass in pymunk: a space without shapes, its loads set before every step, and what is read after it.
 
-A step of pymunk first moves the bodies, then asks for forces and solves for velocities: after it the positions are
+A step of pymunk first moves the bodies, then evaluates forces and solves for velocities: after it the positions are
 those of tₙ, the velocities those of tₙ + h/2, impulses over h the loads at tₙ. From sample to sample there is an odd
 number of steps, so that passes of different step share the samples as well as the middles between them: velocities live
 on the middles, and the acceleration at a sample is (v⁺ − v⁻)/h across it.
@@ -69,10 +69,10 @@ class Rod:
             body.apply_force_at_world_point(sign * force * between.normalized(), body.position + lever)
 
 
-class World:
+class PymunkWorld:
     """A space in its start state, but for the velocities; ``ends`` has the bodies, the ground as -1.
 
-    The ``motor`` is the drive: it works against a torque that keeps the sign of what it exerts, as pymunk tells the
+    The ``motor`` is the drive: it works against a torque that keeps the sign of its own, as pymunk gives the
     size alone. That of a linear drive is a pin joint, whose distance is set before every step: after the step to come
     its ends are as far apart. ``line`` is between the ends of a linear driver, prescribed or free.
     """
@@ -194,12 +194,12 @@ def speeds(motion: Sequence[tuple[float, Sequence[float]]] | None, centred: bool
     return np.asarray(result @ (0.5 * shares))
 
 
-def build(model: Data) -> World:
+def build(model: Data) -> PymunkWorld:
     """The world of a model."""
-    return World(model)
+    return PymunkWorld(model)
 
 
-def follow(world: World, course: Data) -> Data:
+def follow(world: PymunkWorld, course: Data) -> Data:
     """The samples of a course, which is one part."""
     given, channels, ratio, (part,) = world.given, course["channels"], course["ratio"], course["parts"]
     centred, samples = given["centred"], ratio * np.arange(part["samples"] + 1)
@@ -241,7 +241,7 @@ def follow(world: World, course: Data) -> Data:
 
 
 def stepped(
-    world: World, step: float, rates: Array, marks: tuple[Array, Array], read: list[pymunk.Constraint]
+    world: PymunkWorld, step: float, rates: Array, marks: tuple[Array, Array], read: list[pymunk.Constraint]
 ) -> tuple[Array, Array]:
     """Take all steps; ``marks`` are those after which states and those after which impulses are read.
 
@@ -281,7 +281,7 @@ def stepped(
 
 
 def look(space: pymunk.Space) -> bytes:
-    """What all bodies are at."""
+    """Places, angles and velocities of all bodies, as bytes."""
     BUFFER.clear()
     batch.get_space_bodies(space, STATE, BUFFER)
     return bytes(BUFFER.float_buf())
@@ -299,7 +299,7 @@ def at_centres(offsets: list[complex], place: Array, rate: Array, ahead: float) 
     return place, rate
 
 
-def set_off(world: World, rate: float, step: float) -> None:
+def set_off(world: PymunkWorld, rate: float, step: float) -> None:
     """Give the parts their velocities: those that bring them through the first step, or a newcomer's.
 
     The latter are those of the start. The former are the motion's tangent there, at the speed of the middle of the

@@ -1,4 +1,4 @@
-"""How far an extrapolation is off, foreseen from what its last passes changed."""
+"""Estimate of the error of an extrapolation, from the changes that its last passes made."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 from engines.contract import History, Signal
 from engines.stepping.richardson import Pass, extrapolate
 
-SAFETY = 2.0  # of an estimated error over what the theory of evenly shrinking terms says
-COARSE = 0.5  # the relative error for which a step that is far too long stands
+SAFETY = 2.0  # of an estimated error over that of the theory of evenly shrinking terms
+COARSE = 0.5  # relative error assumed of a step that is far too long
 # A component this much smaller than its neighbours is rounding and has no relative error.
 NOTHING = 1e-9
 

@@ -68,7 +68,7 @@ def released_intervals(duration: float, kinks: Sequence[float], step: float) -> 
 
 
 def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
-    """The motion's segments in steps as fine as the pace asks for."""
+    """The motion's segments in steps no longer than the pace allows."""
     first = motion.segments[0]
     if len(motion.segments) > MANY:  # a table: its pieces need not be resolved each by itself
         pace = replace(pace, least_steps=math.ceil(pace.least_steps * MANY / len(motion.segments)))

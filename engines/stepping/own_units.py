@@ -102,7 +102,7 @@ def _scaled(value: Any, name: str, units: OwnUnits) -> Any:  # noqa: ANN401 - a 
 
 
 def restored(history: History, units: OwnUnits, driver: DriverKind = DriverKind.CRANK) -> History:
-    """A history of a scaled scene in SI; what drives tells whether its torque is a force."""
+    """A history of a scaled scene in SI; the torque of a linear ``driver`` is a force."""
     coordinates = np.array([units.length, units.length, 1.0])
 
     def times(signal: Signal | None, factor: object) -> Signal | None:

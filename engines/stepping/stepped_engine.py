@@ -147,7 +147,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return scene
 
     def version(self) -> str | None:
-        """As the contract says, like all that follows."""
+        """Version of the installed engine, or None; see the contract, as for all methods below."""
         return installed_version(self.package)
 
     def why_unavailable(self) -> str | None:

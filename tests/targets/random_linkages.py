@@ -1,6 +1,5 @@
 """Random valid linkages in every engine: how often tuned fails, and whether a wrong motion ever passes unseen.
 
-``python -m tests.targets.random_linkages [COUNT] [ENGINE ...]`` prints the table by engine and by mass ratio.
 Four-bars, offset slider-cranks, quick returns and six-bars; sizes and masses over four decades, each with a
 transmission angle that a designer would accept.
 """
@@ -8,7 +7,6 @@ transmission angle that a designer would accept.
 from __future__ import annotations
 
 import math
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -26,7 +24,7 @@ from comparisons.runs.workers import Bounds, run_jobs
 from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
 from comparisons.stress.verdict import judged
 from engines.contract import Setting
-from engines.registry import engine, engine_names
+from engines.registry import engine
 from engines.scene import Channel
 
 KINDS = ("four-bar", "slider-crank", "quick return", "six-bar")
@@ -167,10 +165,9 @@ def _text(kind: str, rng: np.random.Generator, largest_ratio: float) -> tuple[st
 
 @dataclass
 class Tally:
-    """The runs of one engine: how many by verdict, and the reasons of those that are over a limit."""
+    """Numbers of the runs of one engine by verdict."""
 
     verdicts: Counter[StressVerdict] = field(default_factory=Counter)
-    reasons: list[str] = field(default_factory=list)
 
     def __str__(self) -> str:
         return ", ".join(f"{number} {verdict}" for verdict, number in self.verdicts.most_common())
@@ -182,42 +179,21 @@ class Tally:
         return 1.0 - self.verdicts[StressVerdict.WITHIN] / taken if taken else math.nan
 
 
-def run(number: int, name: str, largest_ratio: float) -> tuple[str, str, str]:
-    """Kind, verdict and reason of one linkage in one engine."""
+def run(number: int, name: str, largest_ratio: float) -> str:
+    """Verdict on one linkage in one engine."""
     drawn = draw(number, largest_ratio)
     motion = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.06, start_angle=0.1)
     case = Case(Mechanism(parse(drawn.text, f"drawn-{number}", "drawn")), motion)
     model = case.scene(frozenset(Channel))
     blank = blank_result(Cell(drawn.kind, "", number, name, Setting.TUNED), case.mechanism.linkage.name)
-    found = judged(blank, case, model, run_engine(engine(name), model, Setting.TUNED), Setting.TUNED)
-    return drawn.kind, found.verdict.value, found.reason
+    return judged(blank, case, model, run_engine(engine(name), model, Setting.TUNED), Setting.TUNED).verdict.value
 
 
 def tallies(count: int, engines: Sequence[str], largest_ratio: float = MODERATE) -> dict[str, Tally]:
     """The runs of linkages 0 … count − 1 in these engines."""
     jobs = [(number, name, largest_ratio) for number in range(count) for name in engines]
     found = {name: Tally() for name in engines}
-    for job, outcome in run_jobs(run, jobs, bounds=Bounds(seconds=SECONDS)):
-        number, name, _ = jobs[job]
-        kind, verdict, reason = ("", outcome.outcome.value, outcome.reason) if isinstance(outcome, Lost) else outcome
-        found[name].verdicts[StressVerdict(verdict)] += 1
-        if verdict != StressVerdict.WITHIN:
-            found[name].reasons.append(f"{number} ({kind}): {verdict}: {reason}")
+    for job, result in run_jobs(run, jobs, bounds=Bounds(seconds=SECONDS)):
+        verdict = result.outcome.value if isinstance(result, Lost) else result
+        found[jobs[job][1]].verdicts[StressVerdict(verdict)] += 1
     return found
-
-
-def main(words: Sequence[str]) -> None:
-    """Print the tallies by engine and by mass ratio."""
-    count = int(words[0]) if words else 200
-    engines = tuple(words[1:]) or tuple(name for name in engine_names() if engine(name).version())
-    for ratio, share in ((MODERATE, count), (300.0, count // 4), (3000.0, count // 4)):
-        for name, tally in tallies(share, engines, ratio).items():
-            print(f"mass ratio up to {ratio:g}, {name}: {tally.failing:.1%} failing ({tally})")  # noqa: T201
-            for reason in tally.reasons[:12]:
-                print("   ", reason[:220])  # noqa: T201
-
-
-if __name__ == "__main__":
-    from tests.targets import random_linkages  # workers find its functions by this name
-
-    random_linkages.main(sys.argv[1:])

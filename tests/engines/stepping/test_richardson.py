@@ -39,11 +39,7 @@ def test_weights_add_up_to_one_and_cancel_each_order():
     assert share @ steps**4 == pytest.approx(0.0, abs=ROUNDING)
 
 
-def test_halving_reproduces_the_textbook_weights():
-    assert weights([2.0, 1.0], (2,)) == pytest.approx([-1.0 / 3.0, 4.0 / 3.0])
-
-
-@pytest.mark.parametrize("count", [2, 3, 4])
+@pytest.mark.parametrize("count", [2, 4])
 def test_enough_steps_leave_only_the_orders_not_named(count):
     steps = [0.1 / k for k in (1, 3, 5, 7)[:count]]
     error = _worst(extrapolate([_run(step, _even_powers) for step in steps]))

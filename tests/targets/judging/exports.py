@@ -224,7 +224,7 @@ def _case(random, number, faults, *, rename):
         plans.append(planted(random, plans[-1], signals, by, unit.__getitem__))
     plan, time = plans[-1], np.linspace(0.0, motion.duration, int(pick(random, (181, 241, 361, 501))))
     is_same = plan.file is file and not plan.branch
-    simulated = bodies if is_same else Multibody(plan.file, plan.branch, bodies)
+    simulated = bodies if is_same else Multibody(plan.file, plan.branch)
     right, wrong = bodies.curves(time, motion), simulated.curves(time, plan.motion)
     curves = {"time": time, **{n: wrong[n] for n in signals}}
     for alter in plan.alter:
