@@ -56,7 +56,7 @@ class MujocoWorld:
         ])  # fmt: skip
 
     def joint_forces(self) -> Array:
-        """On the first bodies of the joints."""
+        """Forces on the first bodies of the joints, (joints, 2)."""
         model, data, forces = self.model, self.data, list[Array]()
         for kind, name, sign, normal in self.given["joints"].values():
             if kind == "equality":
@@ -67,18 +67,18 @@ class MujocoWorld:
         return np.array(forces)
 
     def torque(self) -> float:
-        """Of the drive."""
+        """The drive's torque, or the force of a linear drive."""
         return float(self.data.efc_force[0])
 
     def read(self, channels: list[str]) -> Data:
-        """What is to be recorded at the present instant."""
+        """The requested channels at the present instant."""
         readers = {"torque": self.torque, "joint_force": self.joint_forces}
         return {
             name: readers[name]() if name in readers else self.kinematics(KINEMATICS.index(name)) for name in channels
         }
 
     def control(self, segment: tuple[float, list[float]] | None) -> Callable[[Any, Any], None] | None:
-        """What is called at every stage: the drive's reference acceleration and the loads; None if nothing is to do.
+        """The callback of every stage: the drive's reference acceleration and the loads; None if it has nothing to set.
 
         The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the constraints' time constant.
         """

@@ -1,8 +1,8 @@
 """Finding engines: every adapter announced under the entry-point group ``linkproof.engines``, in name order.
 
 A plug-in that cannot be loaded, or does not keep the contract, costs its own rows alone: a stand-in takes its place and
-raises, when it is run, what loading raised. A stand-in takes the place of two plug-ins of one name as well, as nobody
-can know which is meant.
+raises, when it is run, the error of the loading. A stand-in takes the place of two plug-ins of one name as well, as the
+name is ambiguous.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def plugins() -> dict[str, str]:
 def entry_point(name: str) -> EntryPoint | Unusable:
     """Where the adapter of that name is announced, or what stands for it where several are; nothing is imported.
 
-    Raises UnknownNameError for a name that nobody announces.
+    Raises UnknownNameError for a name that no package announces.
     """
     groups = announced()
     if name not in groups:
@@ -116,7 +116,7 @@ def entry_point(name: str) -> EntryPoint | Unusable:
 def engine(name: str) -> Engine:
     """The adapter of that name, or what stands for it; importing it does not import the engine itself.
 
-    Raises UnknownNameError for a name that nobody announces.
+    Raises UnknownNameError for a name that no package announces.
     """
     entry = entry_point(name)
     if isinstance(entry, Unusable):

@@ -173,7 +173,7 @@ Drive = Prescribed | Free
 class Scene:
     """The whole input of an engine. ``crank`` names the driven body.
 
-    It is pinned to the ground and turns, or held by a slider on the ground and is pushed along it; empty where a
+    It is pinned to the ground and turns, or slides on the ground and is pushed along its guide; empty where a
     ``cylinder`` drives. ``driver_kind`` is the kind.
     """
 

@@ -134,8 +134,8 @@ class SimbodyWorld:
     def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401
         """The requested channels of a state."""
         self.model.realizeAcceleration(state)
-        own = {"torque": self.torque, "joint_force": self.joint_forces}
-        return {name: own[name](state) if name in own else self.kinematics(name, state) for name in channels}
+        dynamics = {"torque": self.torque, "joint_force": self.joint_forces}
+        return {name: dynamics[name](state) if name in dynamics else self.kinematics(name, state) for name in channels}
 
 
 def components(law: Any) -> int:  # noqa: ANN401

@@ -78,7 +78,7 @@ def _pin(scene: Scene, **changes: object) -> Scene:
     return replace(scene, pins=(replace(scene.pins[-1], **changes), *scene.pins[:-1]))  # type: ignore[arg-type]
 
 
-# Data that no engine may be given, and what is wrong with them.
+# By fault in words: the change of a scene that no engine may run.
 NAN, INFINITE = float("nan"), float("inf")
 BAD: Final[Mapping[str, Callable[[Scene], Scene]]] = {
     "a mass that is nan": partial(_first, mass=NAN),
@@ -118,10 +118,10 @@ def check_recording(trial: EngineTrial) -> None:
         what = f"only {channel.value} requested"
         assert run.history is not None, f"{what}: expected a finished run, got {run.outcome}: {run.reason}"
         recorded = {reading.channel.value for reading in readings(scene, run.history)}
-        wanted = {channel.value} & {offered.value for offered in trial.engine.abilities.readouts}
-        for surplus in sorted(recorded - wanted):
+        expected = {channel.value} & {offered.value for offered in trial.engine.abilities.readouts}
+        for surplus in sorted(recorded - expected):
             raise AssertionError(f"{what}: expected no {surplus}, got it: leave it out")
-        assert recorded == wanted, f"{what}: expected it, got none: record it"
+        assert recorded == expected, f"{what}: expected it, got none: record it"
         assert run.steps == steps, (
             f"{what}: expected the {steps} steps of a run with every channel, got {run.steps}: choose the steps by the "
             "scene alone"

@@ -1,6 +1,6 @@
 """Mutants of an engine, each with one fault: of its world, of its read-out, or of how its runs are extrapolated.
 
-What is altered is small, of the size of a slip in an adapter. Faults of the world are those that ``judge`` fits, each
+Each change is small, of the size of a slip in an adapter. Faults of the world are those that ``judge`` fits, each
 planted in the sample on which it matters; misreadings are those by which a wrong channel is explained.
 """
 

@@ -19,8 +19,7 @@ from engines.direct_adapter.motion import motion
 from engines.installed import installed_version
 from engines.mechanics.start_check import data_obstacle
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
-from engines.stepping.cost import Cost
-from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
+from engines.stepping.driver import Cost, DivergedError, UnsupportedError, check_step, run_stepping
 
 DISTRIBUTION = "linkproof"
 METHODS = (Method("exact", "every instant by Newton's method and linear systems; a free crank by DOP853"),)

@@ -5,7 +5,7 @@ those of tₙ, the velocities those of tₙ + h/2, impulses over h the loads at 
 number of steps, so that passes of different step share the samples as well as the middles between them: velocities live
 on the middles, and the acceleration at a sample is (v⁺ − v⁻)/h across it.
 
-What is set before a step has to be that of the positions it will reach: the present ones moved on by the present
+Loads set before a step have to be those of the positions that it will reach: the present ones moved on by the present
 velocities. Velocities at that instant lie half a step ahead of the last ones known and are extrapolated from the last
 two, 1.5 v₁ − 0.5 v₂: dampers are of second order. A newcomer's run, which is not ``centred``, sets what holds now,
 leaves damping to pymunk and takes every read-out for that of the step's end.
@@ -96,17 +96,17 @@ class PymunkWorld:
             self.constraints.append(self.motor)  # last, so that an iteration leaves no error in the crank's speed
         for constraint in self.constraints if centred else ():
             constraint.error_bias = 0.0
-        own = [pymunk.DampedSpring(ends[a], ends[b], *rest) for a, b, *rest in given["springs"]]
+        springs = [pymunk.DampedSpring(ends[a], ends[b], *rest) for a, b, *rest in given["springs"]]
         if not centred:
-            own += [pymunk.DampedRotarySpring(ends[a], ends[b], 0.0, 0.0, each) for a, b, each in given["dampers"]]
-        self.space.add(*self.bodies, *own, *self.constraints)
+            springs += [pymunk.DampedRotarySpring(ends[a], ends[b], 0.0, 0.0, each) for a, b, each in given["dampers"]]
+        self.space.add(*self.bodies, *springs, *self.constraints)
         self.loads: list[Load] = [self.load(*load) for load in given["loads"] if load[0] >= 0]
         torque, over_time = given["push"]
         if torque + given["offset"] or over_time:
             self.loads.append(self.driving(torque + given["offset"], over_time))
         if centred:
             self.loads += [self.damper(ends[a], ends[b], each) for a, b, each in given["dampers"]]
-            self.loads += [self.dashpot(spring) for spring in own if spring.damping]
+            self.loads += [self.dashpot(spring) for spring in springs if spring.damping]
 
     def drive(self) -> Any:  # noqa: ANN401
         """What prescribes the driver."""
@@ -260,12 +260,12 @@ def stepped(
     seen, impulses = list[bytes](), list[float]()
     if is_seen[0]:
         seen.append(look(space))
-    own = space.iterations if given["iterations"] is None else given["iterations"]
+    usual = space.iterations if given["iterations"] is None else given["iterations"]
     for number, value in enumerate(coming.tolist(), start=1):
         if number <= COLD_STEPS + 1 and given["centred"]:
-            space.iterations = own * COLD if number <= COLD_STEPS else own
+            space.iterations = usual * COLD if number <= COLD_STEPS else usual
         elif number == 1:
-            space.iterations = own
+            space.iterations = usual
         for load in loads:
             load(step if given["centred"] else 0.0)
         if motor is not None:

@@ -30,8 +30,8 @@ def iterations_for(layout: PartLayout, remaining: float) -> int:
     """Iterations after which no more than ``remaining`` of an impulse's change over a step is left wrong."""
     with np.errstate(all="ignore"):
         worst = max(contraction(layout, pose) for pose in poses_of(layout.equations))
-        wanted, needed = np.log([remaining, LARGEST_REMAINDER]) / np.log(min(worst, 1.0 - 1e-12))
-    return int(np.clip(max(min(wanted, ENOUGH), needed), FEWEST, MOST))
+        enough, needed = np.log([remaining, LARGEST_REMAINDER]) / np.log(min(worst, 1.0 - 1e-12))
+    return int(np.clip(max(min(enough, ENOUGH), needed), FEWEST, MOST))
 
 
 def way(scene: Scene) -> float:

@@ -22,12 +22,10 @@ from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed, Scene
-from engines.stepping.cost import Cost
-from engines.stepping.driver import check_step, run_stepping
-from engines.stepping.error_estimate import estimated_error
+from engines.stepping.driver import Cost, check_step, run_stepping
 from engines.stepping.intervals import MANY, Interval, Pace, intervals, released_intervals, whole_interval
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
-from engines.stepping.richardson import Pass, extrapolate, weights
+from engines.stepping.richardson import Pass, estimated_error, extrapolate, weights
 
 LARGEST_EFFORT = 2.0**31  # of an iteration count
 

@@ -78,17 +78,17 @@ def released(linkage: Mechanism, torque: float, start: float, duration: float, s
     return scene(linkage, Free(torque, duration, pace), EVERYTHING, start_angle=start, speed=speed), motion
 
 
-def error_of(values: np.ndarray, truth: np.ndarray, kept: np.ndarray | slice = slice(None)) -> float:
-    """Largest error of the samples kept over the truth's peak among them."""
-    return float(np.abs(values - truth)[kept].max() / (np.abs(truth)[kept].max() or 1.0))
+def error_of(values: np.ndarray, truth: np.ndarray, chosen: np.ndarray | slice = slice(None)) -> float:
+    """Largest error of the chosen samples over the truth's peak among them."""
+    return float(np.abs(values - truth)[chosen].max() / (np.abs(truth)[chosen].max() or 1.0))
 
 
 def torque_error(history: History, linkage: Mechanism, motion: CrankMotion, after: float = -1.0) -> float:
     """Error of the drive's torque after an instant, s, away from jumps of the acceleration."""
     assert history.torque is not None
     time = history.torque.time
-    kept = ~near_jumps(time, motion.jumps) & (time > after)
-    return error_of(history.torque.values, Truth(linkage, motion, time).torque, kept)
+    smooth = ~near_jumps(time, motion.jumps) & (time > after)
+    return error_of(history.torque.values, Truth(linkage, motion, time).torque, smooth)
 
 
 def errors_of(history: History, linkage: Mechanism, motion: CrankMotion) -> dict[str, float]:
@@ -100,15 +100,15 @@ def errors_of(history: History, linkage: Mechanism, motion: CrankMotion) -> dict
     errors = {"torque": torque_error(history, linkage, motion)}
     for order, name in enumerate(STATES):
         signal = getattr(history, name)
-        kept, true = ~near_jumps(signal.time, motion.jumps), true_motion(linkage, motion, signal.time)[order]
-        errors[name] = error_of(signal.values[..., :2], true[..., :2], kept)
-        errors[f"angular {name}"] = error_of(signal.values[:, turning, 2], true[:, turning, 2], kept)
+        smooth, true = ~near_jumps(signal.time, motion.jumps), true_motion(linkage, motion, signal.time)[order]
+        errors[name] = error_of(signal.values[..., :2], true[..., :2], smooth)
+        errors[f"angular {name}"] = error_of(signal.values[:, turning, 2], true[:, turning, 2], smooth)
     forces = Truth(linkage, motion, history.torque.time).joint_forces
     assert set(history.joint_force) == set(forces)
     faint = 1e-6 * max(float(np.abs(force).max()) for force in forces.values())
     for joint, signal in history.joint_force.items():
         true = Truth(linkage, motion, signal.time).joint_forces[joint].T
         true = np.hypot(*true.T) if signal.values.ndim == 1 else true  # an engine may give magnitudes alone
-        kept = ~near_jumps(signal.time, motion.jumps)
-        errors[joint] = float(np.abs(signal.values - true)[kept].max() / max(faint, float(np.abs(true).max())))
+        smooth = ~near_jumps(signal.time, motion.jumps)
+        errors[joint] = float(np.abs(signal.values - true)[smooth].max() / max(faint, float(np.abs(true).max())))
     return errors

@@ -259,8 +259,8 @@ def _flywheel_without_mass(model):
 
 def _on_slots_alone(model):
     pins = tuple(pin for pin in model.pins if "rod" not in (pin.first, pin.second))
-    held = SlotJoint("held", "rod", (0.0, 0.0), "crank", (0.0, 0.0), (1.0, 0.0))
-    return dataclasses.replace(model, pins=pins, slots=(held,))
+    slot = SlotJoint("slot", "rod", (0.0, 0.0), "crank", (0.0, 0.0), (1.0, 0.0))
+    return dataclasses.replace(model, pins=pins, slots=(slot,))
 
 
 def _free(model):

@@ -44,8 +44,8 @@ def test_an_absent_engine_is_unavailable_and_an_error_inside_it_is_not_hidden(mo
     assert (run.outcome, "pip install" in run.reason) == (Outcome.UNAVAILABLE, True)
 
     class Broken:
-        def find_spec(self, wanted, path=None, target=None):
-            if wanted == "pymunk":
+        def find_spec(self, name, path=None, target=None):
+            if name == "pymunk":
                 raise ModuleNotFoundError("No module named 'slip_of_the_pen'", name="slip_of_the_pen")
 
     monkeypatch.delitem(sys.modules, "pymunk")

@@ -9,7 +9,7 @@ from engines.contract import Outcome, Setting
 from tests.analytic.linkages import from_text, text_of
 from tests.engines.closed_form import driven, errors_of, installed, run_of
 
-# What is taken of the double crank's links, and what of them each engine holds.
+# Numbers that are removed from the double crank's links, and the cases that each engine supports.
 TAKEN = {
     "coupler": ("mass", "inertia"),
     "crank": ("mass", "inertia"),

@@ -41,7 +41,7 @@ class ClusterEndurance:
     """Result of so many killed ``workers`` and ``schedulers`` over so many ``campaigns`` of so many ``runs`` each.
 
     ``lost`` counts records and curves that are missing or differ from those of an undisturbed campaign, ``doubled``
-    those present, or runs kept, more than once.
+    those present, or runs saved, more than once.
     """
 
     workers: int
@@ -54,7 +54,7 @@ class ClusterEndurance:
 
 @dataclass(frozen=True)
 class _CountingJournal(Journal):
-    """A journal that counts how often it kept each run."""
+    """A journal that counts how often it saved each run."""
 
     counts: Counter[str] = field(default_factory=Counter)
 

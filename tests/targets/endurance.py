@@ -42,7 +42,7 @@ SPEED, RAMP_TIME, HOLD_TIME = 10.0, 0.03, 0.01  # rad/s, s, s
 PROCESSES = 2
 # One attempt in this many starts its workers as the command does; importing anew, it takes ten times as long.
 SERVED = 8
-# A kill comes when so many runs are kept, and then after a pause of random length with this mean, s: somewhere in the
+# A kill comes when so many runs are saved, and then after a pause of random length with this mean, s: somewhere in the
 # runs after them, at the start before the first or in the writing after the last.
 PAUSE = 0.06
 # Numbers drawn below 0 every journal has at once; those above RUNS none ever reaches, so that attempts finish.
@@ -60,7 +60,7 @@ class Endurance:
 
     ``lost`` counts records and curves that are missing or differ in anything but their timings, ``doubled`` those
     there more than once, ``survivors`` worker processes that outlived their campaign, ``litter`` files left over.
-    ``stages`` says how many kills came before the first run was kept, among them, and after the last.
+    ``stages`` says how many kills came before the first run was saved, among them, and after the last.
     """
 
     kills: int
@@ -91,7 +91,7 @@ def request() -> CampaignRequest:
 
 
 def run_campaign(folder: Path, processes: int) -> None:
-    """The campaign as the command runs it: taking up what is kept, keeping what is finished, then written at once."""
+    """The campaign as the command runs it: resumed from its journal, every finished run saved, then written at once."""
     given, journal = request(), Journal(folder, COMMAND)
     results = list(compare(given, pool=LocalPool(processes), journal=journal))
     save(folder, document(given, COMMAND), results, sheets(given, processes=processes))
@@ -111,7 +111,7 @@ class _KilledCampaigns:
         self.stages: Counter[str] = Counter()
 
     def undisturbed(self) -> Results:
-        """A campaign that nobody kills, run in this process, which imports everything."""
+        """A campaign without kills, run in this process, which imports everything."""
         run_campaign(self.folder / "undisturbed", 0)
         return load_results(self.folder / "undisturbed")
 
@@ -122,11 +122,11 @@ class _KilledCampaigns:
         return load_results(folder)
 
     def _pieces(self, folder: Path) -> int:
-        """How many runs are to be kept when the next kill comes."""
+        """Number of saved runs at which the next kill comes."""
         return max(len(Journal(folder, COMMAND).records), self.chance.randint(-BEYOND, RUNS + BEYOND))
 
     def _attempt(self, folder: Path, pieces: int) -> bool:
-        """Whether an attempt finished, rather than being killed when so many runs were kept."""
+        """Whether an attempt finished, rather than being killed when so many runs were saved."""
         served, pause = self.chance.randrange(SERVED) == 0, self.chance.expovariate(1.0 / PAUSE)
         child = os.fork()
         if child == 0:
@@ -142,7 +142,7 @@ class _KilledCampaigns:
 
 
 def _kill_later(child: int, folder: Path, pieces: int, pause: float) -> int:
-    """How a process ended that is killed a while after so many runs are kept, or before if it ends by itself."""
+    """Exit status of a process that is killed a while after so many runs are saved, unless it ends before."""
     place, moment = Journal(folder, COMMAND).place, float("inf")
     while True:
         done, status = os.waitpid(child, os.WNOHANG)
@@ -180,8 +180,8 @@ def _be_the_campaign(folder: Path, served: bool) -> None:
 def _stage(folder: Path) -> str:
     pieces = Journal(folder, COMMAND).records.keys
     if len(pieces) == RUNS:
-        return "all kept"
-    return "some kept" if pieces else "none kept"
+        return "all saved"
+    return "some saved" if pieces else "none saved"
 
 
 def _survivors(session: int) -> int:

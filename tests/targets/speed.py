@@ -76,7 +76,7 @@ def six_bar(name: str, angles: int) -> Measured:
 
 
 def difference(right: Array, other: Array) -> str:
-    """What is wrong with other numbers (points, orders, 2, angles), if anything."""
+    """The fault of other numbers (points, orders, 2, angles) in words; empty where they are the same."""
     peak = np.max(np.abs(right), axis=(0, 2, 3))
     worst = float(np.max(np.max(np.abs(other - right), axis=(0, 2, 3)) / peak))
     return "" if worst <= SAME else f"the numbers differ by {worst:.1e} of the peak"

@@ -122,14 +122,14 @@ def _released_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> I
 
 def _errors(target: Target, results: Sequence[RunRecord], engines: Sequence[str]) -> Iterator[Figure]:
     """The worst error of each engine among the records the target speaks of; in the quantity's unit if it says so."""
-    asked = dict(target.arguments)
-    only, absolute = asked.pop("engine", None), asked.pop("absolute", False)
+    given = dict(target.arguments)
+    only, absolute = given.pop("engine", None), given.pop("absolute", False)
     for name in engines if only is None else only:
         found = [
             _error(record, absolute=absolute)
             for result in results
             for record in result.every
-            if record.engine == name and all(_speaks_of(record, key, value) for key, value in asked.items())
+            if record.engine == name and all(_speaks_of(record, key, value) for key, value in given.items())
         ]
         if found:
             yield Figure(target, name, max(found))

@@ -1,4 +1,4 @@
-"""A campaign killed and resumed is the campaign that nobody killed, and losses are counted right."""
+"""A campaign killed and resumed is the same as one without kills, and losses are counted right."""
 
 import sys
 from dataclasses import replace
@@ -21,10 +21,10 @@ def results(tmp_path_factory):
 @pytest.mark.nightly
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="forks, and reads /proc")
 def test_kills_at_random_moments_lose_and_double_nothing():
-    kept = endurance.measure(8, seed=7)
-    assert kept.kills == 8
-    assert sum(kept.stages.values()) == 8
-    assert (kept.lost, kept.doubled, kept.survivors, kept.litter) == (0, 0, 0, 0)
+    result = endurance.measure(8, seed=7)
+    assert result.kills == 8
+    assert sum(result.stages.values()) == 8
+    assert (result.lost, result.doubled, result.survivors, result.litter) == (0, 0, 0, 0)
 
 
 def test_two_campaigns_differ_in_their_timings_alone(results, tmp_path):

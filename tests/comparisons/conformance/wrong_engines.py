@@ -289,7 +289,7 @@ def _in_the_body(values, history, scene):
     return np.column_stack([c * values[:, 0] + s * values[:, 1], c * values[:, 1] - s * values[:, 0]])
 
 
-# What is wrong, the check that must fail of it, and words that its message must contain.
+# By fault: an engine that has it, the check that must fail, and words that its message must contain.
 WRONG = {
     "places in mm": (of("position", _places_in_mm), "positions", "in mm"),
     "angles in degrees": (of("position", _degrees), "positions", "in degrees"),

@@ -45,10 +45,10 @@ def _case(linkage, regime):
     if regime == "sample":
         return sample_case(linkage)
     found = from_text(double_rocker_text(regimes=SWITCHED)) if regime == "switched" else mechanism(linkage)
-    own = [each for each in found.linkage.regimes if each.name == regime]
+    regimes = [each for each in found.linkage.regimes if each.name == regime]
     return (
-        own_case(found, replace(own[0], duration=min(0.4, own[0].duration)))
-        if own
+        own_case(found, replace(regimes[0], duration=min(0.4, regimes[0].duration)))
+        if regimes
         else Case(found, crank_motion(regime, ramp_time=0.02, hold_time=0.01))
     )
 
@@ -88,7 +88,7 @@ NIGHTLY = [
 def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, setting, tmp_path):
     adapter, case = engine(name), _case(linkage, regime)
     pytest.importorskip(adapter.package)
-    samples, told = _run_alone(exported(case, name, Setting(setting), "linkproof export"), tmp_path)
+    samples, printed = _run_alone(exported(case, name, Setting(setting), "linkproof export"), tmp_path)
     run = adapter.run(case.scene(frozenset(Channel)), Setting(setting))
     assert run.outcome is Outcome.FINISHED
     signals = {channel: getattr(run.history, channel) for channel in ("position", "velocity", "acceleration", "torque")}
@@ -101,7 +101,7 @@ def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, settin
         for part in (np.s_[..., :2], np.s_[..., 2:]) if right.ndim > 2 else (np.s_[...],):
             unit = np.vdot(values[part], right[part]) / (np.vdot(values[part], values[part]) or 1.0)
             np.testing.assert_allclose(unit * values[part], right[part], rtol=0, atol=1e-9 * np.abs(right[part]).max())
-    figures = [row.split() for row in told.splitlines()[1:]]
+    figures = [row.split() for row in printed.splitlines()[1:]]
     assert len(figures) >= 6 + (run.history.torque is not None)
     for *_, read, exported_figure, _true, _difference in figures:
         assert float(read) == pytest.approx(float(exported_figure), rel=1e-8, abs=1e-10)
@@ -140,12 +140,12 @@ def _renamed(value, names):
 )  # fmt: skip
 def test_no_name_becomes_code_or_breaks_a_script(name, first, tmp_path):
     pytest.importorskip(engine(name).package)
-    own = HOSTILE[first : first + len(NAMES)]
-    given, names = tomllib.loads(load("rimoldi-164").text), dict(zip(NAMES, own, strict=True))
+    hostile = HOSTILE[first : first + len(NAMES)]
+    given, names = tomllib.loads(load("rimoldi-164").text), dict(zip(NAMES, hostile, strict=True))
     document = {key: _renamed(given[key], names) for key in ("units", "crank", "output", "ground", "links", "sketch")}
     swing = {"from": 0, "to": 20, "time": 0.05}
-    document |= {"title": "\n".join(HOSTILE), "variant": own[0], "regimes": {own[1]: swing}}
-    found = from_text(tomlkit.dumps(document), f"{own[0]}\\")
+    document |= {"title": "\n".join(HOSTILE), "variant": hostile[0], "regimes": {hostile[1]: swing}}
+    found = from_text(tomlkit.dumps(document), f"{hostile[0]}\\")
     case = own_case(found, found.linkage.regimes[0])
     scene = case.scene(frozenset())
     text = exported(case, name, Setting.TUNED, shlex.join(["linkproof", "export", *HOSTILE]))

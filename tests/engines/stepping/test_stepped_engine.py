@@ -52,8 +52,8 @@ class MadeUp(SteppedEngine):
         unit = PEAK / 0.054**2 * size**2
         torque = Signal(time, np.full(len(time), unit * (1.0 + ERROR * step**2)))
         position = Signal(time, np.zeros((len(time), len(world.bodies), 3)))
-        wanted = {Channel.TORQUE: {"torque": torque}, Channel.POSITION: {"position": position}}
-        return History(**{name: value for c in course.channels for name, value in wanted[c].items()})
+        offered = {Channel.TORQUE: {"torque": torque}, Channel.POSITION: {"position": position}}
+        return History(**{name: value for c in course.channels for name, value in offered[c].items()})
 
 
 def _model(drive=None, channels=frozenset(Channel)):

@@ -177,9 +177,11 @@ def written(layout, digits, curves, style):
             )
         case _:
             text, mapped = robotran(found, digits=digits - 1), {f"column {k}": n for k, n in enumerate(curves, start=1)}
-    own = {n: PRINTED[unit_kind(n)][0 if n == "Mkr" else 1][0] if layout in IN_SI else units[n][0] for n in curves}
+    unit_names = {
+        n: PRINTED[unit_kind(n)][0 if n == "Mkr" else 1][0] if layout in IN_SI else units[n][0] for n in curves
+    }
     keys = (
-        f'header = "{h}"\nsignal = "{n}"\n' + (f'unit = "{own[n]}"\n' if layout != "res" else "")
+        f'header = "{h}"\nsignal = "{n}"\n' + (f'unit = "{unit_names[n]}"\n' if layout != "res" else "")
         for h, n in mapped.items()
     )
     return text, "\n".join(f"[[column]]\n{entry}" for entry in keys)

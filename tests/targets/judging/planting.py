@@ -1,4 +1,4 @@
-"""What people get wrong, drawn at random: in a linkage's file, in the crank's motion, in the columns of a file."""
+"""Faults drawn at random: in a linkage's file, in the crank's motion, in the columns of a result file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ INERTIA = {"kg*m^2": 1.0, "kg*mm^2": 1e-6, "g*mm^2": 1e-9, "kg": 1.0, "g": 1e-3,
 
 @dataclass(frozen=True)
 class Plan:
-    """What is simulated, in which assembly, and what becomes of its curves.
+    """The simulated linkage, its assembly, and the changes of its curves.
 
     ``names`` are those of the faults that are right; without them it is the one that makes the same linkage. Each of
     ``alter`` makes curves, the ``time`` among them, of curves and of what the simulation has at other times.
@@ -185,7 +185,7 @@ def _longer(value, k):
 
 
 def motion_fault(random, motion):
-    """What a user states wrongly of the motion."""
+    """A wrong statement of a user about the motion."""
     change = size(random, 0.02, 0.2)
     start = motion.start + float(pick(random, (90.0, 180.0, 25.0, 8.0))) * DEGREE
     found = {
