@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class Setting(StrEnum):
-    """How an engine is used."""
+    """A way of using an engine."""
 
     NAIVE = "naive"  # the engine's defaults, every read-out at face value
     TUNED = "tuned"  # the default: one run, as an expert would write it
@@ -138,7 +138,7 @@ class ReadOut:
 
 @dataclass(frozen=True)
 class Abilities:
-    """What an engine can do: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
+    """Abilities of an engine: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
 
     Every engine must support pins, gravity and constant forces; ``loads`` are the types of loads,
     ``varying_loads`` whether they may change with φ, ``timed_torque`` whether a

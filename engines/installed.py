@@ -34,7 +34,7 @@ def why_absent(package: str, extra: str = "", oldest: str = "") -> str | None:
 
 
 def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
-    """The same by what is known without importing the engine."""
+    """Why an engine cannot be used, as ``why_absent``, but without importing it: from the package's metadata."""
     version = installed_version(package)
     return _not_installed(package, extra) if version is None else _too_old(version, package, extra, oldest)
 

@@ -96,7 +96,7 @@ def keep(signal: tuple[list[float], list[Any]], time: Array, values: Array) -> N
 
 
 def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
-    """What the drive exerts: its moment, or its force along the line of a slider or cylinder."""
+    """The drive's moment, or its force along the line of a slider or cylinder, (frames,)."""
     path = f"/{NAME}/drive"
     if line is None:
         return -rows[path, "TZonI"]

@@ -35,7 +35,7 @@ class PluginError(Exception):
 
 @dataclass
 class Unusable:
-    """What stands for an adapter that cannot be used: for the ``error`` that loading it raised, or for a ``reason``.
+    """Stand-in for an adapter that cannot be used: for the ``error`` that loading it raised, or for a ``reason``.
 
     ``module`` is where its adapter was announced to be, ``announced_by`` the version of the package that did.
     """
@@ -99,7 +99,7 @@ def plugins() -> dict[str, str]:
 
 
 def entry_point(name: str) -> EntryPoint | Unusable:
-    """Where the adapter of that name is announced, or what stands for it where several are; nothing is imported.
+    """Where the adapter of that name is announced, or a stand-in where several are; nothing is imported.
 
     Raises UnknownNameError for a name that no package announces.
     """
@@ -114,7 +114,7 @@ def entry_point(name: str) -> EntryPoint | Unusable:
 
 
 def engine(name: str) -> Engine:
-    """The adapter of that name, or what stands for it; importing it does not import the engine itself.
+    """The adapter of that name, or its stand-in; importing it does not import the engine itself.
 
     Raises UnknownNameError for a name that no package announces.
     """

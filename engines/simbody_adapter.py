@@ -166,7 +166,7 @@ class SimbodyModel:
         return self.numbers[body.name], turning, body.angle - sum(self.tree.branches[n].value for n in turning)
 
     def joints(self) -> dict[str, tuple[bool, int, float, Vector | None]]:
-        """Of every joint: whether it is a cut, its number, the sign of its force, and along what alone that is.
+        """By joint: whether it is a cut, its number, the sign of its force, and its only direction or None.
 
         A driven slider's force is across its guide: what is along it is the drive's.
         """

@@ -117,14 +117,14 @@ def _polynomials(changed: ChangedMotion) -> CrankMotion:
 
 
 def _rows_in_world(sample: str, key: str, trial: EngineTrial) -> Rows:
-    """Of an engine whose worlds are built with a fault."""
+    """Judged rows of an engine whose worlds are built with a fault."""
     trial.finished(sample)
     wrong = planted_case(sample, key)
     return _rows_with(trial, sample, Setting.TUNED, "altered", lambda scene: wrong.scene(scene.channels))
 
 
 def _rows_with(trial: EngineTrial, sample: str, setting: Setting, method: str, other: Callable[..., Any]) -> Rows:
-    """Of an engine with another method; raises NotTestedError where it has no such method."""
+    """Judged rows of an engine with another method; raises NotTestedError where it has no such method."""
     name = trial.engine.name
     if not hasattr(trial.engine, method):
         raise NotTestedError(f"{name} has no '{method}' to replace, as a SteppedEngine has")
@@ -135,7 +135,7 @@ def _rows_with(trial: EngineTrial, sample: str, setting: Setting, method: str, o
 
 
 def _rows_misread(channel: Channel, misreading: Misreading, number: float | None, trial: EngineTrial) -> Rows:
-    """Of what the engine did, with a channel misread."""
+    """Judged rows of the engine's own run with a channel misread."""
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
     right = trial.finished(PLAIN)
@@ -146,7 +146,7 @@ def _rows_misread(channel: Channel, misreading: Misreading, number: float | None
 
 
 def _rows_extrapolated(weigh: Weigh, trial: EngineTrial) -> Rows:
-    """Of the engine's runs at several steps, combined by other weights."""
+    """Judged rows of the engine's runs at several steps, combined by other weights."""
     trial.finished(PLAIN, Setting.BEST)
     if len(trial.run(PLAIN, Setting.BEST).passes) < 2:
         raise NotTestedError(f"'{Setting.BEST}' of {trial.engine.name} is one run")

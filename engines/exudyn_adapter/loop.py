@@ -147,7 +147,7 @@ class ExudynWorld:
         return float(polynomial(coefficients, time - start, order))
 
     def function(self, kind: str, law: tuple[str, Any]) -> Data:
-        """What of an item is a function of system and time."""
+        """The arguments of an item that are functions of system and time."""
         by, values = law
         if by == "gap":
             return self.linear.functions()
@@ -194,7 +194,7 @@ class ExudynWorld:
         return 0.0 if self.linear else float(self.given["start"] + self.unwound[self.given["crank"], ANGLE])
 
     def set_drive(self, part: Data) -> None:
-        """Let the solver itself run the crank's angle and speed over the time since the start of a part.
+        """Give the solver the crank's angle and speed as its own functions of the time since the start of a part.
 
         Python functions take a third more time.
         """
@@ -248,7 +248,7 @@ def end_state(world: ExudynWorld) -> State:
 
 
 def set_initial(world: ExudynWorld, position: Array, *rates: Array) -> None:
-    """Let the next solve start from coordinates and, where given, their time derivatives."""
+    """Set coordinates and, where given, their time derivatives as the start of the next solve."""
     state, initial = world.mbs.systemData, exudyn.ConfigurationType.Initial
     state.SetODE2Coordinates(position, configuration=initial)
     for put, rate in zip((state.SetODE2Coordinates_t, state.SetODE2Coordinates_tt), rates, strict=False):

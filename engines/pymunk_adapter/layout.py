@@ -1,4 +1,4 @@
-"""How a scene is cut into parts and their joints: again a scene, whose grooves pymunk solves exactly.
+"""A scene cut into parts and their joints: again a scene, whose grooves pymunk solves exactly.
 
 pymunk's ``GrooveJoint`` solves both directions of its contact and then drops the part along the groove. That is right
 only where the two do not couple: the mass centre of the groove's body has to lie on the groove's line, and that of the

@@ -57,11 +57,11 @@ class Rod:
         self.ends = (first, here), (second, there)
 
     def length(self, ahead: float) -> float:
-        """Its length a time ahead at the present velocities."""
+        """Length, m, ``ahead`` seconds from now at the present velocities."""
         return math.dist(*(b.position + ahead * b.velocity + arm(b, anchor, ahead) for b, anchor in self.ends))
 
     def push(self, force: float, ahead: float) -> None:
-        """Let it push its ends apart by a force in the next step."""
+        """Push its ends apart by a force, N, in the next step."""
         (first, here), (second, there) = self.ends
         arms = arm(first, here, ahead), arm(second, there, ahead)
         between = first.position - second.position + ahead * (first.velocity - second.velocity) + arms[0] - arms[1]
@@ -109,7 +109,7 @@ class PymunkWorld:
             self.loads += [self.dashpot(spring) for spring in springs if spring.damping]
 
     def drive(self) -> Any:  # noqa: ANN401
-        """What prescribes the driver."""
+        """The constraint that prescribes the driver."""
         if self.line is None:
             return pymunk.SimpleMotor(self.space.static_body, self.crank, 0.0)
         (first, here), (second, there) = self.line.ends
@@ -135,7 +135,7 @@ class PymunkWorld:
         return add
 
     def driving(self, size: float, over_time: tuple[Sequence[float], Sequence[float]] | None) -> Load:
-        """What a free driver is under or a motor works against: a torque on a crank, a force along a linear driver."""
+        """The load on a free driver, or against a motor: a torque on a crank, a force along a linear driver."""
         crank, line = self.crank, self.line
 
         def add(ahead: float) -> None:

@@ -1,4 +1,4 @@
-"""How many iterations pymunk's solver needs for a scene, from the scene itself.
+"""Number of iterations that pymunk's solver needs for a scene, from the scene itself.
 
 The impulses of a step start from those of the last one. What the iterations leave of their change is carried into the
 next step, where it opens the joints: where half of it is left, they are pushed open further from step to step, however
@@ -35,7 +35,7 @@ def iterations_for(layout: PartLayout, remaining: float) -> int:
 
 
 def way(scene: Scene) -> float:
-    """How far the driver goes from its start, rad or m, to one side; a crank no more than a full turn."""
+    """Travel of the driver from its start, rad or m, to its farther side; a crank's is a full turn at most."""
     if isinstance(scene.drive, Free):
         return FULL_TURN
     farthest = max((end - scene.crank_angle for end in scene.drive.motion.reach), key=abs)

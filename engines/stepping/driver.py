@@ -27,7 +27,7 @@ class UnsupportedError(Exception):
 
 @dataclass
 class Cost:
-    """What a run has taken so far, passes that failed included, and the ``details`` settled on the way."""
+    """Cost of a run so far, passes that failed included, and the ``details`` of the settings used."""
 
     seconds: float = 0.0
     setup_seconds: float = 0.0
@@ -38,7 +38,7 @@ class Cost:
 
     @contextmanager
     def building(self) -> Iterator[None]:
-        """Wall time of what is done inside counts as set-up."""
+        """Count the wall time of the block as set-up."""
         begun = perf_counter()
         try:
             yield
@@ -47,7 +47,7 @@ class Cost:
 
     @contextmanager
     def stepping(self) -> Iterator[None]:
-        """Wall time of what is done inside counts as stepping."""
+        """Count the wall time of the block as stepping."""
         begun = perf_counter()
         try:
             yield
@@ -55,7 +55,7 @@ class Cost:
             self.seconds += perf_counter() - begun
 
     def run(self, outcome: Outcome, reason: str = "", history: History | None = None) -> Run:
-        """The run that ended so at this cost."""
+        """The run with this outcome and cost."""
         return Run(
             outcome,
             reason,

@@ -43,7 +43,7 @@ class Interval:
 
 @dataclass(frozen=True)
 class Pace:
-    """How fine a motion is stepped: steps of at most ``step``, s, and at least ``steps_per_turn`` at each part's peak.
+    """Fineness of the steps of a motion: of at most ``step``, s, and at least ``steps_per_turn`` at each part's peak.
 
     A segment has ``least_steps`` or more and is started anew at least every so many ``turns``. ``turn`` is how much of
     φ counts as one, rad or m.

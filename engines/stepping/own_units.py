@@ -37,13 +37,13 @@ POWERS: Mapping[str, tuple[int, int]] = {
 
 @dataclass(frozen=True)
 class OwnUnits:
-    """What counts as one: a length, m, and a mass, kg; the unit of time stays the second."""
+    """Units of a scene: a length, m, and a mass, kg; the unit of time is the second."""
 
     length: float
     mass: float
 
     def unit(self, name: str) -> float:
-        """The unit of what is called so, in SI."""
+        """The unit, in SI, of a quantity by its name in ``POWERS``."""
         length, mass = POWERS[name]
         return float(self.length**length * self.mass**mass)
 

@@ -9,12 +9,12 @@ from analytic.description.crank_motion import crank_motion
 from engines.contract import Outcome, Setting
 from engines.exudyn_adapter.adapter import ExudynEngine
 from tests.analytic.linkages import mechanism
-from tests.engines.closed_form import driven, history_of
+from tests.engines.closed_form import crank_number, driven, history_of
 
 pytest.importorskip("exudyn")
 
 ENGINE = ExudynEngine()
-STILL = 3e-6  # rad: the coupler of a parallelogram does not turn
+STILL = 3e-6  # rad, by which the coupler of a parallelogram turns, or a crank is off its motion
 
 
 def _scene(name="juki-mf7923d", regime="run-up-quintic", **changes):
@@ -23,8 +23,8 @@ def _scene(name="juki-mf7923d", regime="run-up-quintic", **changes):
     )
 
 
-def test_samples_at_a_jump():
-    model = _scene(regime="run-up")
+def test_samples_at_a_jump_and_angles_beyond_a_turn():
+    model = _scene(regime="run-up", ramp_time=0.12)  # a turn before the jump, which the next part starts without
     history, motion = history_of(ENGINE, model), model.drive.motion
     for signal, has_both in (
         (history.position, True),
@@ -35,6 +35,8 @@ def test_samples_at_a_jump():
     ):
         assert (signal.time[0] == 0.0) == np.isclose(signal.time, motion.segments[0].end).any() == has_both
         assert signal.time[-1] == pytest.approx(motion.duration)
+    angle = history.position.values[:, crank_number(model), 2]
+    assert np.abs(angle - motion.angle(history.position.time)).max() < STILL
 
 
 @pytest.mark.parametrize("setting", [Setting.NAIVE, Setting.TUNED])
