@@ -94,7 +94,7 @@ def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recip
 
 
 def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
-    """Of every channel what is furthest from the truth, over its peak, away from jumps of the acceleration.
+    """The figure of every channel that is furthest from the truth, over its peak, away from jumps of the acceleration.
 
     A channel without a truth at some instant, as in a dead position, has none.
     """

@@ -1,8 +1,8 @@
 """The contract between the suite and an engine: a scene of rigid bodies goes in, histories or a reason come out.
 
 An adapter receives data only. It never imports the closed forms, never prints, never raises for what a simulation can
-do wrong (that is an :class:`Outcome`), and says of every signal where it comes from (:class:`Origin`): every judgement
-is made by the suite. ``engines.stepping.stepped_engine`` meets the contract for an engine that takes time steps, from
+do wrong (that is an :class:`Outcome`), and gives every signal its :class:`Origin`: every judgement is made by the
+suite. ``engines.stepping.stepped_engine`` meets the contract for an engine that takes time steps, from
 two functions of its author's.
 """
 
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class Setting(StrEnum):
-    """How an engine is used."""
+    """A way of using an engine."""
 
     NAIVE = "naive"  # the engine's defaults, every read-out at face value
     TUNED = "tuned"  # the default: one run, as an expert would write it
@@ -126,8 +126,8 @@ class ReadOut:
     """The origin of a channel in the engine: ``source`` is its name there.
 
     ``frame`` is that of the engine's own numbers, ``instant`` when they hold against the positions of the same step
-    ("of the state", "half a step after the positions"). ``drive`` says whether the drive's share is in a force or
-    torque; empty where there is no such question.
+    ("of the state", "half a step after the positions"). ``drive`` states whether the drive's share is in a force or
+    torque; empty where a channel has no such share.
     """
 
     source: str
@@ -138,7 +138,7 @@ class ReadOut:
 
 @dataclass(frozen=True)
 class Abilities:
-    """What an engine can do: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
+    """Abilities of an engine: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
 
     Every engine must support pins, gravity and constant forces; ``loads`` are the types of loads,
     ``varying_loads`` whether they may change with φ, ``timed_torque`` whether a
@@ -163,7 +163,7 @@ class Abilities:
 
 
 class Engine(Protocol):
-    """One engine behind the contract. Adapters are found through the entry-point group ``linkproof.engines``."""
+    """One engine behind the contract; adapters are announced in the entry-point group ``linkproof.engines``."""
 
     name: str
     abilities: Abilities
@@ -176,8 +176,8 @@ class Engine(Protocol):
     def run(self, scene: Scene, setting: Setting) -> Run:
         """Build the scene, step it through its drive and return the motion; never raises for a bad simulation.
 
-        A scene the engine cannot hold is not stepped: the run says UNSUPPORTED with a reason in one sentence. Of the
-        scene's channels those are recorded that the engine offers.
+        A scene that the engine does not support is not stepped: the outcome is UNSUPPORTED, its reason one sentence. Of
+        the scene's channels those are recorded that the engine offers.
         """
         ...
 
@@ -199,7 +199,7 @@ class StudiedEngine(Engine, Protocol):
         """Like ``run``, by one method at a longest step of ``step`` seconds; samples come at that step.
 
         A method without steps (an exact solution at every instant) only samples there. Refuses nothing that ``run``
-        would take; says DIVERGED only where no history can be handed back or the engine itself gave up, so that what
-        it makes of too long a step can be judged from outside.
+        takes; the outcome is DIVERGED only where there is no history to return or the engine itself gave up, so that
+        the result of too long a step can be judged from outside.
         """
         ...

@@ -34,7 +34,7 @@ def why_absent(package: str, extra: str = "", oldest: str = "") -> str | None:
 
 
 def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
-    """The same by what is known without importing the engine."""
+    """Why an engine cannot be used, as ``why_absent``, but without importing it: from the package's metadata."""
     version = installed_version(package)
     return _not_installed(package, extra) if version is None else _too_old(version, package, extra, oldest)
 
@@ -58,10 +58,10 @@ def _numbers(version: str) -> tuple[int, ...]:
 
 
 def flush() -> None:
-    """Have Python and C write out what they hold back of standard output and error."""
+    """Flush the buffers that Python and C have for standard output and error."""
     for stream in filter(None, (sys.stdout, sys.stderr)):
         stream.flush()
-    with suppress(OSError, AttributeError, TypeError):  # a system without a C library of its own to ask
+    with suppress(OSError, AttributeError, TypeError):  # a system without a C library that can be loaded
         ctypes.CDLL(None).fflush(None)
 
 
@@ -76,7 +76,7 @@ def silenced(into: str = os.devnull) -> Iterator[None]:
                 os.dup2(file.fileno(), stream)
         yield
     finally:
-        flush()  # what is still held back is not written later
+        flush()  # buffered output is not written later
         for stream, copy in streams:
             os.dup2(copy, stream)
             os.close(copy)

@@ -19,7 +19,7 @@ PLANE = np.array([1.0, 1j, 0.0])  # vectors of space as complex numbers
 KINEMATICS = ("position", "velocity", "acceleration")
 
 
-class World:
+class MujocoWorld:
     """The compiled model in its start state; ``sums`` has for every body which hinges' angles add up to its own."""
 
     def __init__(self, given: Data) -> None:
@@ -56,7 +56,7 @@ class World:
         ])  # fmt: skip
 
     def joint_forces(self) -> Array:
-        """On the first bodies of the joints."""
+        """Forces on the first bodies of the joints, (joints, 2)."""
         model, data, forces = self.model, self.data, list[Array]()
         for kind, name, sign, normal in self.given["joints"].values():
             if kind == "equality":
@@ -67,18 +67,18 @@ class World:
         return np.array(forces)
 
     def torque(self) -> float:
-        """Of the drive."""
+        """The drive's torque, or the force of a linear drive."""
         return float(self.data.efc_force[0])
 
     def read(self, channels: list[str]) -> Data:
-        """What is to be recorded at the present instant."""
+        """The requested channels at the present instant."""
         readers = {"torque": self.torque, "joint_force": self.joint_forces}
         return {
             name: readers[name]() if name in readers else self.kinematics(KINEMATICS.index(name)) for name in channels
         }
 
     def control(self, segment: tuple[float, list[float]] | None) -> Callable[[Any, Any], None] | None:
-        """What is called at every stage: the drive's reference acceleration and the loads; None if nothing is to do.
+        """The callback of every stage: the drive's reference acceleration and the loads; None if it has nothing to set.
 
         The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the constraints' time constant.
         """
@@ -151,12 +151,12 @@ def at(law: Any, angle: float) -> Any:  # noqa: ANN401
     return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
 
 
-def build(model: Data) -> World:
+def build(model: Data) -> MujocoWorld:
     """The world of a model."""
-    return World(model)
+    return MujocoWorld(model)
 
 
-def follow(world: World, course: Data) -> Data:
+def follow(world: MujocoWorld, course: Data) -> Data:
     """The samples of a course; of the two between parts the later part's counts."""
     rows: list[tuple[float, Data]] = []
     warnings: list[str] = []
@@ -176,7 +176,7 @@ def follow(world: World, course: Data) -> Data:
     return samples
 
 
-def part_states(world: World, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
+def part_states(world: MujocoWorld, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
     """Instants of a part, s, and what is read at them."""
     model, data, settle = world.model, world.data, world.given["settle"]
     sample = (part["end"] - part["start"]) / part["samples"]

@@ -1,14 +1,14 @@
 """Ondsel, the solver of FreeCAD's Assembly, through ``pyondsel``: kinematics and inverse dynamics of a driven linkage.
 
 Ondsel knows parts in space, joints between markers on them, motions over time, and gravity. Other loads and free motion
-do not exist in it: a free crank "runs" and comes back at rest. Every body is held in the plane by a joint of its own
-to the ground, so that no joint is redundant: a pin is a point on a line square to the plane, a guide is a point in a
-plane along it. pyondsel's own reader drops the forces, so the text that the solver writes is read here.
+do not exist in it: a free crank "runs" and comes back at rest. A joint with the ground keeps every body in the plane,
+so that no other joint is redundant: a pin is a point on a line square to the plane, a guide is a point in a plane along
+it. pyondsel's own reader drops the forces, so the text that the solver writes is read here.
 
 **Slots.** Ondsel's joints that keep a point on a line or in a plane of a turning link have wrong accelerations, and so
 wrong forces; docs/finds.md has the error and its cause. ``naive`` shows them. ``tuned`` holds the point by a screw
 joint without pitch instead: the distance of the same point from the same plane, of which the solver has the right
-second derivatives. Nothing is added to what the engine says, so every number is read.
+second derivatives. Nothing is added to the engine's results, so every number is read.
 
 **A linear drive** is a motion along the third axes of a translational joint: a slider's on the ground, or that between
 a barrel and a rod without mass, which are the cylinder.

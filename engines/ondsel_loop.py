@@ -96,7 +96,7 @@ def keep(signal: tuple[list[float], list[Any]], time: Array, values: Array) -> N
 
 
 def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
-    """What the drive exerts: its moment, or its force along the line of a slider or cylinder."""
+    """The drive's moment, or its force along the line of a slider or cylinder, (frames,)."""
     path = f"/{NAME}/drive"
     if line is None:
         return -rows[path, "TZonI"]
@@ -129,7 +129,7 @@ def solved(model: AsmtModel, part: Data) -> Rows:
             path = cells[0]
         else:
             rows[path, label] = np.array(cells[1:], dtype=float)  # the first column is the pose that was given
-    # Ondsel ends early and says nothing where it finds no solution or does not understand a word.
+    # Ondsel ends early without a message where it has no solution or does not know a word.
     frames = min(map(len, rows.values()), default=0)
     if frames <= part["samples"]:
         raise ArithmeticError(f"Ondsel solved {frames} of {part['samples'] + 1} frames")

@@ -1,8 +1,8 @@
 """Finding engines: every adapter announced under the entry-point group ``linkproof.engines``, in name order.
 
 A plug-in that cannot be loaded, or does not keep the contract, costs its own rows alone: a stand-in takes its place and
-raises, when it is run, what loading raised. A stand-in takes the place of two plug-ins of one name as well, as nobody
-can know which is meant.
+raises, when it is run, the error of the loading. A stand-in takes the place of two plug-ins of one name as well, as the
+name is ambiguous.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from engines.scene import Channel, Scene
 
 GROUP = "linkproof.engines"
 CONTRACT: Final = ("name", "abilities", "is_control", "version", "run")  # what every adapter has to have
-LOADING: Final = 30.0  # s that an adapter is given to be imported and to tell its version
+LOADING: Final = 30.0  # s within which an adapter must be imported and return its version
 NOTHING: Final = Abilities({}, frozenset(), frozenset(), frozenset(), settings=frozenset())
 _FAILED: dict[str, BaseException] = {}  # by entry point: what failed once is not tried again
 
@@ -35,7 +35,7 @@ class PluginError(Exception):
 
 @dataclass
 class Unusable:
-    """What stands for an adapter that cannot be used: for the ``error`` that loading it raised, or for a ``reason``.
+    """Stand-in for an adapter that cannot be used: for the ``error`` that loading it raised, or for a ``reason``.
 
     ``module`` is where its adapter was announced to be, ``announced_by`` the version of the package that did.
     """
@@ -99,9 +99,9 @@ def plugins() -> dict[str, str]:
 
 
 def entry_point(name: str) -> EntryPoint | Unusable:
-    """Where the adapter of that name is announced, or what stands for it where several are; nothing is imported.
+    """Where the adapter of that name is announced, or a stand-in where several are; nothing is imported.
 
-    Raises UnknownNameError for a name that nobody announces.
+    Raises UnknownNameError for a name that no package announces.
     """
     groups = announced()
     if name not in groups:
@@ -114,9 +114,9 @@ def entry_point(name: str) -> EntryPoint | Unusable:
 
 
 def engine(name: str) -> Engine:
-    """The adapter of that name, or what stands for it; importing it does not import the engine itself.
+    """The adapter of that name, or its stand-in; importing it does not import the engine itself.
 
-    Raises UnknownNameError for a name that nobody announces.
+    Raises UnknownNameError for a name that no package announces.
     """
     entry = entry_point(name)
     if isinstance(entry, Unusable):

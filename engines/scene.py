@@ -173,8 +173,8 @@ Drive = Prescribed | Free
 class Scene:
     """The whole input of an engine. ``crank`` names the driven body.
 
-    It is pinned to the ground and turns, or held by a slider on the ground and is pushed along it; empty where a
-    ``cylinder`` drives. ``driver_kind`` says which.
+    It is pinned to the ground and turns, or slides on the ground and is pushed along its guide; empty where a
+    ``cylinder`` drives. ``driver_kind`` is the kind.
     """
 
     crank: str
@@ -193,7 +193,7 @@ class Scene:
 
     @property
     def driver_kind(self) -> DriverKind:
-        """What drives: a crank (φ in rad, a torque), a slider or a cylinder (φ in m, a force)."""
+        """Kind of the driver: a crank (φ in rad, a torque), a slider or a cylinder (φ in m, a force)."""
         if self.cylinder is not None:
             return DriverKind.CYLINDER
         rides = any(slider.body == self.crank and slider.host == GROUND for slider in self.sliders)
@@ -206,7 +206,7 @@ class Scene:
 
     @property
     def driver_ends(self) -> tuple[str, str, Vector, Vector]:
-        """Of a linear driver: the bodies at its first and second end, and the anchors there.
+        """The bodies at the first and second end of a linear driver, and the anchors there.
 
         φ counts from the second anchor to the first, along the guide of a slider or along the cylinder.
         """

@@ -113,7 +113,7 @@ def _anchor(linkage: Linkage, point: str, body: str) -> Vector:
 
 
 def _slot_body(linkage: Linkage, slot: Slot) -> str:
-    """What the point of a slot is on, beside the slot's host."""
+    """The body, or the ground, that carries the point of a slot, beside the slot's host."""
     if slot.point in linkage.ground:
         return GROUND
     return next(name for name, link in linkage.links.items() if slot.point in link.points and name != slot.guide.host)

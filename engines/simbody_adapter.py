@@ -6,7 +6,7 @@ barrel and rod, which have next to no mass, is prescribed as a polynomial of tim
 that OpenSim's clock starts anew with every segment.
 
 After a step that misses the joints by more than the square root of their tolerance, Simbody's Runge-Kutta methods leave
-the projection out, and in steps of fixed length do so silently. So a step is at most as long as a recipe says, and
+the projection out, and in steps of fixed length do so silently. So a step is at most as long as a recipe allows, and
 Simbody divides it where it must; only the methods for study keep it fixed.
 """
 
@@ -166,7 +166,7 @@ class SimbodyModel:
         return self.numbers[body.name], turning, body.angle - sum(self.tree.branches[n].value for n in turning)
 
     def joints(self) -> dict[str, tuple[bool, int, float, Vector | None]]:
-        """Of every joint: whether it is a cut, its number, the sign of its force, and along what alone that is.
+        """By joint: whether it is a cut, its number, the sign of its force, and its only direction or None.
 
         A driven slider's force is across its guide: what is along it is the drive's.
         """
@@ -228,7 +228,7 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
 
 
 def _lost_inertia(scene: Scene) -> str | None:
-    """OpenSim::Body sets the inertia of a body without mass to zero, and says so in its log alone."""
+    """OpenSim::Body sets the inertia of a body without mass to zero, with a line in its log alone."""
     lost = next((body.name for body in scene.bodies if body.inertia and not body.mass), None)
     return lost and f"it takes no inertia of a body without mass, as '{lost}' has"
 

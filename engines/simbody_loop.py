@@ -28,11 +28,11 @@ def vector(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN4
 
 
 def plane(space: Any, factor: float = 1.0) -> tuple[float, float]:  # noqa: ANN401
-    """What of a vector is in the plane."""
+    """The components of a vector in the plane, times a factor."""
     return factor * space.get(0), factor * space.get(1)
 
 
-class World:
+class SimbodyWorld:
     """The model; bodies, joints and coordinates are in the order of the tree, the ground is body -1.
 
     ``loads`` take three functions of time each, which every part of the motion gives them anew.
@@ -95,7 +95,7 @@ class World:
         return plane(self.joints[number].calcReactionOnParentExpressedInGround(state).get(1), sign)
 
     def cut_force(self, number: int, state: Any) -> tuple[float, float]:  # noqa: ANN401
-        """On the first body of a cut: its constraint tells minus this in the axes of what carries both its bodies."""
+        """Force on the first body of a cut; the constraint has its reverse, in the axes of what carries both bodies."""
         cut, row = (
             self.given["cuts"][number],
             0 if self.given["cuts"][number]["along"] is None else 6,
@@ -104,7 +104,7 @@ class World:
         return plane(self.frames[cut["carrier"]].expressVectorInGround(state, taken_up), -1.0)
 
     def torque(self, state: Any) -> float:  # noqa: ANN401
-        """Of what the driven joint takes up, the drive's is the moment, or the force along a slide."""
+        """The drive's share of the driven joint's reaction: the moment, or the force along a slide."""
         number, sign, along = self.given["drive"]
         if along is None:
             reaction = self.joints[number].calcReactionOnParentExpressedInGround(state)
@@ -114,7 +114,7 @@ class World:
         return float(np.dot(self.force(number, sign, state), line))
 
     def joint_forces(self, state: Any) -> list[Any]:  # noqa: ANN401
-        """On the first bodies of the joints; of a driven slider's, what is across its guide."""
+        """Forces on the first bodies of the joints; of a driven slider's, the part across its guide."""
         forces = list[Any]()
         for is_cut, number, sign, normal in self.given["joints"].values():
             force = self.cut_force(number, state) if is_cut else self.force(number, sign, state)
@@ -132,14 +132,14 @@ class World:
         return rows
 
     def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401
-        """What is to be recorded in a state."""
+        """The requested channels of a state."""
         self.model.realizeAcceleration(state)
-        own = {"torque": self.torque, "joint_force": self.joint_forces}
-        return {name: own[name](state) if name in own else self.kinematics(name, state) for name in channels}
+        dynamics = {"torque": self.torque, "joint_force": self.joint_forces}
+        return {name: dynamics[name](state) if name in dynamics else self.kinematics(name, state) for name in channels}
 
 
 def components(law: Any) -> int:  # noqa: ANN401
-    """How many a load has."""
+    """Number of a load's components: two of a force, one of a torque."""
     return len(law) if isinstance(law, list) else 1 if isinstance(law, dict) else len(law[1][0])
 
 
@@ -170,12 +170,12 @@ def functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
     return result
 
 
-def build(model: Data) -> World:
+def build(model: Data) -> SimbodyWorld:
     """The world of a model."""
-    return World(model)
+    return SimbodyWorld(model)
 
 
-def follow(world: World, course: Data) -> Data:
+def follow(world: SimbodyWorld, course: Data) -> Data:
     """The samples of a course; of the two between parts the later part's counts."""
     rows: list[tuple[float, Data]] = []
     for part in course["parts"]:
@@ -189,7 +189,7 @@ def follow(world: World, course: Data) -> Data:
     return samples
 
 
-def part_states(world: World, part: Data, course: Data) -> Iterator[tuple[float, Data]]:
+def part_states(world: SimbodyWorld, part: Data, course: Data) -> Iterator[tuple[float, Data]]:
     """Instants of a part, s, and what is read at them; OpenSim's clock starts anew with every segment."""
     model, given = world.model, world.given
     time = np.linspace(part["start"], part["end"], part["samples"] + 1)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from comparisons.conformance.results import Check, NotTestedError
 from comparisons.conformance.samples import case
-from comparisons.conformance.trial import Trial
+from comparisons.conformance.trial import EngineTrial
 from comparisons.faults.misreadings import Reading, likeliest, readings, true_history
 from comparisons.judging.limits import limit
 from comparisons.observation.observed_motion import DENSE
@@ -32,7 +32,7 @@ LIKE = {
 ROUNDED = 1.0 + 1e-6
 
 
-def check_channel(channel: Channel, trial: Trial) -> None:
+def check_channel(channel: Channel, trial: EngineTrial) -> None:
     """One channel of every sample beside the closed form, within the limit of ``tuned``."""
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
@@ -69,7 +69,7 @@ def _size(values: Array) -> float:
     return float(np.max(np.hypot.reduce(values, axis=1)))
 
 
-def check_samples(trial: Trial) -> None:
+def check_samples(trial: EngineTrial) -> None:
     """Sample times increase to the end of the motion, densely enough to be read between."""
     for sample, scene, history in trial.histories():
         motion = case(sample).motion

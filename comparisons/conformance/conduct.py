@@ -13,7 +13,7 @@ import numpy as np
 
 from comparisons.conformance.results import Check, NotTestedError
 from comparisons.conformance.samples import PLAIN, SAMPLES, case
-from comparisons.conformance.trial import Trial, scene_of
+from comparisons.conformance.trial import EngineTrial, scene_of
 from comparisons.faults.misreadings import readings
 from comparisons.runs.failures import AdapterError, blamed_on
 from comparisons.runs.run_engine import run_engine
@@ -23,8 +23,8 @@ from engines.registry import check_adapter
 from engines.scene import GUIDES, LOADS, Channel, Drive, Scene
 
 
-def check_identity(trial: Trial) -> None:
-    """Name, version and abilities are what the contract asks for."""
+def check_identity(trial: EngineTrial) -> None:
+    """Name, version and abilities are as the contract requires."""
     with blamed_on(trial.engine):
         check_adapter(trial.engine)
     can = trial.engine.abilities
@@ -38,12 +38,12 @@ def check_identity(trial: Trial) -> None:
         assert not surplus, f"expected {name} of the contract in the abilities, got {surplus}: name none but those"
 
 
-def check_installed(trial: Trial) -> None:
+def check_installed(trial: EngineTrial) -> None:
     """The engine can be used and finishes the plain sample; without it nothing else can be checked."""
     trial.finished(PLAIN, trial.setting)
 
 
-def check_refusals(trial: Trial) -> None:
+def check_refusals(trial: EngineTrial) -> None:
     """A scene beyond its abilities is unsupported, with a reason."""
     beyond = [(sample, trial.setting) for sample in SAMPLES if trial.obstacle(sample) is not None]
     beyond += [(PLAIN, setting) for setting in Setting if setting not in trial.engine.abilities.settings]
@@ -58,7 +58,7 @@ def check_refusals(trial: Trial) -> None:
         assert run.history is None, f"{what}: expected no history, got one: a refused scene is not stepped"
 
 
-def check_claims(trial: Trial) -> None:
+def check_claims(trial: EngineTrial) -> None:
     """Every sample within its abilities is run, or refused with a reason that its abilities cannot state."""
     refused = []
     for sample in SAMPLES:
@@ -78,7 +78,7 @@ def _pin(scene: Scene, **changes: object) -> Scene:
     return replace(scene, pins=(replace(scene.pins[-1], **changes), *scene.pins[:-1]))  # type: ignore[arg-type]
 
 
-# Data that no engine may be given, and what is wrong with them.
+# By fault in words: the change of a scene that no engine may run.
 NAN, INFINITE = float("nan"), float("inf")
 BAD: Final[Mapping[str, Callable[[Scene], Scene]]] = {
     "a mass that is nan": partial(_first, mass=NAN),
@@ -98,7 +98,7 @@ BAD: Final[Mapping[str, Callable[[Scene], Scene]]] = {
 }
 
 
-def check_bad_data(trial: Trial) -> None:
+def check_bad_data(trial: EngineTrial) -> None:
     """Data that cannot be run with come back as an outcome with a reason; nothing is raised and no process dies."""
     for words, spoil in BAD.items():
         run = run_engine(trial.engine, spoil(scene_of(PLAIN)), trial.setting)
@@ -109,7 +109,7 @@ def check_bad_data(trial: Trial) -> None:
         assert run.reason.strip(), f"{words}: expected a reason, got none: state in one sentence what is wrong"
 
 
-def check_recording(trial: Trial) -> None:
+def check_recording(trial: EngineTrial) -> None:
     """Only channels that are requested and offered are recorded; the choice changes no step."""
     steps = trial.run(PLAIN).steps
     for channel in Channel:
@@ -118,17 +118,17 @@ def check_recording(trial: Trial) -> None:
         what = f"only {channel.value} requested"
         assert run.history is not None, f"{what}: expected a finished run, got {run.outcome}: {run.reason}"
         recorded = {reading.channel.value for reading in readings(scene, run.history)}
-        wanted = {channel.value} & {offered.value for offered in trial.engine.abilities.readouts}
-        for surplus in sorted(recorded - wanted):
+        expected = {channel.value} & {offered.value for offered in trial.engine.abilities.readouts}
+        for surplus in sorted(recorded - expected):
             raise AssertionError(f"{what}: expected no {surplus}, got it: leave it out")
-        assert recorded == wanted, f"{what}: expected it, got none: record it"
+        assert recorded == expected, f"{what}: expected it, got none: record it"
         assert run.steps == steps, (
             f"{what}: expected the {steps} steps of a run with every channel, got {run.steps}: choose the steps by the "
             "scene alone"
         )
 
 
-def check_repetition(trial: Trial) -> None:
+def check_repetition(trial: EngineTrial) -> None:
     """Two runs of one scene are the same to the last bit."""
     first, second = trial.finished(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
     assert second is not None, "expected a second run to finish, as the first one does: build the world anew"
@@ -140,7 +140,7 @@ def check_repetition(trial: Trial) -> None:
         )
 
 
-def check_settings(trial: Trial) -> None:
+def check_settings(trial: EngineTrial) -> None:
     """Every setting that is claimed runs, under every drive that is claimed."""
     for sample in (sample for sample in (PLAIN, "released") if trial.obstacle(sample) is None):
         for setting in sorted(trial.engine.abilities.settings):
@@ -151,7 +151,7 @@ def check_settings(trial: Trial) -> None:
             )
 
 
-def check_origins(trial: Trial) -> None:
+def check_origins(trial: EngineTrial) -> None:
     """``naive`` and ``tuned`` are one run; what is made of several runs is not labelled as read."""
     for setting in sorted(trial.engine.abilities.settings):
         run, is_single = trial.run(PLAIN, setting), setting is not Setting.BEST
@@ -177,7 +177,7 @@ def _origins(run: Run) -> Iterator[tuple[str, Origin]]:
         yield from ((f"force in joint '{name}'", signal.origin) for name, signal in run.history.joint_force.items())
 
 
-def check_silence(trial: Trial) -> None:
+def check_silence(trial: EngineTrial) -> None:
     """Nothing is written to standard output or error, by Python or by C, in a run that is made or refused."""
     with tempfile.NamedTemporaryFile("a+") as written:
         with silenced(written.name), redirect_stdout(written), redirect_stderr(written):

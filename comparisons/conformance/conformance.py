@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from comparisons.conformance import channels, conduct, mutants
 from comparisons.conformance.mutants import MUTANT
 from comparisons.conformance.results import Check, CheckResult, Finding
-from comparisons.conformance.trial import Trial
+from comparisons.conformance.trial import EngineTrial
 from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.workers import Bounds, run_jobs
 from engines.contract import Engine
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pytest
 
 INSTALLED: Final = "installed"
-FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no other check says anything
+FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no other check has a meaning
 DANGEROUS: Final = "bad data"  # may bring a process down
 BOUNDS = Bounds(seconds=120.0)
 CHECKS: Final[Mapping[str, Check]] = {
@@ -31,14 +31,14 @@ CHECKS: Final[Mapping[str, Check]] = {
 
 
 def examine(pickled: bytes, name: str) -> CheckResult:
-    """What comes of the check of this name of a pickled engine, in this process."""
+    """Result of the check of this name of a pickled engine, in this process."""
     return CHECKS[name].result(_unpickled(pickled))
 
 
 @lru_cache(maxsize=1)
-def _unpickled(engine: bytes) -> Trial:
+def _unpickled(engine: bytes) -> EngineTrial:
     """The engine of a worker's jobs, the same for all, so that they share its runs."""
-    return Trial(pickle.loads(engine))
+    return EngineTrial(pickle.loads(engine))
 
 
 def in_workers(engine: Engine, names: list[str], processes: int | None = None) -> list[CheckResult]:
@@ -88,7 +88,7 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
     Of an engine that cannot be used, or whose adapter cannot be loaded, that is the only result.
     """
     if isinstance(engine, Unusable):
-        return [CHECKS[INSTALLED].result(Trial(engine))]
+        return [CHECKS[INSTALLED].result(EngineTrial(engine))]
     expected = expected_failures(engine)
     results = [
         CheckResult(name, Finding.FAILED, f"expected a check, got '{name}' among the expected failures: correct it")
@@ -111,7 +111,7 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
 class EngineCheck:
     """One check of one engine, to be called by a test."""
 
-    trial: Trial
+    trial: EngineTrial
     check: Check
 
     def __call__(self) -> None:
@@ -137,7 +137,7 @@ def parametrize_engine_checks(
     """
     import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 
-    expected, trial = globals()["expected_failures"](engine, expected_failures), Trial(engine)
+    expected, trial = globals()["expected_failures"](engine, expected_failures), EngineTrial(engine)
     for name in expected:
         if name not in CHECKS:
             raise KeyError(f"expected a check, got '{name}' among the expected failures; one of {', '.join(CHECKS)}")

@@ -1,6 +1,6 @@
 """Mutants of an engine, each with one fault: of its world, of its read-out, or of how its runs are extrapolated.
 
-What is altered is small, of the size of a slip in an adapter. Faults of the world are those that ``judge`` fits, each
+Each change is small, of the size of a slip in an adapter. Faults of the world are those that ``judge`` fits, each
 planted in the sample on which it matters; misreadings are those by which a wrong channel is explained.
 """
 
@@ -20,7 +20,7 @@ from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.conformance.results import Check, NotTestedError
 from comparisons.conformance.samples import PLAIN, case
-from comparisons.conformance.trial import Trial, judged_rows, scene_of
+from comparisons.conformance.trial import EngineTrial, judged_rows, scene_of
 from comparisons.faults.misreadings import MISREADINGS, Misreading, planted
 from comparisons.faults.ranking import model_faults
 from comparisons.faults.settings import motion_settings
@@ -71,11 +71,11 @@ class Mutant:
     """
 
     name: str
-    rows: Callable[[Trial], Rows]
+    rows: Callable[[EngineTrial], Rows]
     sample: str = PLAIN
     setting: Setting = Setting.TUNED
 
-    def check(self, trial: Trial) -> None:
+    def check(self, trial: EngineTrial) -> None:
         """Raise AssertionError unless the fault fails a row that the engine itself passes."""
         wrong, right = self.rows(trial), trial.rows(self.sample, self.setting)
         if any(is_over and not right.get(name) for name, is_over in wrong.items()):
@@ -116,15 +116,15 @@ def _polynomials(changed: ChangedMotion) -> CrankMotion:
     return replace(right, segments=(*before, *moved))
 
 
-def _rows_in_world(sample: str, key: str, trial: Trial) -> Rows:
-    """Of an engine whose worlds are built with a fault."""
+def _rows_in_world(sample: str, key: str, trial: EngineTrial) -> Rows:
+    """Judged rows of an engine whose worlds are built with a fault."""
     trial.finished(sample)
     wrong = planted_case(sample, key)
     return _rows_with(trial, sample, Setting.TUNED, "altered", lambda scene: wrong.scene(scene.channels))
 
 
-def _rows_with(trial: Trial, sample: str, setting: Setting, method: str, other: Callable[..., Any]) -> Rows:
-    """Of an engine with another method; raises NotTestedError where it has no such method."""
+def _rows_with(trial: EngineTrial, sample: str, setting: Setting, method: str, other: Callable[..., Any]) -> Rows:
+    """Judged rows of an engine with another method; raises NotTestedError where it has no such method."""
     name = trial.engine.name
     if not hasattr(trial.engine, method):
         raise NotTestedError(f"{name} has no '{method}' to replace, as a SteppedEngine has")
@@ -134,8 +134,8 @@ def _rows_with(trial: Trial, sample: str, setting: Setting, method: str, other: 
     return {run.outcome.value: True} if run.history is None else judged_rows(sample, setting, name, run.history)
 
 
-def _rows_misread(channel: Channel, misreading: Misreading, number: float | None, trial: Trial) -> Rows:
-    """Of what the engine did, with a channel misread."""
+def _rows_misread(channel: Channel, misreading: Misreading, number: float | None, trial: EngineTrial) -> Rows:
+    """Judged rows of the engine's own run with a channel misread."""
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
     right = trial.finished(PLAIN)
@@ -145,8 +145,8 @@ def _rows_misread(channel: Channel, misreading: Misreading, number: float | None
     return judged_rows(PLAIN, Setting.TUNED, trial.engine.name, wrong)
 
 
-def _rows_extrapolated(weigh: Weigh, trial: Trial) -> Rows:
-    """Of the engine's runs at several steps, combined by other weights."""
+def _rows_extrapolated(weigh: Weigh, trial: EngineTrial) -> Rows:
+    """Judged rows of the engine's runs at several steps, combined by other weights."""
     trial.finished(PLAIN, Setting.BEST)
     if len(trial.run(PLAIN, Setting.BEST).passes) < 2:
         raise NotTestedError(f"'{Setting.BEST}' of {trial.engine.name} is one run")

@@ -1,4 +1,4 @@
-"""A check of the conformance test, what can come of it, and how it is made."""
+"""A check of the conformance test and its result."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from comparisons.runs.failures import AdapterError, blamed_on
 from engines.registry import why_unavailable
 
 if TYPE_CHECKING:
-    from comparisons.conformance.trial import Trial
+    from comparisons.conformance.trial import EngineTrial
 
 
 class NotTestedError(Exception):
-    """A check of what the engine does not do, or lets nobody look at; the message says why."""
+    """A check that cannot be made: the engine lacks a feature, or a hook for the test; the message gives the reason."""
 
 
 class Finding(StrEnum):
-    """What came of a check."""
+    """Result of a check."""
 
     PASSED = "passed"
     FAILED = "failed"
@@ -42,10 +42,10 @@ class Check:
 
     name: str
     about: str
-    examine: Callable[[Trial], None]
+    examine: Callable[[EngineTrial], None]
 
-    def result(self, trial: Trial) -> CheckResult:
-        """What comes of it in this process."""
+    def result(self, trial: EngineTrial) -> CheckResult:
+        """Result of the check, made in this process."""
         try:
             with blamed_on(trial.engine):
                 reason = why_unavailable(trial.engine)

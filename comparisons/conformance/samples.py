@@ -1,4 +1,4 @@
-"""The few linkages and motions that engines are held against."""
+"""The few linkages and motions in which the conformance test runs an engine."""
 
 from __future__ import annotations
 
@@ -90,5 +90,5 @@ SAMPLES: Final[Mapping[str, Sample]] = {
 
 @cache
 def case(name: str) -> Case:
-    """The case of a sample, the same for all who ask, so that its closed form is worked out once."""
+    """The case of a sample, shared by all callers, so that its closed form is computed once."""
     return SAMPLES[name].case

@@ -28,8 +28,8 @@ def scene_of(sample: str) -> Scene:
     return case(sample).scene(EVERY)
 
 
-class Trial:
-    """An engine and what it has run so far."""
+class EngineTrial:
+    """An engine under test, with its runs so far."""
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
@@ -38,7 +38,7 @@ class Trial:
 
     @property
     def setting(self) -> Setting:
-        """``tuned``, or what it offers instead."""
+        """``tuned``, or another setting that the engine offers."""
         settings = self.engine.abilities.settings
         return Setting.TUNED if Setting.TUNED in settings else min(settings, default=Setting.TUNED)
 
@@ -47,13 +47,13 @@ class Trial:
         return ability_obstacle(case(sample).scene(frozenset()), self.engine.abilities)
 
     def run(self, sample: str, setting: Setting = Setting.TUNED) -> Run:
-        """Its run of a sample; raises AdapterError."""
+        """The engine's run of a sample, made once; raises AdapterError."""
         if (sample, setting) not in self._runs:
             self._runs[sample, setting] = run_engine(self.engine, scene_of(sample), setting)
         return self._runs[sample, setting]
 
     def finished(self, sample: str, setting: Setting = Setting.TUNED) -> History:
-        """What it did in a sample; raises NotTestedError for one that it does not take, AssertionError if it fails."""
+        """History of a sample; raises NotTestedError for one beyond its abilities, AssertionError if it fails."""
         reason = self.obstacle(sample)
         if reason is None and setting not in self.engine.abilities.settings:
             reason = f"{self.engine.name} offers no setting '{setting}'"
@@ -70,7 +70,7 @@ class Trial:
         return run.history
 
     def histories(self) -> Iterator[tuple[str, Scene, History]]:
-        """The samples that the engine takes, and what it did in each; the plain one must be among them."""
+        """The samples that the engine takes, with scene and history; the plain one must be among them."""
         for sample in SAMPLES:
             try:
                 yield sample, scene_of(sample), self.finished(sample)
@@ -86,7 +86,7 @@ class Trial:
 
 
 def judged_rows(sample: str, setting: Setting, engine: str, history: History) -> Mapping[str, bool]:
-    """The rows that speak of what an engine did in a sample, of all joints one, and whether each failed."""
+    """The judged rows of an engine's run of a sample, all joints in one, and whether each failed."""
     of, failed = case(sample), dict[str, bool]()
     blank = blank_record(of, setting, engine)
     motion = ObservedMotion(scene_of(sample), history)

@@ -19,8 +19,7 @@ from engines.direct_adapter.motion import motion
 from engines.installed import installed_version
 from engines.mechanics.start_check import data_obstacle
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
-from engines.stepping.cost import Cost
-from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
+from engines.stepping.driver import Cost, DivergedError, UnsupportedError, check_step, run_stepping
 
 DISTRIBUTION = "linkproof"
 METHODS = (Method("exact", "every instant by Newton's method and linear systems; a free crank by DOP853"),)
@@ -78,7 +77,7 @@ def _history(scene: Scene, spacing: float | None, cost: Cost) -> History:
             raise DivergedError(reason)
         equations = _equations(scene)
     try:
-        with cost.stepping(), np.errstate(all="ignore"):  # what is not finite is found and named
+        with cost.stepping(), np.errstate(all="ignore"):  # numbers that are not finite are named later
             history, cost.steps = motion(equations, spacing)
     finally:
         cost.solver_work = equations.solves

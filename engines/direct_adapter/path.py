@@ -76,7 +76,7 @@ def reach(equations: Equations, low: float, high: float) -> Path:
 
 
 def _followed(equations: Equations, start: float, end: float) -> tuple[float, Callable[[Reals], Reals]]:
-    """How far towards ``end`` the path can be followed in its assembly mode, and the coordinates' gain (n, k) there.
+    """φ up to which the path can be followed towards ``end`` in its assembly mode, and the coordinates' gain (n, k).
 
     The gain is a function of φ (n,).
     """

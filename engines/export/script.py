@@ -19,8 +19,7 @@ from analytic.description.linkage import DriverKind
 from engines.contract import History
 from engines.installed import silenced
 from engines.scene import Scene
-from engines.stepping.cost import Cost
-from engines.stepping.driver import DivergedError, UnsupportedError
+from engines.stepping.driver import Cost, DivergedError, UnsupportedError
 from engines.stepping.loop_engine import LoopEngine, plain, plain_course
 from engines.stepping.own_units import OwnUnits, restored
 
@@ -65,7 +64,7 @@ def script(
     about: str,
     figures: Callable[[History], Sequence[ScriptFigure]],
 ) -> str:
-    """The script of one run; ``about`` says what it is, ``figures`` what of its history it shows at its end.
+    """The script of one run; ``about`` describes it, ``figures`` gives those of its history that it shows at its end.
 
     Raises UnsupportedError in a sentence for what cannot be exported.
     """
@@ -97,7 +96,7 @@ def script(
 
 
 def written(value: object) -> str:
-    """Data as source, whatever text is in it."""
+    """Python source of plain data; any text in it stays data."""
     return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
 

@@ -19,7 +19,7 @@ from typing import Any, ClassVar
 
 from analytic.description.linkage import DriverKind
 from engines.contract import Abilities, History, ReadOut
-from engines.exudyn_adapter.model import COORDINATES, Model
+from engines.exudyn_adapter.model import COORDINATES, ExudynModel
 from engines.exudyn_adapter.recipes import EFFORT_UNIT, SETTINGS, STUDIED, ExudynRecipe
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.loop_engine import LoopEngine
@@ -67,7 +67,7 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
 
     def model(self, scene: Scene, recipe: ExudynRecipe) -> Mapping[str, Any]:
         rule = {name: getattr(recipe, name) for name in ("as_shipped", "effort", "adaptive", "damping")}
-        return Model(scene).described() | rule
+        return ExudynModel(scene).described() | rule
 
     def follow(self, world: Any, course: Course[ExudynRecipe]) -> History:  # noqa: ANN401 - the loop's
         course.cost.details.update(course.recipe.details())

@@ -11,7 +11,6 @@ import cmath
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from functools import lru_cache
 from operator import mul
 from typing import Any
@@ -34,7 +33,7 @@ FIRST = (3 / 4, -3 / 20, 1 / 60)
 SECOND = (3 / 2, -3 / 20, 1 / 90)
 TOLERANCE = 1e-9  # of a correction of the static solver, whose square, which is the next, is rounding
 # What a start may change of coordinates, in the unit of length and rad, and of velocities, over the largest. A larger
-# change is another assembly mode, found near a change point.
+# change leads to another assembly mode, near a change point.
 LARGEST_CHANGE = 1e-2
 
 
@@ -69,8 +68,8 @@ def at(law: Any, angle: float) -> Any:  # noqa: ANN401
 class LinearDriver:
     """The span of a driver's two points from the coordinates of their bodies' nodes, reference values included.
 
-    exudyn calls the functions with the coordinates of the two bodies and its own time, and tells the multiplier: minus
-    the force along the driver. ``travel`` gives φ and its rate at exudyn's time; it is set anew for each part.
+    exudyn calls the functions with the coordinates of the two bodies and its own time; its multiplier is minus the
+    force along the driver. ``travel`` gives φ and its rate at exudyn's time; it is set anew for each part.
     """
 
     def __init__(self, given: Data, travel: Callable[[float, int], float]) -> None:
@@ -115,10 +114,10 @@ class LinearDriver:
         return {"scalingMarker0": np.zeros((1, 1)), "constraintUserFunction": gap, "jacobianUserFunction": jacobian}
 
 
-class World:
+class ExudynWorld:
     """An exudyn system in its start state.
 
-    ``container`` is only held: without it the system's memory is given back and every size silently reads zero.
+    ``container`` is stored because exudyn frees the system's memory with it, and every size then silently reads zero.
     ``driver`` is the item that holds a prescribed driver; None for a free one.
     """
 
@@ -148,7 +147,7 @@ class World:
         return float(polynomial(coefficients, time - start, order))
 
     def function(self, kind: str, law: tuple[str, Any]) -> Data:
-        """What of an item is a function of system and time."""
+        """The arguments of an item that are functions of system and time."""
         by, values = law
         if by == "gap":
             return self.linear.functions()
@@ -195,7 +194,7 @@ class World:
         return 0.0 if self.linear else float(self.given["start"] + self.unwound[self.given["crank"], ANGLE])
 
     def set_drive(self, part: Data) -> None:
-        """Let the solver itself run the crank's angle and speed over the time since the start of a part.
+        """Give the solver the crank's angle and speed as its own functions of the time since the start of a part.
 
         Python functions take a third more time.
         """
@@ -221,12 +220,12 @@ class World:
         self.mbs.SetObjectParameter(self.driver, "offset", angle - self.origin)
 
 
-def build(given: Data) -> World:
+def build(given: Data) -> ExudynWorld:
     """The assembled system of a model.
 
-    Redundant joints would make it singular, which exudyn says only in the middle of a solve.
+    Redundant joints would make it singular, which exudyn reports only in the middle of a solve.
     """
-    world = World(given)
+    world = ExudynWorld(given)
     try:
         world.mbs.Assemble()
     except exudyn.ExudynError as error:
@@ -240,7 +239,7 @@ def build(given: Data) -> World:
     return world
 
 
-def end_state(world: World) -> State:
+def end_state(world: ExudynWorld) -> State:
     """The state that the latest solve has ended with, its angles unwound."""
     state = world.mbs.systemData
     values = (state.GetODE2Coordinates(), state.GetODE2Coordinates_t(), state.GetODE2Coordinates_tt())
@@ -248,16 +247,16 @@ def end_state(world: World) -> State:
     return world.unwind(position), velocity, acceleration
 
 
-def set_initial(world: World, position: Array, *rates: Array) -> None:
-    """Let the next solve start from coordinates and, where given, their time derivatives."""
+def set_initial(world: ExudynWorld, position: Array, *rates: Array) -> None:
+    """Set coordinates and, where given, their time derivatives as the start of the next solve."""
     state, initial = world.mbs.systemData, exudyn.ConfigurationType.Initial
     state.SetODE2Coordinates(position, configuration=initial)
     for put, rate in zip((state.SetODE2Coordinates_t, state.SetODE2Coordinates_tt), rates, strict=False):
         put(rate, configuration=initial)
 
 
-def closed_state(world: World, part: Data, reached: State) -> State | None:
-    """The state at the start of a part of a prescribed motion, near the one reached; None where none is found."""
+def closed_state(world: ExudynWorld, part: Data, reached: State) -> State | None:
+    """The state at the start of a part of a prescribed motion; None if the solver has none near the one reached."""
     zero, coefficients = part["segment"]
     angle, speed, second = (float(polynomial(coefficients, part["start"] - zero, order)) for order in range(3))
     try:
@@ -277,7 +276,7 @@ def closed_state(world: World, part: Data, reached: State) -> State | None:
     return (position, velocity, bend * speed**2 + rate * second) if is_near and is_like else None
 
 
-def at_angle(world: World, guess: Array, angle: float) -> Array:
+def at_angle(world: ExudynWorld, guess: Array, angle: float) -> Array:
     """Coordinates at a crank angle, rad; raises ExudynError where exudyn finds none."""
     world.hold_drive(angle)
     set_initial(world, guess)
@@ -293,7 +292,7 @@ def at_angle(world: World, guess: Array, angle: float) -> Array:
     return np.array(world.mbs.systemData.GetODE2Coordinates())
 
 
-def start(world: World, part: Data, details: Data, *, first: bool) -> None:
+def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None:
     """Set the drive's functions and the state a part starts from: the scene's, or one near what has been reached."""
     state = tuple(map(np.array, world.given["states"]))
     if not first:
@@ -334,7 +333,7 @@ def solver_settings(given: Data, part: Data, ratio: int) -> Any:  # noqa: ANN401
     return settings
 
 
-def solve(world: World, part: Data, course: Data) -> None:
+def solve(world: ExudynWorld, part: Data, course: Data) -> None:
     """Step through a part; raises ArithmeticError if exudyn stops or leaves what is no number."""
     mbs, solver = world.mbs, exudyn.MainSolverImplicitSecondOrder()
     try:
@@ -350,7 +349,7 @@ def solve(world: World, part: Data, course: Data) -> None:
         raise ArithmeticError(f"the state is not finite at {part['end']:.4g} s")
 
 
-def read(world: World, *, first: bool, before_jump: bool) -> Iterator[tuple[str, str | None, Array, Array]]:
+def read(world: ExudynWorld, *, first: bool, before_jump: bool) -> Iterator[tuple[str, str | None, Array, Array]]:
     """The samples of the latest solve that are exudyn's own: channel, joint, times and values.
 
     Of the state it started from they are only the run's first. The multipliers belong to a step, not to a state: loads
@@ -380,34 +379,24 @@ def read(world: World, *, first: bool, before_jump: bool) -> Iterator[tuple[str,
         yield "joint_force", name, time[loaded], values[loaded]
 
 
-def follow(world: World, course: Data) -> Data:
+def follow(world: ExudynWorld, course: Data) -> Data:
     """The samples of a course."""
     signals: dict[tuple[str, str | None], list[tuple[Array, Array]]] = {}
-    parts = course["parts"]
+    parts, prints = course["parts"], exudyn.config.printToConsole
+    exudyn.config.printToConsole = False
     try:
-        with silent():
-            for part, later in zip(parts, [*parts[1:], None], strict=True):
-                if not world.given["as_shipped"]:
-                    start(world, part, course["details"], first=part is parts[0])
-                solve(world, part, course)
-                before_jump = later is not None and later["after_jump"]
-                for channel, joint, time, values in read(world, first=part is parts[0], before_jump=before_jump):
-                    signals.setdefault((channel, joint), []).append((time, values))
+        for part, later in zip(parts, [*parts[1:], None], strict=True):
+            if not world.given["as_shipped"]:
+                start(world, part, course["details"], first=part is parts[0])
+            solve(world, part, course)
+            before_jump = later is not None and later["after_jump"]
+            for channel, joint, time, values in read(world, first=part is parts[0], before_jump=before_jump):
+                signals.setdefault((channel, joint), []).append((time, values))
     finally:
+        exudyn.config.printToConsole = prints
         world.container.Reset()  # else exudyn keeps what its functions and sensors hold for as long as it lives
     samples: Data = {"joint_force": {}}
     for (channel, joint), pieces in signals.items():
         time, values = (np.concatenate([piece[n] for piece in pieces]) for n in range(2))
         (samples if joint is None else samples[channel])[channel if joint is None else joint] = (time, values)
     return samples
-
-
-@contextmanager
-def silent() -> Iterator[None]:
-    """Keep exudyn from writing to the console, and leave its switch as it was."""
-    before = exudyn.config.printToConsole
-    exudyn.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exudyn.config.printToConsole = before

@@ -24,7 +24,7 @@ COORDINATES = {
 }
 
 
-class Model:
+class ExudynModel:
     """The items of an exudyn system of a scene and where to find things in it, in the order of their making.
 
     An item is its category, its kind and its data as exudyn has them, and what of it is a function, as the loop has it.
@@ -194,8 +194,8 @@ class Model:
             self._load("ForceVector", ends[0], ("time", (drive.torque, times, [*scene.driven_slider.along, 0.0])))
 
 
-def add_sensors(model: Model) -> dict[str, Any]:
-    """Put sensors on a model for the channels its scene asks for, and tell them by what they measure."""
+def add_sensors(model: ExudynModel) -> dict[str, Any]:
+    """Add sensors for the scene's channels to a model; returns their numbers by what they measure."""
     channels = model.scene.channels
     motion = {
         channel: [model.sensor("Node", output, nodeNumber=node) for node in model.nodes.values()]

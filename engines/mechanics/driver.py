@@ -17,7 +17,7 @@ import numpy as np
 
 from analytic.description.linkage import DriverKind
 from engines.mechanics.states import Pose, Reals, across, body_numbers, dot, pose_of
-from engines.scene import Scene, SliderJoint
+from engines.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -85,11 +85,11 @@ class Driver:
         if span is None:
             return np.zeros(len(rate), dtype=rate.dtype)
         first, second = rate[:, self.ends[0]], rate[:, self.ends[1]]
-        values, two = first[:, 2:], second[:, 2:]
-        inward = values * values * span.first - two * two * span.second
+        first_spin, second_spin = first[:, 2:], second[:, 2:]
+        inward = first_spin**2 * span.first - second_spin**2 * span.second
         result = dot(span.along, inward)
         if self.line is None:
-            moved = first[:, :2] - second[:, :2] + values * across(span.first) - two * across(span.second)
+            moved = first[:, :2] - second[:, :2] + first_spin * across(span.first) - second_spin * across(span.second)
             result = result - dot(across(span.along), moved) ** 2 / span.length
         return np.asarray(result)
 
@@ -104,9 +104,3 @@ def driven(scene: Scene, position: Reals, *rates: Reals) -> tuple[Reals, ...]:
         along = np.sum(gradient * rate, axis=(1, 2))
         result.append(along if order == 1 else along - driver.bend(span, rates[0]))
     return tuple(result)
-
-
-def across_guide(guide: SliderJoint, force: Reals) -> Reals:
-    """What of a force (..., 2) on a driven slider is its guide's: the drive's is along the guide, which bears none."""
-    normal = across(np.array(guide.along))
-    return np.asarray(dot(force, normal)[..., None] * normal)

@@ -188,7 +188,7 @@ class JointEquations:
         return result
 
     def openings(self, residual: Reals) -> Reals:
-        """How far each joint's point is off, (n, joints), of a residual or of its time derivative: no turning."""
+        """Gap of each joint's point, (n, joints), from a residual or its time derivative; turning does not count."""
         pins = np.hypot(residual[:, self.x_rows], residual[:, self.y_rows])
         return np.concatenate([pins, np.abs(residual[:, self.line_rows])], axis=1)
 

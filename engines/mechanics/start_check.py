@@ -30,7 +30,7 @@ UNITS = ("m", "m/s", "m/s²")
 
 @dataclass(frozen=True)
 class Misfit:
-    """How far a joint is violated in position, velocity or acceleration (``order`` 0, 1, 2)."""
+    """Violation of a joint in position, velocity or acceleration (``order`` 0, 1, 2), m, m/s or m/s²."""
 
     joint: str
     order: int
@@ -87,7 +87,7 @@ def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
 
 
 def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
-    """What of a scene goes beyond an engine's abilities, in one sentence; else None."""
+    """The first part of a scene beyond an engine's abilities, in one sentence; None if it is within them."""
     if type(scene.drive) not in abilities.drives:
         return f"it takes no {_words(scene.drive)} drive"
     if scene.driver_kind not in abilities.drivers:
@@ -108,9 +108,9 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
 
 
 def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
-    """What of a scene's data an engine must not get, or a start that does not fit, in one sentence; else None.
+    """The first fault of a scene's data, or of a start that does not fit the joints, in one sentence; else None.
 
-    ``massless`` bodies, and such without a moment of inertia, are fine for some engines.
+    ``massless`` bodies, and such without a moment of inertia, are allowed for some engines.
     """
     return next(_obstacles(scene, 0.0 if massless else LEAST), None) or start_misfit(scene)
 

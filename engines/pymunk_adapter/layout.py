@@ -1,4 +1,4 @@
-"""How a scene is cut into parts and their joints: again a scene, whose grooves pymunk solves exactly.
+"""A scene cut into parts and their joints: again a scene, whose grooves pymunk solves exactly.
 
 pymunk's ``GrooveJoint`` solves both directions of its contact and then drops the part along the groove. That is right
 only where the two do not couple: the mass centre of the groove's body has to lie on the groove's line, and that of the
@@ -33,7 +33,7 @@ from engines.scene import AppliedForce, Cylinder, PinJoint, PointSpring, Scene, 
 
 # Mass that rests on a pivot, over the scene's, and the share of a body's inertia about its pivot in the point mass.
 RESTING, POINT = 10.0, 0.25
-CLOSE = 1e-12  # of a body's inertia: moments that are none
+CLOSE = 1e-12  # of a body's inertia: moments smaller than this are rounding
 
 Fastened = TypeVar("Fastened", PinJoint, PointSpring, Cylinder)
 Groove = TypeVar("Groove", SliderJoint, SlotJoint)
@@ -84,9 +84,9 @@ class PartLayout:
         _, speed, gain = (float(value[0]) for value in driven(scene, position, rate, second))
         # Whatever starts from rest sets off along its acceleration.
         motion = (rate / speed if speed else second / (gain or 1.0))[0]
-        own = motion[[body_numbers(scene)[part.owner] for part in self.parts]]
-        velocity = point_velocity(_arms(scene, self.parts), own)
-        return velocity.tolist(), own[:, 2].tolist()
+        owners = motion[[body_numbers(scene)[part.owner] for part in self.parts]]
+        velocity = point_velocity(_arms(scene, self.parts), owners)
+        return velocity.tolist(), owners[:, 2].tolist()
 
 
 def without_point(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]:

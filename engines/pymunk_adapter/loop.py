@@ -1,11 +1,11 @@
 """One pass in pymunk: a space without shapes, its loads set before every step, and what is read after it.
 
-A step of pymunk first moves the bodies, then asks for forces and solves for velocities: after it the positions are
+A step of pymunk first moves the bodies, then evaluates forces and solves for velocities: after it the positions are
 those of tₙ, the velocities those of tₙ + h/2, impulses over h the loads at tₙ. From sample to sample there is an odd
 number of steps, so that passes of different step share the samples as well as the middles between them: velocities live
 on the middles, and the acceleration at a sample is (v⁺ − v⁻)/h across it.
 
-What is set before a step has to be that of the positions it will reach: the present ones moved on by the present
+Loads set before a step have to be those of the positions that it will reach: the present ones moved on by the present
 velocities. Velocities at that instant lie half a step ahead of the last ones known and are extrapolated from the last
 two, 1.5 v₁ − 0.5 v₂: dampers are of second order. A newcomer's run, which is not ``centred``, sets what holds now,
 leaves damping to pymunk and takes every read-out for that of the step's end.
@@ -57,11 +57,11 @@ class Rod:
         self.ends = (first, here), (second, there)
 
     def length(self, ahead: float) -> float:
-        """Its length a time ahead at the present velocities."""
+        """Length, m, ``ahead`` seconds from now at the present velocities."""
         return math.dist(*(b.position + ahead * b.velocity + arm(b, anchor, ahead) for b, anchor in self.ends))
 
     def push(self, force: float, ahead: float) -> None:
-        """Let it push its ends apart by a force in the next step."""
+        """Push its ends apart by a force, N, in the next step."""
         (first, here), (second, there) = self.ends
         arms = arm(first, here, ahead), arm(second, there, ahead)
         between = first.position - second.position + ahead * (first.velocity - second.velocity) + arms[0] - arms[1]
@@ -69,10 +69,10 @@ class Rod:
             body.apply_force_at_world_point(sign * force * between.normalized(), body.position + lever)
 
 
-class World:
+class PymunkWorld:
     """A space in its start state, but for the velocities; ``ends`` has the bodies, the ground as -1.
 
-    The ``motor`` is the drive: it works against a torque that keeps the sign of what it exerts, as pymunk tells the
+    The ``motor`` is the drive: it works against a torque that keeps the sign of its own, as pymunk gives the
     size alone. That of a linear drive is a pin joint, whose distance is set before every step: after the step to come
     its ends are as far apart. ``line`` is between the ends of a linear driver, prescribed or free.
     """
@@ -96,20 +96,20 @@ class World:
             self.constraints.append(self.motor)  # last, so that an iteration leaves no error in the crank's speed
         for constraint in self.constraints if centred else ():
             constraint.error_bias = 0.0
-        own = [pymunk.DampedSpring(ends[a], ends[b], *rest) for a, b, *rest in given["springs"]]
+        springs = [pymunk.DampedSpring(ends[a], ends[b], *rest) for a, b, *rest in given["springs"]]
         if not centred:
-            own += [pymunk.DampedRotarySpring(ends[a], ends[b], 0.0, 0.0, each) for a, b, each in given["dampers"]]
-        self.space.add(*self.bodies, *own, *self.constraints)
+            springs += [pymunk.DampedRotarySpring(ends[a], ends[b], 0.0, 0.0, each) for a, b, each in given["dampers"]]
+        self.space.add(*self.bodies, *springs, *self.constraints)
         self.loads: list[Load] = [self.load(*load) for load in given["loads"] if load[0] >= 0]
         torque, over_time = given["push"]
         if torque + given["offset"] or over_time:
             self.loads.append(self.driving(torque + given["offset"], over_time))
         if centred:
             self.loads += [self.damper(ends[a], ends[b], each) for a, b, each in given["dampers"]]
-            self.loads += [self.dashpot(spring) for spring in own if spring.damping]
+            self.loads += [self.dashpot(spring) for spring in springs if spring.damping]
 
     def drive(self) -> Any:  # noqa: ANN401
-        """What prescribes the driver."""
+        """The constraint that prescribes the driver."""
         if self.line is None:
             return pymunk.SimpleMotor(self.space.static_body, self.crank, 0.0)
         (first, here), (second, there) = self.line.ends
@@ -135,7 +135,7 @@ class World:
         return add
 
     def driving(self, size: float, over_time: tuple[Sequence[float], Sequence[float]] | None) -> Load:
-        """What a free driver is under or a motor works against: a torque on a crank, a force along a linear driver."""
+        """The load on a free driver, or against a motor: a torque on a crank, a force along a linear driver."""
         crank, line = self.crank, self.line
 
         def add(ahead: float) -> None:
@@ -194,12 +194,12 @@ def speeds(motion: Sequence[tuple[float, Sequence[float]]] | None, centred: bool
     return np.asarray(result @ (0.5 * shares))
 
 
-def build(model: Data) -> World:
+def build(model: Data) -> PymunkWorld:
     """The world of a model."""
-    return World(model)
+    return PymunkWorld(model)
 
 
-def follow(world: World, course: Data) -> Data:
+def follow(world: PymunkWorld, course: Data) -> Data:
     """The samples of a course, which is one part."""
     given, channels, ratio, (part,) = world.given, course["channels"], course["ratio"], course["parts"]
     centred, samples = given["centred"], ratio * np.arange(part["samples"] + 1)
@@ -241,7 +241,7 @@ def follow(world: World, course: Data) -> Data:
 
 
 def stepped(
-    world: World, step: float, rates: Array, marks: tuple[Array, Array], read: list[pymunk.Constraint]
+    world: PymunkWorld, step: float, rates: Array, marks: tuple[Array, Array], read: list[pymunk.Constraint]
 ) -> tuple[Array, Array]:
     """Take all steps; ``marks`` are those after which states and those after which impulses are read.
 
@@ -260,12 +260,12 @@ def stepped(
     seen, impulses = list[bytes](), list[float]()
     if is_seen[0]:
         seen.append(look(space))
-    own = space.iterations if given["iterations"] is None else given["iterations"]
+    usual = space.iterations if given["iterations"] is None else given["iterations"]
     for number, value in enumerate(coming.tolist(), start=1):
         if number <= COLD_STEPS + 1 and given["centred"]:
-            space.iterations = own * COLD if number <= COLD_STEPS else own
+            space.iterations = usual * COLD if number <= COLD_STEPS else usual
         elif number == 1:
-            space.iterations = own
+            space.iterations = usual
         for load in loads:
             load(step if given["centred"] else 0.0)
         if motor is not None:
@@ -281,7 +281,7 @@ def stepped(
 
 
 def look(space: pymunk.Space) -> bytes:
-    """What all bodies are at."""
+    """Places, angles and velocities of all bodies, as bytes."""
     BUFFER.clear()
     batch.get_space_bodies(space, STATE, BUFFER)
     return bytes(BUFFER.float_buf())
@@ -299,7 +299,7 @@ def at_centres(offsets: list[complex], place: Array, rate: Array, ahead: float) 
     return place, rate
 
 
-def set_off(world: World, rate: float, step: float) -> None:
+def set_off(world: PymunkWorld, rate: float, step: float) -> None:
     """Give the parts their velocities: those that bring them through the first step, or a newcomer's.
 
     The latter are those of the start. The former are the motion's tangent there, at the speed of the middle of the

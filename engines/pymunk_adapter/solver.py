@@ -1,4 +1,4 @@
-"""How many iterations pymunk's solver needs for a scene, from the scene itself.
+"""Number of iterations that pymunk's solver needs for a scene, from the scene itself.
 
 The impulses of a step start from those of the last one. What the iterations leave of their change is carried into the
 next step, where it opens the joints: where half of it is left, they are pushed open further from step to step, however
@@ -30,12 +30,12 @@ def iterations_for(layout: PartLayout, remaining: float) -> int:
     """Iterations after which no more than ``remaining`` of an impulse's change over a step is left wrong."""
     with np.errstate(all="ignore"):
         worst = max(contraction(layout, pose) for pose in poses_of(layout.equations))
-        wanted, needed = np.log([remaining, LARGEST_REMAINDER]) / np.log(min(worst, 1.0 - 1e-12))
-    return int(np.clip(max(min(wanted, ENOUGH), needed), FEWEST, MOST))
+        enough, needed = np.log([remaining, LARGEST_REMAINDER]) / np.log(min(worst, 1.0 - 1e-12))
+    return int(np.clip(max(min(enough, ENOUGH), needed), FEWEST, MOST))
 
 
 def way(scene: Scene) -> float:
-    """How far the driver goes from its start, rad or m, to one side; a crank no more than a full turn."""
+    """Travel of the driver from its start, rad or m, to its farther side; a crank's is a full turn at most."""
     if isinstance(scene.drive, Free):
         return FULL_TURN
     farthest = max((end - scene.crank_angle for end in scene.drive.motion.reach), key=abs)

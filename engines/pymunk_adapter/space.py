@@ -41,7 +41,7 @@ def described(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, A
     gears = [
         ("GearJoint", numbers[host], numbers[body], angles[body] - angles[host], 1.0) for body, host in layout.gears
     ]
-    own = {joint.name for joint in (*scene.pins, *scene.guided)}
+    of_scene = {joint.name for joint in (*scene.pins, *scene.guided)}
     torques = [(numbers[load.body], (0.0, 0.0), plain_law(load.torque)) for load in parts.torques]
     return {
         "centred": centred,
@@ -54,7 +54,7 @@ def described(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, A
         "crank": numbers.get(scene.crank),
         "constraints": [*pins, *grooves, *gears],
         "joints": {
-            joint.name: number for number, joint in enumerate((*parts.pins, *parts.guided)) if joint.name in own
+            joint.name: number for number, joint in enumerate((*parts.pins, *parts.guided)) if joint.name in of_scene
         },
         "springs": [
             (numbers[each.first], numbers[each.second], each.first_anchor, each.second_anchor, *rest)

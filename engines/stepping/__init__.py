@@ -1,1 +1,1 @@
-"""What adapters share on the way from time steps to a history."""
+"""The way from time steps to a history, shared by all adapters of engines that take steps."""

@@ -1,15 +1,17 @@
-"""How a run ends, and in how many steps it is taken."""
+"""How a run ends, its cost, and in how many steps it is taken."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import perf_counter
 
 import numpy as np
 
 from analytic.errors import LinkproofError
 from engines.contract import History, Outcome, Run
-from engines.stepping.cost import Cost
 from engines.stepping.histories import labelled
 
 ROUNDING = 1e-6  # of a step: what a whole number of steps may lack of a duration
@@ -21,6 +23,50 @@ class DivergedError(Exception):
 
 class UnsupportedError(Exception):
     """The engine does not support the scene, which shows only while it is built; the message gives the reason."""
+
+
+@dataclass
+class Cost:
+    """Cost of a run so far, passes that failed included, and the ``details`` of the settings used."""
+
+    seconds: float = 0.0
+    setup_seconds: float = 0.0
+    steps: int = 0
+    solver_work: int = 0
+    passes: tuple[float, ...] = ()
+    details: dict[str, str | int | float] = field(default_factory=dict)
+
+    @contextmanager
+    def building(self) -> Iterator[None]:
+        """Count the wall time of the block as set-up."""
+        begun = perf_counter()
+        try:
+            yield
+        finally:
+            self.setup_seconds += perf_counter() - begun
+
+    @contextmanager
+    def stepping(self) -> Iterator[None]:
+        """Count the wall time of the block as stepping."""
+        begun = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds += perf_counter() - begun
+
+    def run(self, outcome: Outcome, reason: str = "", history: History | None = None) -> Run:
+        """The run with this outcome and cost."""
+        return Run(
+            outcome,
+            reason,
+            history,
+            self.seconds,
+            self.setup_seconds,
+            self.steps,
+            self.solver_work,
+            self.passes,
+            self.details,
+        )
 
 
 def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:

@@ -43,7 +43,7 @@ class Interval:
 
 @dataclass(frozen=True)
 class Pace:
-    """How fine a motion is stepped: steps of at most ``step``, s, and at least ``steps_per_turn`` at each part's peak.
+    """Fineness of the steps of a motion: of at most ``step``, s, and at least ``steps_per_turn`` at each part's peak.
 
     A segment has ``least_steps`` or more and is started anew at least every so many ``turns``. ``turn`` is how much of
     φ counts as one, rad or m.
@@ -68,7 +68,7 @@ def released_intervals(duration: float, kinks: Sequence[float], step: float) -> 
 
 
 def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
-    """The motion's segments in steps as fine as the pace asks for."""
+    """The motion's segments in steps no longer than the pace allows."""
     first = motion.segments[0]
     if len(motion.segments) > MANY:  # a table: its pieces need not be resolved each by itself
         pace = replace(pace, least_steps=math.ceil(pace.least_steps * MANY / len(motion.segments)))

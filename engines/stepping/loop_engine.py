@@ -50,7 +50,7 @@ class LoopEngine(SteppedEngine[Any, R]):
             raise _ended(error, UnsupportedError) from error
 
     def follow(self, world: Any, course: Course[R]) -> History:  # noqa: ANN401
-        """What the loop samples of a pass."""
+        """The loop's samples of a pass as a history."""
         given = plain_course(course)
         try:
             samples = import_module(self.loop).follow(world, given)

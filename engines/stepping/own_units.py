@@ -37,13 +37,13 @@ POWERS: Mapping[str, tuple[int, int]] = {
 
 @dataclass(frozen=True)
 class OwnUnits:
-    """What counts as one: a length, m, and a mass, kg; the unit of time stays the second."""
+    """Units of a scene: a length, m, and a mass, kg; the unit of time is the second."""
 
     length: float
     mass: float
 
     def unit(self, name: str) -> float:
-        """The unit of what is called so, in SI."""
+        """The unit, in SI, of a quantity by its name in ``POWERS``."""
         length, mass = POWERS[name]
         return float(self.length**length * self.mass**mass)
 
@@ -102,7 +102,7 @@ def _scaled(value: Any, name: str, units: OwnUnits) -> Any:  # noqa: ANN401 - a 
 
 
 def restored(history: History, units: OwnUnits, driver: DriverKind = DriverKind.CRANK) -> History:
-    """A history of a scaled scene in SI; what drives tells whether its torque is a force."""
+    """A history of a scaled scene in SI; the torque of a linear ``driver`` is a force."""
     coordinates = np.array([units.length, units.length, 1.0])
 
     def times(signal: Signal | None, factor: object) -> Signal | None:

@@ -22,19 +22,17 @@ from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed, Scene
-from engines.stepping.cost import Cost
-from engines.stepping.driver import check_step, run_stepping
-from engines.stepping.error_estimate import estimated_error
+from engines.stepping.driver import Cost, check_step, run_stepping
 from engines.stepping.intervals import MANY, Interval, Pace, intervals, released_intervals, whole_interval
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
-from engines.stepping.richardson import Pass, extrapolate, weights
+from engines.stepping.richardson import Pass, estimated_error, extrapolate, weights
 
 LARGEST_EFFORT = 2.0**31  # of an iteration count
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe(Pace):
-    """How a scene is stepped: the samples' pace, and the runs at fractions of their step.
+    """Instructions for stepping a scene: the samples' pace, and the runs at fractions of their step.
 
     ``ratios`` are the steps between two samples, of one run each; several are extrapolated, the error's terms
     having the ``orders`` as powers of the step. ``effort`` is the constraint solver's, None for the engine's own.
@@ -75,7 +73,7 @@ class Recipe(Pace):
 
 
 def _start_pace(scene: Scene) -> float:
-    """What the start state shows of a free driver's pace, rad/s or m/s."""
+    """Pace of a free driver, rad/s or m/s, estimated from the start state."""
     _, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
     size = 1.0 if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
     return abs(speed) + math.sqrt(abs(acceleration) * size)
@@ -104,8 +102,8 @@ class SteppedEngine(ABC, Generic[World, R]):
 
     ``package`` is what is imported and installed, as ``distribution`` where that has another name, ``oldest`` its first
     version that will do; ``settings`` are the recipes by drive, ``studied`` what each method is in one sentence and its
-    recipe, the newcomer's first. ``weights`` are those of an extrapolation's runs, but where a test looks whether
-    errors in them are seen.
+    recipe, the newcomer's first. ``weights`` are those of an extrapolation's runs, unless a test plants an error in
+    them.
     """
 
     name: ClassVar[str]
@@ -133,7 +131,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         """
 
     def refusal(self, scene: Scene) -> str | None:
-        """What of a scene the engine cannot hold, beside what its abilities say, in one sentence."""
+        """The part of a scene that the engine does not support, beyond its abilities, in one sentence; else None."""
         return None
 
     def obstacle(self, scene: Scene) -> str | None:
@@ -145,11 +143,11 @@ class SteppedEngine(ABC, Generic[World, R]):
         )
 
     def altered(self, scene: Scene) -> Scene:
-        """What a world is built from: the scene itself, but where a test looks whether errors in it are seen."""
+        """The scene that a world is built from: the given one, unless a test plants an error in it."""
         return scene
 
     def version(self) -> str | None:
-        """As the contract says, like all that follows."""
+        """Version of the installed engine, or None; see the contract, as for all methods below."""
         return installed_version(self.distribution or self.package)
 
     def why_unavailable(self) -> str | None:
@@ -183,7 +181,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return self._run(scene, self.studied_recipe(method, step), {"method": method.name})
 
     def studied_recipe(self, method: Method, step: float) -> R:
-        """What a method does at a step and its effort."""
+        """The recipe of a method at a step, s, and with the method's effort."""
         _, recipe = self.studied[method.name]
         return replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort)
 

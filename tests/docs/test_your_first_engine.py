@@ -14,7 +14,7 @@ import pytest
 from comparisons.conformance.conformance import CHECKS
 from comparisons.conformance.mutants import MUTANT
 from comparisons.conformance.results import NotTestedError
-from comparisons.conformance.trial import Trial
+from comparisons.conformance.trial import EngineTrial
 from tests.comparisons.conformance.wrong_engines import WRONG
 
 ROOT = Path(__file__).parents[2]
@@ -74,7 +74,7 @@ def test_its_thirty_lines_pass_every_check_of_an_engine_that_has_positions_alone
     strings = [node for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)]
     lines = [line for line in BLOCKS["pinwork.py"].splitlines() if line.strip()]
     assert len(lines) - len(strings) <= 33
-    trial, passed = Trial(known["PinworkEngine"]()), set()
+    trial, passed = EngineTrial(known["PinworkEngine"]()), set()
     for check in CHECKS.values():
         if check.name.startswith(MUTANT):
             continue
@@ -102,4 +102,4 @@ def test_the_page_has_every_check():
 def test_a_wrong_sign_is_named_as_the_page_has_it():
     (told,) = re.findall(r"failed  (drive torque, .*), …", PAGE)
     with pytest.raises(AssertionError, match=re.escape(told)):
-        CHECKS["drive torque"].examine(Trial(WRONG["torque reversed"][0]))
+        CHECKS["drive torque"].examine(EngineTrial(WRONG["torque reversed"][0]))

@@ -31,6 +31,7 @@ def left_by(name):
     return (sizes[1] - sizes[0]) / MORE
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 @pytest.mark.parametrize("name", engine_names())
 def test_a_process_does_not_grow_with_the_runs_it_has_made(name):

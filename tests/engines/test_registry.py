@@ -7,24 +7,16 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
-from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.campaign.errata import judge_errata
 from comparisons.reference.case import Case
 from comparisons.runs.failures import AdapterError
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.workers import LocalPool
-from comparisons.stress.campaign import make_cells
-from comparisons.stress.cells import find_cell
-from comparisons.work_precision.points import Extent
-from comparisons.work_precision.study import BenchRequest, bench
 from engines import registry
-from engines.contract import Outcome, Setting
-from engines.ondsel_adapter import OndselEngine
+from engines.contract import Setting
 from engines.scene import Channel
-from reports.requests import campaign
-from tests.commands import process
+from tests.commands import linkproof, refused
 from tests.comparisons.faults import PATIENCE, announce
 
 ADAPTER = """from engines.registry import NOTHING
@@ -51,7 +43,7 @@ MODULES = {
     "unversioned": ADAPTER.format(name="unversioned").replace('return "1.0"', "return 1 / 0"),
     "failing": ADAPTER.format(name="failing"),
 }
-SAID = {
+REASONS = {
     "raising": "ValueError: at import (FOLDER/raising.py, line 2)",
     "misspelt": "SyntaxError: invalid syntax (misspelt.py, line 2) (FOLDER/misspelt.py, line 2)",
     "needing": "ModuleNotFoundError: No module named 'a_package_that_nobody_has' (FOLDER/needing.py, line 1)",
@@ -81,15 +73,15 @@ def plugins(tmp_path, monkeypatch):
         sys.modules.pop(name, None)
 
 
-def test_what_a_plugin_raises_is_told_with_its_file_and_line_when_it_is_run(plugins, monkeypatch):
-    told = {}
-    for name in sorted(SAID, key="hanging".__eq__):  # the one that is never done comes last
+def test_an_error_of_a_plugin_is_raised_with_its_file_and_line_when_it_is_run(plugins, monkeypatch):
+    reasons = {}
+    for name in sorted(REASONS, key="hanging".__eq__):  # the one that is never done comes last
         monkeypatch.setattr(registry, "LOADING", 0.3 if name == "hanging" else PATIENCE)
         for _ in range(2):  # the second time from what is known of the first
             with pytest.raises(AdapterError) as caught:
                 run_engine(registry.engine(name), CASE.scene([Channel.TORQUE]), Setting.TUNED)
-            told[name] = str(caught.value).replace(str(plugins), "FOLDER")
-    assert told == {name: f"the adapter of {name} raised {words}" for name, words in SAID.items()}
+            reasons[name] = str(caught.value).replace(str(plugins), "FOLDER")
+    assert reasons == {name: f"the adapter of {name} raised {words}" for name, words in REASONS.items()}
     with pytest.raises(SystemExit):
         run_engine(registry.engine("leaving"), CASE.scene([Channel.TORQUE]), Setting.TUNED)
 
@@ -104,41 +96,9 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
     assert {(record.outcome, record.detail) for record in other.records} == {("unavailable", reason)}
 
 
-def test_an_engine_too_old_is_refused_by_name_and_a_row_otherwise(monkeypatch):
-    monkeypatch.setattr(OndselEngine, "package", "numpy")
-    monkeypatch.setattr(OndselEngine, "oldest", "9999")
-    monkeypatch.setattr(campaign, "adapters", lambda names: [OndselEngine() for _ in names])
-    with pytest.raises(LinkproofError, match=r"numpy .* is too old, 9999 is the first that will do: pip install"):
-        campaign.named(["ondsel"])
-    run = OndselEngine().run(CASE.scene([Channel.TORQUE]), Setting.TUNED)
-    assert (run.outcome, "is too old" in run.reason) == (Outcome.UNAVAILABLE, True)
-
-
-def test_a_plugin_that_cannot_be_imported_costs_its_own_rows_in_every_study(plugins):
-    names, words = ("raising", "failing"), {"ValueError: at import", "ZeroDivisionError: ran"}
-    request = CampaignRequest((CASE.mechanism.linkage,), (CASE.motion,), "", names, quantities=("Mkr",))
-    compared = [record for result in compare(request, pool=LocalPool(0)) for record in result.records]
-    extent = Extent((8.0,), budget=PATIENCE, repeats=1, patience=PATIENCE)
-    benched = bench(BenchRequest((CASE,), names, ("Mkr",), (Setting.TUNED,), extent=extent, pool=LocalPool(0))).records
-    errata = list(judge_errata([load("slotted-takeup")], names, pool=LocalPool(0)))
-    cells = make_cells([find_cell(f"start/positions/1e-06/{name}/tuned") for name in names], PATIENCE)
-    rows = [
-        *((record.engine, record.outcome, record.detail) for record in (*compared, *benched)),
-        *((record.engine, record.outcome, record.reason) for record in errata),
-        *((cell.engine, cell.verdict.value, cell.reason) for cell in cells),
-    ]
-    assert {engine for engine, _, _ in rows} == set(names)
-    assert {outcome for _, outcome, _ in rows} == {"adapter-error"}
-    assert all(any(part in detail for part in words) for _, _, detail in rows), rows
-
-
-def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins):
-    (plugins / "hanging.py").write_text("")  # as long as it takes to load it would be waited for
-
-    def linkproof(*words):
-        return process(*words, PYTHONPATH=str(plugins))
-
-    words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "-")
+def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins, monkeypatch):
+    (plugins / "hanging.py").write_text("")  # it would be waited for
+    words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "-", "--jobs", "0")
     done = linkproof(*words, "--engine", "direct", "--engine", "raising")
     assert (done.returncode, done.stderr) == (1, "")
     rows = {row["engine"]: (row["outcome"], row["detail"]) for row in json.loads(done.stdout)["records"]}
@@ -152,6 +112,4 @@ def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins)
     checked = linkproof("check-engine", "raising")
     assert (checked.returncode, checked.stderr.count("raising.py, line 2")) == (1, 1)
     for command in (("compare", "--engine", "twin"), ("stress", "--engine", "twin"), ("check-engine", "twin")):
-        refused = linkproof(*command)
-        assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
-        assert "engine 'twin' is announced by other-engines 1.0 and some-engines 1.0" in refused.stderr
+        assert "engine 'twin' is announced by other-engines 1.0 and some-engines 1.0" in refused(*command)

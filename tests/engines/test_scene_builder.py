@@ -1,4 +1,4 @@
-"""What an engine is told of a linkage: bodies that cannot turn do not, and joints have the names of the closed form."""
+"""The scene of a linkage: bodies that cannot turn do not, and joints have the names of the closed form."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A campaign on a cluster whose workers and schedulers are killed at random moments: what is lost of it, what doubled.
+"""Records lost and doubled by a campaign on a cluster whose workers and schedulers are killed at random moments.
 
 ``python -m tests.targets.cluster_endurance WORKERS SCHEDULERS [SEED]`` measures it, in campaigns one after the other
 until so many have been killed. POSIX only, with a /proc.
@@ -30,18 +30,18 @@ from comparisons.runs.journal import Journal
 from comparisons.runs.record_file import Array
 from comparisons.runs.workers import EVERY_CORE, PoolLostError
 from engines.contract import Setting
+from tests.targets.endurance import losses
 
 WORKERS = 2
 PAUSE = 0.5  # s, the mean from a result to the next kill
-UNSTEADY = ("seconds", "setup_seconds", "host")  # of a record, what differs from run to run
 
 
 @dataclass(frozen=True)
 class ClusterEndurance:
-    """What came of so many killed ``workers`` and ``schedulers`` over so many ``campaigns`` of so many ``runs`` each.
+    """Result of so many killed ``workers`` and ``schedulers`` over so many ``campaigns`` of so many ``runs`` each.
 
-    ``lost`` counts records that are missing or differ from those of an undisturbed campaign, ``doubled`` those there,
-    or runs kept, more than once.
+    ``lost`` counts records and curves that are missing or differ from those of an undisturbed campaign, ``doubled``
+    those present, or runs saved, more than once.
     """
 
     workers: int
@@ -54,7 +54,7 @@ class ClusterEndurance:
 
 @dataclass(frozen=True)
 class _CountingJournal(Journal):
-    """A journal that knows how often it kept each run."""
+    """A journal that counts how often it saved each run."""
 
     counts: Counter[str] = field(default_factory=Counter)
 
@@ -65,7 +65,7 @@ class _CountingJournal(Journal):
 
 @dataclass
 class _Killer:
-    """Kills what is still to be killed, a while after every result."""
+    """Kills workers and schedulers, each a while after a result, until the numbers are reached."""
 
     chance: random.Random
     workers: int
@@ -81,7 +81,7 @@ class _Killer:
     def done(self) -> bool:
         return self.killed["workers"] >= self.workers and self.killed["schedulers"] >= self.schedulers
 
-    def heard(self, *_: object) -> None:
+    def noticed(self, *_: object) -> None:
         """A run has begun or ended."""
         self.moment = self.moment or time.monotonic() + self.chance.expovariate(1.0 / PAUSE)
 
@@ -105,13 +105,13 @@ class _Killer:
 
 def _workers(scheduler: int) -> list[int]:
     """The processes of the workers that a local cluster's process has started."""
-    found = []
+    numbers = []
     listed = [path.read_text() for path in Path(f"/proc/{scheduler}/task").glob("*/children")]
     for process in map(int, " ".join(listed).split()):
         with contextlib.suppress(OSError):
             if b"spawn_main" in Path(f"/proc/{process}/cmdline").read_bytes():
-                found.append(process)
-    return found
+                numbers.append(process)
+    return numbers
 
 
 def request(regimes: int) -> CampaignRequest:
@@ -122,19 +122,10 @@ def request(regimes: int) -> CampaignRequest:
                            with_invariants=False)  # fmt: skip
 
 
-def _records(results: list[RunRecord]) -> dict[str, list[str]]:
-    """Every record but what is not steady, by its name."""
-    held: dict[str, list[str]] = {}
-    for record in (record for result in results for record in result.records):
-        told = {name: value for name, value in asdict(record).items() if name not in UNSTEADY}
-        held.setdefault("/".join((*record.run, record.quantity)), []).append(json.dumps(told))
-    return held
-
-
 def measure(workers: int, schedulers: int, seed: int = 0, regimes: int = len(REGIMES)) -> ClusterEndurance:
-    """Kill so many, and hold what every campaign comes to in the end against an undisturbed one."""
-    asked, killer, ended = request(regimes), _Killer(random.Random(seed), workers, schedulers), threading.Event()
-    expected = _records(list(compare(asked, pool=EVERY_CORE)))
+    """Kill so many, and compare every finished campaign with an undisturbed one."""
+    given, killer, ended = request(regimes), _Killer(random.Random(seed), workers, schedulers), threading.Event()
+    expected = list(compare(given, pool=EVERY_CORE))
     lost = doubled = campaigns = runs = 0
     thread = threading.Thread(target=killer.watch, args=(ended,), daemon=True)
     thread.start()
@@ -143,21 +134,21 @@ def measure(workers: int, schedulers: int, seed: int = 0, regimes: int = len(REG
             journal = _CountingJournal(Path(folder) / str(campaigns), "as tested")
             results = None
             while results is None:
-                results = _attempt(asked, journal, killer)
-            campaigns, runs, found = campaigns + 1, len(results), _records(results)
-            lost += sum(found.get(name, [""])[0] != one for name, (one,) in expected.items())
-            doubled += sum(len(rows) - 1 for rows in found.values()) + sum(journal.counts.values()) - runs
+                results = _attempt(given, journal, killer)
+            missing, surplus = losses(expected, results)
+            campaigns, runs, lost = campaigns + 1, len(results), lost + missing
+            doubled += surplus + sum(journal.counts.values()) - runs
     ended.set()
     thread.join()
     return ClusterEndurance(killer.killed["workers"], killer.killed["schedulers"], campaigns, runs, lost, doubled)
 
 
-def _attempt(asked: CampaignRequest, journal: Journal, killer: _Killer) -> list[RunRecord] | None:
-    """What a campaign comes to, taken up where it was left; None where its scheduler is killed."""
+def _attempt(given: CampaignRequest, journal: Journal, killer: _Killer) -> list[RunRecord] | None:
+    """The results of a campaign, resumed from its journal; None where its scheduler is killed."""
     try:
         with opened(f"local:{WORKERS}", EVERY_CORE) as pool:
             killer.scheduler = pool.client.run_on_scheduler(os.getpid)  # type: ignore[attr-defined]
-            return list(compare(asked, killer.heard, pool=pool, journal=journal))
+            return list(compare(given, killer.noticed, pool=pool, journal=journal))
     except PoolLostError:
         return None
     finally:

@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from comparisons.campaign.results import COMPARE, Results, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.campaign.sheets import sheets
 from comparisons.datasheet.saved import FILE as SHEETS
+from comparisons.judging.records import RunRecord
 from comparisons.runs.journal import Journal
 from comparisons.runs.record_file import RECORDS
 from comparisons.runs.worker_process import START
@@ -41,25 +42,25 @@ SPEED, RAMP_TIME, HOLD_TIME = 10.0, 0.03, 0.01  # rad/s, s, s
 PROCESSES = 2
 # One attempt in this many starts its workers as the command does; importing anew, it takes ten times as long.
 SERVED = 8
-# A kill comes when so many runs are kept, and then after a pause of random length with this mean, s: somewhere in the
+# A kill comes when so many runs are saved, and then after a pause of random length with this mean, s: somewhere in the
 # runs after them, at the start before the first or in the writing after the last.
 PAUSE = 0.06
-# Of the numbers drawn, those that no journal ever reaches, so that attempts finish, and as many that each has at once.
+# Numbers drawn below 0 every journal has at once; those above RUNS none ever reaches, so that attempts finish.
 BEYOND = 2
 RUNS = len(catalogue()) * len(REGIMES)
 # Seconds that processes are given to notice their parent's death.
 PATIENCE = 600.0
-TIMINGS = ("seconds", "setup_seconds")
+UNSTEADY = ("seconds", "setup_seconds", "host")  # fields of a record that differ from run to run
 _PR_SET_CHILD_SUBREAPER = 36
 
 
 @dataclass(frozen=True)
 class Endurance:
-    """What came of ``kills`` over so many ``campaigns``, each finished in the end and held against an undisturbed one.
+    """Result of ``kills`` over so many ``campaigns``, each finished in the end and compared with an undisturbed one.
 
     ``lost`` counts records and curves that are missing or differ in anything but their timings, ``doubled`` those
     there more than once, ``survivors`` worker processes that outlived their campaign, ``litter`` files left over.
-    ``stages`` says how many kills came before the first run was kept, among them, and after the last.
+    ``stages`` says how many kills came before the first run was saved, among them, and after the last.
     """
 
     kills: int
@@ -69,12 +70,6 @@ class Endurance:
     survivors: int
     litter: int
     stages: dict[str, int]
-
-
-def killed_and_resumed(times: int, seed: int = 0) -> tuple[int, int]:
-    """Records lost and doubled by ``times`` kills at random moments; see ``measure``."""
-    found = measure(times, seed)
-    return found.lost, found.doubled
 
 
 def measure(times: int, seed: int = 0) -> Endurance:
@@ -96,15 +91,15 @@ def request() -> CampaignRequest:
 
 
 def run_campaign(folder: Path, processes: int) -> None:
-    """The campaign as the command runs it: taking up what is kept, keeping what is finished, then written at once."""
-    asked, journal = request(), Journal(folder, COMMAND)
-    results = list(compare(asked, pool=LocalPool(processes), journal=journal))
-    save(folder, document(asked, COMMAND), results, sheets(asked, processes=processes))
+    """The campaign as the command runs it: resumed from its journal, every finished run saved, then written at once."""
+    given, journal = request(), Journal(folder, COMMAND)
+    results = list(compare(given, pool=LocalPool(processes), journal=journal))
+    save(folder, document(given, COMMAND), results, sheets(given, processes=processes))
     journal.clear()
 
 
 @dataclass
-class _Trial:
+class _KilledCampaigns:
     """Kills so far and what they did."""
 
     folder: Path
@@ -116,7 +111,7 @@ class _Trial:
         self.stages: Counter[str] = Counter()
 
     def undisturbed(self) -> Results:
-        """A campaign that nobody kills, made here, which imports all there is."""
+        """A campaign without kills, run in this process, which imports everything."""
         run_campaign(self.folder / "undisturbed", 0)
         return load_results(self.folder / "undisturbed")
 
@@ -127,16 +122,16 @@ class _Trial:
         return load_results(folder)
 
     def _pieces(self, folder: Path) -> int:
-        """How many runs are to be kept when the next kill comes."""
+        """Number of saved runs at which the next kill comes."""
         return max(len(Journal(folder, COMMAND).records), self.chance.randint(-BEYOND, RUNS + BEYOND))
 
     def _attempt(self, folder: Path, pieces: int) -> bool:
-        """Whether an attempt finished, rather than being killed when so many runs were kept."""
+        """Whether an attempt finished, rather than being killed when so many runs were saved."""
         served, pause = self.chance.randrange(SERVED) == 0, self.chance.expovariate(1.0 / PAUSE)
         child = os.fork()
         if child == 0:
             _be_the_campaign(folder, served)
-        status = _killed(child, folder, pieces, pause)
+        status = _kill_later(child, folder, pieces, pause)
         self.survivors += _survivors(child)
         if os.WIFSIGNALED(status):
             self.kills += 1
@@ -146,8 +141,8 @@ class _Trial:
         return status == 0
 
 
-def _killed(child: int, folder: Path, pieces: int, pause: float) -> int:
-    """How a process ended that is killed a while after so many runs are kept, or before if it ends by itself."""
+def _kill_later(child: int, folder: Path, pieces: int, pause: float) -> int:
+    """Exit status of a process that is killed a while after so many runs are saved, unless it ends before."""
     place, moment = Journal(folder, COMMAND).place, float("inf")
     while True:
         done, status = os.waitpid(child, os.WNOHANG)
@@ -169,7 +164,7 @@ def _kept(place: Path) -> int:
 
 
 def _be_the_campaign(folder: Path, served: bool) -> None:
-    """What a forked process does: a session of its own, by which its workers can be told, then the campaign."""
+    """Run the campaign in a forked process, in a session of its own, by which its workers are recognised."""
     code = 1
     try:
         os.setsid()
@@ -185,8 +180,8 @@ def _be_the_campaign(folder: Path, served: bool) -> None:
 def _stage(folder: Path) -> str:
     pieces = Journal(folder, COMMAND).records.keys
     if len(pieces) == RUNS:
-        return "all kept"
-    return "some kept" if pieces else "none kept"
+        return "all saved"
+    return "some saved" if pieces else "none saved"
 
 
 def _survivors(session: int) -> int:
@@ -212,24 +207,25 @@ def _of_session(session: int) -> Iterator[int]:
                     yield int(entry.name)
 
 
-def compared(expected: Results, got: Results) -> tuple[int, int]:
+def losses(expected: Iterable[RunRecord], got: Iterable[RunRecord]) -> tuple[int, int]:
     """Records and curves that ``got`` lacks or has otherwise, and those that it has more than once or should not."""
-    wanted, found = _contents(expected), _contents(got)
-    lost = sum(content not in found.get(name, []) for name, (content,) in wanted.items())
-    doubled = sum(len(contents) - (name in wanted) for name, contents in found.items())
+    right, found = _contents(expected), _contents(got)
+    lost = sum(content not in found.get(name, []) for name, (content,) in right.items())
+    doubled = sum(len(contents) - (name in right) for name, contents in found.items())
     return lost, doubled
 
 
-def _contents(results: Results) -> dict[str, list[bytes]]:
-    """Every record, timings left out, and every curve by its name: run and quantity."""
-    held: dict[str, list[bytes]] = {}
-    for record in (*results.records, *results.invariants):
-        told = {name: value for name, value in asdict(record).items() if name not in TIMINGS}
-        held.setdefault("/".join(("record", *record.run, record.quantity)), []).append(json.dumps(told).encode())
-    for run in results.runs:
+def _contents(runs: Iterable[RunRecord]) -> dict[str, list[bytes]]:
+    """Every record without its unsteady fields, and every curve, by its name: run and quantity."""
+    contents: dict[str, list[bytes]] = {}
+    for run in runs:
+        for record in run.every:
+            steady = {name: value for name, value in asdict(record).items() if name not in UNSTEADY}
+            name = "/".join(("record", *record.run, record.quantity))
+            contents.setdefault(name, []).append(json.dumps(steady).encode())
         for quantity, curve in run.curves.items():
-            held.setdefault("/".join(("curve", *run.run, quantity)), []).append(curve.tobytes())
-    return held
+            contents.setdefault("/".join(("curve", *run.run, quantity)), []).append(curve.tobytes())
+    return contents
 
 
 def main(times: int, seed: int) -> Endurance:
@@ -237,16 +233,17 @@ def main(times: int, seed: int) -> Endurance:
     ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1)  # orphaned workers become ours, to be seen and reaped
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        trial = _Trial(folder, random.Random(seed))
-        expected = trial.undisturbed()
+        killed = _KilledCampaigns(folder, random.Random(seed))
+        expected = killed.undisturbed()
         lost = doubled = litter = campaigns = 0
-        while trial.kills < times:
+        while killed.kills < times:
             place = folder / str(campaigns)
-            missing, surplus = compared(expected, trial.campaign(place, times))
+            missing, surplus = losses(expected.runs, killed.campaign(place, times).runs)
             campaigns += 1
             lost, doubled = lost + missing, doubled + surplus
             litter += len({path.name for path in place.iterdir()} - {COMPARE, SHEETS})
-        return Endurance(trial.kills, campaigns, lost, doubled, trial.survivors, litter, dict(trial.stages))
+        made = killed
+        return Endurance(made.kills, campaigns, lost, doubled, made.survivors, litter, dict(made.stages))
 
 
 if __name__ == "__main__":

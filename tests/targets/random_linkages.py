@@ -1,6 +1,5 @@
 """Random valid linkages in every engine: how often tuned fails, and whether a wrong motion ever passes unseen.
 
-``python -m tests.targets.random_linkages [COUNT] [ENGINE ...]`` prints the table by engine and by mass ratio.
 Four-bars, offset slider-cranks, quick returns and six-bars; sizes and masses over four decades, each with a
 transmission angle that a designer would accept.
 """
@@ -8,9 +7,8 @@ transmission angle that a designer would accept.
 from __future__ import annotations
 
 import math
-import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,7 +24,7 @@ from comparisons.runs.workers import Bounds, run_jobs
 from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
 from comparisons.stress.verdict import judged
 from engines.contract import Setting
-from engines.registry import engine, engine_names
+from engines.registry import engine
 from engines.scene import Channel
 
 KINDS = ("four-bar", "slider-crank", "quick return", "six-bar")
@@ -84,14 +82,23 @@ def _between(sweep: object, mechanism: Mechanism) -> Iterator[np.ndarray]:
 SLOT = 'point = "A", on = "rocker", through = [0, 0], along = [1, 0]'
 
 
-def _text(kind: str, rng: np.random.Generator, largest_ratio: float) -> tuple[str, float]:
-    """A linkage file and its mass ratio."""
-    size, base = 10.0 ** rng.uniform(-3.0, 1.0), 10.0 ** rng.uniform(-3.0, 1.0)
-    masses = base * 10.0 ** rng.uniform(0.0, math.log10(largest_ratio), 6)
-    crank, links = size * rng.uniform(0.6, 1.0), []
+class _Drawing:
+    """A linkage drawn at random: its sizes and masses, and the parts of its file so far."""
 
-    def link(name: str, points: dict[str, float], slides: str = "") -> None:
-        mass, length = float(masses[len(links)]), max([*points.values(), 0.3 * size])
+    def __init__(self, rng: np.random.Generator, largest_ratio: float) -> None:
+        self.rng = rng
+        self.size, base = 10.0 ** rng.uniform(-3.0, 1.0), 10.0 ** rng.uniform(-3.0, 1.0)
+        self.masses = base * 10.0 ** rng.uniform(0.0, math.log10(largest_ratio), 6)
+        self.links: list[str] = []
+        self.ground, self.sketch, self.slots = {"O": (0.0, 0.0)}, dict[str, tuple[float, float]](), ""
+        self.crank = self.size * rng.uniform(0.6, 1.0)
+        self.link("crank", {"O": 0.0, "A": self.crank})
+        self.frame = self.crank * rng.uniform(1.8, 4.0)
+
+    def link(self, name: str, points: dict[str, float], slides: str = "") -> None:
+        """Add a link with points on its x axis, or one that slides."""
+        rng, mass = self.rng, float(self.masses[len(self.links)])
+        length = max([*points.values(), 0.3 * self.size])
         centre = (0.0, 0.0) if rng.random() < 0.15 else (rng.uniform(-0.2, 1.0), rng.uniform(-0.2, 0.2))
         inertia = mass * length**2 * 10.0 ** rng.uniform(-2.7, -0.7)  # from 0.2 % of m l²
         places = ", ".join(f"{point} = [{x!r}, 0]" for point, x in points.items())
@@ -99,53 +106,71 @@ def _text(kind: str, rng: np.random.Generator, largest_ratio: float) -> tuple[st
         if slides:
             rest = f"slides = {{ {slides} }}" + (f"\ninertia = {inertia!r}" if name == "block" else "")
         shape = f"points = {{ {places} }}\n" if points else ""
-        links.append(f"[links.{name}]\n{shape}mass = {mass!r}\n{rest}\n")
+        self.links.append(f"[links.{name}]\n{shape}mass = {mass!r}\n{rest}\n")
 
-    def guide(height: float) -> str:
-        return f'point = "D", through = [0, {height!r}], along = [1, 0]'
+    def four_bar(self, rocker_points: Callable[[float], dict[str, float]] = lambda _: {}) -> float:
+        """Add coupler and rocker, which has points by its length; returns that length."""
+        coupler, rocker = (self.crank * self.rng.uniform(2.0, 4.0) for _ in range(2))
+        self.ground["C"] = (self.frame, 0.0)
+        self.link("coupler", {"A": 0.0, "B": coupler})
+        self.link("rocker", {"C": 0.0, "B": rocker} | rocker_points(rocker))
+        along = ((self.frame - self.crank) ** 2 + coupler**2 - rocker**2) / (2.0 * (self.frame - self.crank))
+        self.sketch["B"] = (self.crank + along, math.sqrt(max(coupler**2 - along**2, 0.0)))
+        return rocker
 
-    ground, sketch, slots = {"O": (0.0, 0.0)}, {}, ""
-    link("crank", {"O": 0.0, "A": crank})
-    frame = crank * rng.uniform(1.8, 4.0)
-    if kind in {"four-bar", "six-bar"}:
-        coupler, rocker = (crank * rng.uniform(2.0, 4.0) for _ in range(2))
-        ground["C"] = (frame, 0.0)
-        link("coupler", {"A": 0.0, "B": coupler})
-        link("rocker", {"C": 0.0, "B": rocker} | ({"E": 0.8 * rocker} if kind == "six-bar" else {}))
-        along = ((frame - crank) ** 2 + coupler**2 - rocker**2) / (2.0 * (frame - crank))
-        sketch["B"] = (crank + along, math.sqrt(max(coupler**2 - along**2, 0.0)))
-    if kind == "six-bar":
-        x, y = frame + 0.8 * (sketch["B"][0] - frame), 0.8 * sketch["B"][1]
-        rod, height = rocker * rng.uniform(2.5, 5.0), rocker * rng.uniform(0.2, 0.6)
-        sketch["D"] = (x + math.sqrt(rod**2 - (height - y) ** 2), height)
-        link("rod", {"E": 0.0, "D": rod})
-        link("piston", {}, guide(height))
-    elif kind == "slider-crank":
-        rod, height = crank * rng.uniform(2.5, 6.0), crank * rng.uniform(-0.8, 0.8)
-        sketch["D"] = (crank + math.sqrt(rod**2 - height**2), height)
-        link("rod", {"A": 0.0, "D": rod})
-        link("piston", {}, guide(height))
-    elif kind == "quick return":
-        ground["C"], sketch["E"] = (-frame, 0.0), (1.2 * crank + 0.2 * frame, 0.0)
-        link("rocker", {"C": 0.0, "E": 1.2 * (crank + frame)})
-        if rng.random() < 0.5:
-            link("block", {}, SLOT)
+    def six_bar(self) -> None:
+        """Add a four-bar whose rocker pushes a piston."""
+        rocker = self.four_bar(lambda length: {"E": 0.8 * length})
+        (x, y), share = self.sketch["B"], 0.8
+        x, y = self.frame + share * (x - self.frame), share * y
+        rod, height = rocker * self.rng.uniform(2.5, 5.0), rocker * self.rng.uniform(0.2, 0.6)
+        self.sketch["D"] = (x + math.sqrt(rod**2 - (height - y) ** 2), height)
+        self.piston({"E": 0.0, "D": rod}, height)
+
+    def slider_crank(self) -> None:
+        """Add a rod on the crank and an offset piston."""
+        rod, height = self.crank * self.rng.uniform(2.5, 6.0), self.crank * self.rng.uniform(-0.8, 0.8)
+        self.sketch["D"] = (self.crank + math.sqrt(rod**2 - height**2), height)
+        self.piston({"A": 0.0, "D": rod}, height)
+
+    def piston(self, rod: dict[str, float], height: float) -> None:
+        """Add a rod and a piston at its point D."""
+        self.link("rod", rod)
+        self.link("piston", {}, f'point = "D", through = [0, {height!r}], along = [1, 0]')
+
+    def quick_return(self) -> None:
+        """Add a slotted rocker, its pin with or without a block."""
+        self.ground["C"], self.sketch["E"] = (-self.frame, 0.0), (1.2 * self.crank + 0.2 * self.frame, 0.0)
+        self.link("rocker", {"C": 0.0, "E": 1.2 * (self.crank + self.frame)})
+        if self.rng.random() < 0.5:
+            self.link("block", {}, SLOT)
         else:
-            slots = f"slots = [{{ {SLOT} }}]\n"
-    text = HEAD.format(kind=kind) + slots + "[ground]\n"
-    text += "".join(f"{name} = [{x!r}, {y!r}]\n" for name, (x, y) in ground.items()) + "".join(links)
-    places = ", ".join(f"{name} = [{x!r}, {y!r}]" for name, (x, y) in sketch.items())
-    return f"{text}[sketch]\nangle = 0\npoints = {{ {places} }}\n", float(
-        math.exp(np.ptp(np.log(masses[: len(links)])))
-    )
+            self.slots = f"slots = [{{ {SLOT} }}]\n"
+
+    def text(self, kind: str) -> str:
+        """The linkage's file."""
+        ground = "".join(f"{name} = [{x!r}, {y!r}]\n" for name, (x, y) in self.ground.items())
+        places = ", ".join(f"{name} = [{x!r}, {y!r}]" for name, (x, y) in self.sketch.items())
+        links = "".join(self.links)
+        head = HEAD.format(kind=kind) + self.slots
+        return f"{head}[ground]\n{ground}{links}[sketch]\nangle = 0\npoints = {{ {places} }}\n"
+
+
+def _text(kind: str, rng: np.random.Generator, largest_ratio: float) -> tuple[str, float]:
+    """A linkage file and its mass ratio."""
+    drawing = _Drawing(rng, largest_ratio)
+    getattr(drawing, kind.replace(" ", "_").replace("-", "_"))()
+    return drawing.text(kind), float(math.exp(np.ptp(np.log(drawing.masses[: len(drawing.links)]))))
 
 
 @dataclass
 class Tally:
-    """What came of the runs of one engine: how many by verdict, and why those that are not within their limits are."""
+    """Numbers of the runs of one engine by verdict."""
 
     verdicts: Counter[StressVerdict] = field(default_factory=Counter)
-    reasons: list[str] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        return ", ".join(f"{number} {verdict}" for verdict, number in self.verdicts.most_common())
 
     @property
     def failing(self) -> float:
@@ -154,43 +179,21 @@ class Tally:
         return 1.0 - self.verdicts[StressVerdict.WITHIN] / taken if taken else math.nan
 
 
-def run(number: int, name: str, largest_ratio: float) -> tuple[str, str, str]:
-    """Kind, verdict and reason of one linkage in one engine."""
+def run(number: int, name: str, largest_ratio: float) -> str:
+    """Verdict on one linkage in one engine."""
     drawn = draw(number, largest_ratio)
     motion = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.06, start_angle=0.1)
     case = Case(Mechanism(parse(drawn.text, f"drawn-{number}", "drawn")), motion)
     model = case.scene(frozenset(Channel))
     blank = blank_result(Cell(drawn.kind, "", number, name, Setting.TUNED), case.mechanism.linkage.name)
-    found = judged(blank, case, model, run_engine(engine(name), model, Setting.TUNED), Setting.TUNED)
-    return drawn.kind, found.verdict.value, found.reason
+    return judged(blank, case, model, run_engine(engine(name), model, Setting.TUNED), Setting.TUNED).verdict.value
 
 
 def tallies(count: int, engines: Sequence[str], largest_ratio: float = MODERATE) -> dict[str, Tally]:
     """The runs of linkages 0 … count − 1 in these engines."""
     jobs = [(number, name, largest_ratio) for number in range(count) for name in engines]
     found = {name: Tally() for name in engines}
-    for job, outcome in run_jobs(run, jobs, bounds=Bounds(seconds=SECONDS)):
-        number, name, _ = jobs[job]
-        kind, verdict, reason = ("", outcome.outcome.value, outcome.reason) if isinstance(outcome, Lost) else outcome
-        found[name].verdicts[StressVerdict(verdict)] += 1
-        if verdict != StressVerdict.WITHIN:
-            found[name].reasons.append(f"{number} ({kind}): {verdict}: {reason}")
+    for job, result in run_jobs(run, jobs, bounds=Bounds(seconds=SECONDS)):
+        verdict = result.outcome.value if isinstance(result, Lost) else result
+        found[jobs[job][1]].verdicts[StressVerdict(verdict)] += 1
     return found
-
-
-def main(words: Sequence[str]) -> None:
-    """Print what came of it, by engine and by mass ratio."""
-    count = int(words[0]) if words else 200
-    engines = tuple(words[1:]) or tuple(name for name in engine_names() if engine(name).version())
-    for ratio, share in ((MODERATE, count), (300.0, count // 4), (3000.0, count // 4)):
-        for name, tally in tallies(share, engines, ratio).items():
-            told = ", ".join(f"{number} {verdict}" for verdict, number in tally.verdicts.most_common())
-            print(f"mass ratio up to {ratio:g}, {name}: {tally.failing:.1%} failing ({told})")  # noqa: T201
-            for reason in tally.reasons[:12]:
-                print("   ", reason[:220])  # noqa: T201
-
-
-if __name__ == "__main__":
-    from tests.targets import random_linkages  # workers find its functions by this name
-
-    random_linkages.main(sys.argv[1:])

@@ -37,6 +37,7 @@ from tests.targets import speed, studies
 
 TABLE = Path(__file__).with_name("targets.toml")
 REPEATS = 5
+WITHIN, TOLERANCE = 1e-6, 1e-5  # rad, of a released crank over the whole run; of its integration
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,9 @@ class Figure:
         return "minimum" if self.reached <= self.target.minimum else "missed"
 
 
+Measure = Callable[[Target, Sequence[Linkage], Sequence[str]], Iterator[Figure]]
+
+
 def targets() -> tuple[Target, ...]:
     """The table of targets."""
     rows = tomllib.loads(TABLE.read_text(encoding="utf-8"))["target"]
@@ -89,27 +93,12 @@ def targets() -> tuple[Target, ...]:
 def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:
     """Measure every target in turn; errors of each engine over all linkages given."""
     results = list(_campaign(linkages, engines))
-    own = list(_own_campaign(linkages, engines))
-    kinds: Mapping[str, Callable[[Target], Iterator[Figure]]] = {
-        "errors": lambda target: _errors(target, results, engines),
-        "own_errors": lambda target: _errors(target, own, engines),
-        "reference": lambda target: _reference(target, linkages),
-        "steady_state": lambda target: _steady_state(target, linkages),
-        "overhead": lambda target: _overheads(target, linkages, engines),
-        "closed_form": lambda target: _closed_form(target, linkages),
-        "process": _process,
-        "six_bar": _six_bar,
-        "designs": _designs,
-        "forward": _forward,
-        "forward_alone": lambda target: _forward_alone(target, linkages),
-        "savings": lambda target: _studied(target, studies.savings, engines),
-        "long_turns": lambda target: _studied(target, studies.long_turns, engines),
-        "random": lambda target: _studied(target, studies.random, engines),
-        "missed": lambda target: _studied(target, studies.missed, engines),
-        "endurance": lambda target: _studied(target, studies.endurance, engines),
-    }
+    released = list(_released_campaign(linkages, engines))
     for target in targets():
-        yield from kinds[target.kind](target)
+        if target.kind in ("errors", "own_errors"):
+            yield from _errors(target, results if target.kind == "errors" else released, engines)
+        else:
+            yield from KINDS[target.kind](target, linkages, engines)
 
 
 def _campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunRecord]:
@@ -118,36 +107,29 @@ def _campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[R
     return compare(CampaignRequest(tuple(linkages), motions, "as promised", tuple(engines), settings))
 
 
-def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunRecord]:
-    """The linkages' own regimes, in the settings that targets speak of, for the crank's motion alone."""
+def _released_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunRecord]:
+    """The linkages' own regimes, in the settings that targets name, for the crank's motion alone."""
     for target in targets():
         if target.kind == "own_errors":
-            asked = target.arguments
-            chosen = tuple(linkage for linkage in linkages if linkage.name == asked["mechanism"])
-            request = CampaignRequest(
-                chosen,
-                (),
-                "",
-                tuple(engines),
-                (Setting(asked["setting"]),),
-                (asked["quantity"],),
-                (asked["regime"],),
-                (Setting(asked["setting"]),),
-                with_invariants=False,
-            )
-            yield from compare(request)
+            given, setting = target.arguments, Setting(target.arguments["setting"])
+            chosen = tuple(linkage for linkage in linkages if linkage.name == given["mechanism"])
+            quantities, regimes = (given["quantity"],), (given["regime"],)
+            yield from compare(
+                CampaignRequest(chosen, (), "", tuple(engines), (setting,), quantities, regimes, (setting,),
+                                with_invariants=False)
+            )  # fmt: skip
 
 
 def _errors(target: Target, results: Sequence[RunRecord], engines: Sequence[str]) -> Iterator[Figure]:
     """The worst error of each engine among the records the target speaks of; in the quantity's unit if it says so."""
-    asked = dict(target.arguments)
-    only, absolute = asked.pop("engine", None), asked.pop("absolute", False)
+    given = dict(target.arguments)
+    only, absolute = given.pop("engine", None), given.pop("absolute", False)
     for name in engines if only is None else only:
         found = [
             _error(record, absolute=absolute)
             for result in results
             for record in result.every
-            if record.engine == name and all(_speaks_of(record, key, value) for key, value in asked.items())
+            if record.engine == name and all(_speaks_of(record, key, value) for key, value in given.items())
         ]
         if found:
             yield Figure(target, name, max(found))
@@ -225,41 +207,31 @@ def _process(target: Target) -> Iterator[Figure]:
 
 
 def _six_bar(target: Target) -> Iterator[Figure]:
-    """Time of a sweep of a six-bar's joints over a baseline's."""
-    contest = speed.six_bar_contest(target.arguments["mechanism"], target.arguments["angles"])
-    yield _figure(target, speed.over(contest, speed.OURS, target.arguments["baseline"], "ns", 1e-9))
+    """Time of a sweep of a six-bar's joints over pylinkage's."""
+    yield _figure(target, speed.six_bar(target.arguments["mechanism"], target.arguments["angles"]))
 
 
 def _designs(target: Target) -> Iterator[Figure]:
     """Time per design and crank angle, ns."""
-    asked = target.arguments
-    contest = speed.designs_contest(asked["mechanism"], tuple(asked["varied"]), asked["designs"], asked["angles"])
-    yield _figure(target, speed.each(contest, speed.OURS, "ns", 1e-9))
-
-
-def _forward(target: Target) -> Iterator[Figure]:
-    """Time of a released crank's motion over a baseline's."""
-    contest = speed.forward_contest(target.arguments["mechanism"], target.arguments["regime"])
-    yield _figure(target, speed.over(contest, "NumPy", target.arguments["baseline"], "s", 1.0))
+    given = target.arguments
+    yield _figure(target, speed.designs(given["mechanism"], given["varied"], given["designs"], given["angles"]))
 
 
 def _forward_alone(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
-    """Time of a released crank's motion, ms; infinite where its angle is not within ``speed.WITHIN``."""
+    """Time of a released crank's motion, ms; infinite where its angle is not within ``WITHIN``."""
     for mechanism, own in _named(target, linkages):
         start = {"torque": own.torque, "start_angle": own.start_angle, "start_speed": own.start_speed}
         release = partial(free_motion, mechanism, **start, duration=own.duration)
-        quick = partial(release, tolerance=speed.TOLERANCE)
+        quick = partial(release, tolerance=TOLERANCE)
         instants = np.linspace(0.0, own.duration, 2001)
         error = float(np.max(np.abs(quick().angle(instants) - release().angle(instants))))
         spent = tuple(1e3 * seconds for seconds in _timed(quick))
-        yield Figure(target, own.name, min(spent) if error <= speed.WITHIN else np.inf, spent)
+        yield Figure(target, own.name, min(spent) if error <= WITHIN else np.inf, spent)
 
 
-def _studied(
-    target: Target, study: Callable[[dict[str, Any], Sequence[str]], Iterator[speed.Measured]], engines: Sequence[str]
-) -> Iterator[Figure]:
+def _studied(study: Callable[[dict[str, Any], Sequence[str]], Iterator[speed.Measured]]) -> Measure:
     """Figures of a study of its own."""
-    yield from (_figure(target, found) for found in study(target.arguments, engines))
+    return lambda target, _, engines: (_figure(target, each) for each in study(target.arguments, engines))
 
 
 def _figure(target: Target, found: speed.Measured) -> Figure:
@@ -274,6 +246,25 @@ def _timed(work: Callable[[], object]) -> tuple[float, ...]:
         work()
         spent.append(time.perf_counter() - begun)
     return tuple(spent[1:])
+
+
+# How a target is measured, by its kind; errors are read from campaigns that several targets share.
+KINDS: Mapping[str, Measure] = {
+    "errors": lambda *_: iter(()),
+    "own_errors": lambda *_: iter(()),
+    "reference": lambda target, linkages, _: _reference(target, linkages),
+    "steady_state": lambda target, linkages, _: _steady_state(target, linkages),
+    "overhead": _overheads,
+    "closed_form": lambda target, linkages, _: _closed_form(target, linkages),
+    "process": lambda target, *_: _process(target),
+    "six_bar": lambda target, *_: _six_bar(target),
+    "designs": lambda target, *_: _designs(target),
+    "forward_alone": lambda target, linkages, _: _forward_alone(target, linkages),
+    "long_turns": _studied(studies.long_turns),
+    "random": _studied(studies.random),
+    "missed": _studied(studies.missed),
+    "endurance": _studied(studies.endurance),
+}
 
 
 def table(figures: Sequence[Figure]) -> Group:

@@ -1,6 +1,7 @@
 """Engines that are right but for one thing, each made of the direct solution."""
 
 import ctypes
+import itertools
 import math
 import os
 import sys
@@ -15,7 +16,7 @@ from engines.scene import AppliedForce, Channel, Free, Prescribed, SlotJoint
 
 
 class Direct(DirectEngine):
-    """The direct solution, which is asked for one run of a scene over and over."""
+    """The direct solution; each run of a scene is made once."""
 
     def run(self, scene, setting):
         return _run(scene, setting)
@@ -37,7 +38,7 @@ class AlterableEngine(DirectEngine):
 
 
 class BlindEngine(AlterableEngine):
-    """Torque and forces are made of the scene it was asked for, whatever world it has."""
+    """Torque and forces are those of the given scene, whatever world it has."""
 
     abilities = replace(
         DirectEngine.abilities,
@@ -45,8 +46,8 @@ class BlindEngine(AlterableEngine):
     )
 
     def run(self, scene, setting):
-        run, told = super().run(scene, setting), DirectEngine.run(self, scene, setting)
-        return replace(run, history=replace(told.history, joint_force={})) if told.history else run
+        run, given = super().run(scene, setting), DirectEngine.run(self, scene, setting)
+        return replace(run, history=replace(given.history, joint_force={})) if given.history else run
 
 
 class BrokenEngine(Direct):
@@ -65,108 +66,12 @@ class DyingEngine(Direct):
         return super().run(scene, setting)
 
 
-class RaisingEngine(Direct):
-    """A mass that is no number raises."""
-
-    def run(self, scene, setting):
-        if np.isnan(scene.bodies[0].mass):
-            raise ValueError("mass")
-        return super().run(scene, setting)
-
-
-class CarelessEngine(Direct):
-    """Bad data are taken for good ones."""
-
-    def run(self, scene, setting):
-        run = super().run(scene, setting)
-        return replace(run, outcome=Outcome.FINISHED, history=History()) if run.outcome is Outcome.DIVERGED else run
-
-
 class PrintingEngine(Direct):
     """It prints."""
 
     def run(self, scene, setting):
         sys.stdout.write("stepping\n")
         return super().run(scene, setting)
-
-
-class ChatteringEngine(Direct):
-    """Its C code prints."""
-
-    def run(self, scene, setting):
-        ctypes.CDLL(None).puts(b"stepping")
-        return super().run(scene, setting)
-
-
-class ShakingEngine(Direct):
-    """Two runs differ in the last digits."""
-
-    count = 0
-
-    def run(self, scene, setting):
-        ShakingEngine.count += 1
-        run, factor = super().run(scene, setting), 1.0 + 1e-14 * ShakingEngine.count
-        if run.history is None or run.history.torque is None:
-            return run
-        torque = run.history.torque
-        return replace(run, history=replace(run.history, torque=replace(torque, values=factor * torque.values)))
-
-
-class GenerousEngine(Direct):
-    """Positions come whether they are asked for or not."""
-
-    def run(self, scene, setting):
-        return super().run(replace(scene, channels=scene.channels | {Channel.POSITION}), setting)
-
-
-class FickleEngine(Direct):
-    """The steps depend on what is recorded."""
-
-    def run(self, scene, setting):
-        run = super().run(scene, setting)
-        return replace(run, steps=run.steps + len(scene.channels))
-
-
-class BoastingEngine(Direct):
-    """Takes all loads, by its abilities, and leaves none of them in."""
-
-    abilities = replace(DirectEngine.abilities, joints=frozenset())
-
-
-class SulkingEngine(BoastingEngine):
-    """What it refuses, it refuses without a word."""
-
-    def run(self, scene, setting):
-        return Run(Outcome.UNSUPPORTED) if scene.sliders or scene.slots else super().run(scene, setting)
-
-
-class GrandEngine(Direct):
-    """Claims a setting that fails."""
-
-    def run(self, scene, setting):
-        return Run(Outcome.DIVERGED, "no") if setting is Setting.BEST else super().run(scene, setting)
-
-
-class ProudEngine(Direct):
-    """Several runs make what it calls read."""
-
-    def run(self, scene, setting):
-        run = super().run(scene, setting)
-        return replace(run, passes=(1.0, 0.5)) if setting is Setting.BEST else run
-
-
-class SeveralEngine(Direct):
-    """Tuned is several runs."""
-
-    def run(self, scene, setting):
-        run = super().run(scene, setting)
-        return replace(run, passes=(1.0, 0.5)) if setting is Setting.TUNED else run
-
-
-class NamelessEngine(Direct):
-    """No channel is said to be anything in the engine."""
-
-    abilities = replace(DirectEngine.abilities, drives=frozenset({Prescribed, Free, SlotJoint}))
 
 
 class NarrowEngine(Direct):
@@ -194,15 +99,75 @@ class NarrowEngine(Direct):
         return replace(run, history=replace(run.history, joint_force=forces))
 
 
-class Misread(Direct):
-    """The direct solution, what it returns changed by ``change(history, scene)``."""
+class Changed(Direct):
+    """The direct solution, its run replaced by ``change(run, scene, setting)``; abilities may be others."""
 
-    def __init__(self, change):
-        self.change = change
+    def __init__(self, change=lambda run, *_: run, **abilities):
+        self.change, self.abilities = change, replace(DirectEngine.abilities, **abilities)
 
     def run(self, scene, setting):
-        run = super().run(scene, setting)
-        return replace(run, history=self.change(run.history, scene)) if run.history else run
+        return self.change(super().run(scene, setting), scene, setting)
+
+
+def misread(change):
+    """The direct solution, its history replaced by ``change(history, scene)``."""
+    return Changed(lambda run, scene, _: replace(run, history=change(run.history, scene)) if run.history else run)
+
+
+def in_setting(setting, change):
+    """The direct solution, its run replaced by ``change(run)`` in one setting."""
+    return Changed(lambda run, _, used: change(run) if used is setting else run)
+
+
+def _careless(run, *_):
+    """Bad data are taken for good ones."""
+    return replace(run, outcome=Outcome.FINISHED, history=History()) if run.outcome is Outcome.DIVERGED else run
+
+
+def _raising(run, scene, _):
+    if np.isnan(scene.bodies[0].mass):
+        raise ValueError("mass")
+    return run
+
+
+def _chattering(run, *_):
+    """Its C code prints."""
+    ctypes.CDLL(None).puts(b"stepping")
+    return run
+
+
+def _shaking():
+    """A change by which two runs differ in the last digits."""
+    counts = itertools.count(1)
+
+    def change(run, *_):
+        factor = 1.0 + 1e-14 * next(counts)
+        if run.history is None or run.history.torque is None:
+            return run
+        torque = run.history.torque
+        return replace(run, history=replace(run.history, torque=replace(torque, values=factor * torque.values)))
+
+    return change
+
+
+def _generous(_run, scene, setting):
+    """Positions come whether they are requested or not."""
+    return DirectEngine().run(replace(scene, channels=scene.channels | {Channel.POSITION}), setting)
+
+
+def _fickle(run, scene, _):
+    """The steps depend on what is recorded."""
+    return replace(run, steps=run.steps + len(scene.channels))
+
+
+def _sulking(run, scene, _):
+    """A refused scene is refused without a reason."""
+    return Run(Outcome.UNSUPPORTED) if scene.sliders or scene.slots else run
+
+
+def _of_two_runs(run):
+    """Several runs make what is labelled as read."""
+    return replace(run, passes=(1.0, 0.5))
 
 
 def of(channel, change):
@@ -216,7 +181,7 @@ def of(channel, change):
         change(values, scene)
         return replace(history, **{channel: replace(signal, values=values)})
 
-    return Misread(changed)
+    return misread(changed)
 
 
 def force_of(joint_number, change):
@@ -230,7 +195,7 @@ def force_of(joint_number, change):
         forces = {**history.joint_force, name: replace(signal, values=change(signal.values, history, scene))}
         return replace(history, joint_force=forces)
 
-    return Misread(changed)
+    return misread(changed)
 
 
 def sampled(channel, change):
@@ -240,7 +205,7 @@ def sampled(channel, change):
         signal = getattr(history, channel)
         return replace(history, **{channel: change(signal)}) if signal is not None else history
 
-    return Misread(changed)
+    return misread(changed)
 
 
 def at(samples):
@@ -324,7 +289,7 @@ def _in_the_body(values, history, scene):
     return np.column_stack([c * values[:, 0] + s * values[:, 1], c * values[:, 1] - s * values[:, 0]])
 
 
-# What is wrong, the check that must fail of it, and words that its message must contain.
+# By fault: an engine that has it, the check that must fail, and words that its message must contain.
 WRONG = {
     "places in mm": (of("position", _places_in_mm), "positions", "in mm"),
     "angles in degrees": (of("position", _degrees), "positions", "in degrees"),
@@ -350,17 +315,19 @@ WRONG = {
     "an instant twice": (sampled("torque", at(lambda s: np.insert(np.arange(len(s.time)), 700, 700))),
                          "samples", "increasing times"),
     "one torque in forty": (sampled("torque", at(lambda s: slice(None, None, 40))), "samples", "samples per turn"),
-    "bad data taken": (CarelessEngine(), "bad data", "got a finished run"),
-    "bad data raised": (RaisingEngine(), "bad data", "ValueError: mass .*wrong_engines.py, line"),
+    "bad data taken": (Changed(_careless), "bad data", "got a finished run"),
+    "bad data raised": (Changed(_raising), "bad data", "ValueError: mass .*wrong_engines.py, line"),
     "printing": (PrintingEngine(), "silence", "stepping"),
-    "chattering": (ChatteringEngine(), "silence", "stepping"),
-    "shaking": (ShakingEngine(), "repetition", "others"),
-    "recording too much": (GenerousEngine(), "recording", "no position"),
-    "steps by the channels": (FickleEngine(), "recording", "steps of a run with every channel"),
-    "beyond its abilities": (BoastingEngine(), "refusals", "expected 'unsupported'"),
-    "refusing without a word": (SulkingEngine(), "refusals", "expected a reason"),
-    "a setting that fails": (GrandEngine(), "settings", "setting 'best'"),
-    "several runs called read": (ProudEngine(), "origins", "expected 'extrapolated'"),
-    "tuned of several runs": (SeveralEngine(), "origins", "expected one run"),
-    "no abilities of ours": (NamelessEngine(), "identity", "drives of the contract"),
+    "chattering": (Changed(_chattering), "silence", "stepping"),
+    "shaking": (Changed(_shaking()), "repetition", "others"),
+    "recording too much": (Changed(_generous), "recording", "no position"),
+    "steps by the channels": (Changed(_fickle), "recording", "steps of a run with every channel"),
+    "beyond its abilities": (Changed(joints=frozenset()), "refusals", "expected 'unsupported'"),
+    "refusing without a word": (Changed(_sulking, joints=frozenset()), "refusals", "expected a reason"),
+    "a setting that fails": (in_setting(Setting.BEST, lambda _: Run(Outcome.DIVERGED, "no")),
+                             "settings", "setting 'best'"),
+    "several runs called read": (in_setting(Setting.BEST, _of_two_runs), "origins", "expected 'extrapolated'"),
+    "tuned of several runs": (in_setting(Setting.TUNED, _of_two_runs), "origins", "expected one run"),
+    "no abilities of ours": (Changed(drives=frozenset({Prescribed, Free, SlotJoint})),
+                             "identity", "drives of the contract"),
 }  # fmt: skip

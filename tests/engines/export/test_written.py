@@ -104,7 +104,7 @@ def test_an_error_of_a_loop_is_one_of_the_adapter(loop):
 def test_a_loop_without_a_docstring_and_with_annotations_of_the_future_is_a_script(loop):
     source = "from __future__ import annotations\n" + ENDING.format("pass", "return {}")
     text = script(loop(source), GIVEN, EXPERT, "about 'it'\\", lambda _: [])
-    own = ModuleType("case")
-    exec(compile(text, "case.py", "exec"), vars(own))
-    assert own.samples == {}
+    module = ModuleType("case")
+    exec(compile(text, "case.py", "exec"), vars(module))
+    assert module.samples == {}
     assert ast.get_docstring(ast.parse(text)).startswith("about 'it'\\")

@@ -1,4 +1,4 @@
-"""Cutting a motion into intervals: nothing left out, no step longer than asked, fresh starts where they belong."""
+"""Cutting a motion into intervals: nothing left out, no step longer than allowed, fresh starts where they belong."""
 
 import math
 from itertools import pairwise
@@ -47,7 +47,7 @@ def test_parts_make_up_the_whole_motion_and_each_lies_in_one_segment(motion, pac
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.regime)
 @pytest.mark.parametrize("turns", [0.7, math.inf])
-def test_no_step_is_longer_than_asked(motion, turns):
+def test_no_step_is_longer_than_allowed(motion, turns):
     for part in _cut(motion, step=1.3e-3, turns=turns):
         assert part.step <= 1.3e-3 * (1.0 + CLOSE)
 

@@ -6,7 +6,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
 from engines.contract import History, Outcome, Setting
-from engines.exudyn_adapter.adapter import ExudynEngine
+from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel, Free, Prescribed
@@ -31,13 +31,10 @@ def test_own_units_make_size_and_masses_what_they_promise(name):
 
 
 @pytest.mark.parametrize("units", [OwnUnits(1e-3, 1.0), OwnUnits(40.0, 1e-4)])
-@pytest.mark.parametrize("name", ["spring-and-damper", "force-over-angle", "shaper"])
-def test_an_engine_that_knows_the_scale_returns_the_same_in_any_units(name, units):
-    pytest.importorskip("exudyn")
+@pytest.mark.parametrize("name", ["spring-and-damper", "force-over-angle"])
+def test_an_engine_that_is_exact_returns_the_same_in_any_units(name, units):
     model = _scene(name)
-    engine = ExudynEngine()
-    plain = engine.run(model, Setting.BEST)
-    other = engine.run(scaled(model, units), Setting.BEST)
+    plain, other = (DirectEngine().run(each, Setting.TUNED) for each in (model, scaled(model, units)))
     assert plain.outcome is other.outcome is Outcome.FINISHED
     back = restored(other.history, units)
     pairs = [(getattr(plain.history, c.value), getattr(back, c.value)) for c in ALL - {Channel.JOINT_FORCE}]

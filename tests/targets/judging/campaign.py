@@ -1,4 +1,4 @@
-"""How well ``judge`` names what is wrong in files of a program that shares nothing with the closed form.
+"""How often ``judge`` names the fault in files of a program that shares nothing with the closed form.
 
 ``python -m tests.targets.judging.campaign KIND COUNT [SEED]``: KIND is ``clean``, ``fault`` or ``pair``. Every file is
 judged twice, the second time with points and links renamed and the linkage's file in another order.
@@ -71,7 +71,7 @@ def is_same(named, planted, clean):
 
 
 def is_named(fit, plan, model, planted):
-    """Whether a fit is what was planted: by its name, or by the linkage that it makes."""
+    """Whether a fit is the planted fault: by its name, or by the linkage that it makes."""
     names = fit.fault.name.split(" + ")
     if plan.names:
         return any(n == name or (name.endswith(":") and n.startswith(name)) for name in plan.names for n in names)
@@ -82,7 +82,7 @@ def is_named(fit, plan, model, planted):
 
 
 def outcome(export, judgement):
-    """What came of a judgement, in one or two words."""
+    """The outcome of a judgement, in one or two words."""
     findings = judgement.explanation.findings
     if not export.plans:
         over = any(verdict.outcome is Verdict.OVER_LIMIT for verdict in judgement.verdicts)
@@ -108,7 +108,7 @@ def outcome(export, judgement):
 
 
 def answer(judgement, back):
-    """The causes and what is without one, in the linkage's own names."""
+    """The causes, and the signals without one, in the linkage's own names."""
 
     def own(text):
         return re.sub(r"\w+", lambda word: back.get(word[0], word[0]), text)
@@ -121,7 +121,7 @@ def answer(judgement, back):
 
 
 def trial(kind, number, seed=0):
-    """What came of a case, whether renaming changes the answer, the CPU time of the first judgement, and words."""
+    """Outcome of a case, whether renaming changes it, CPU time of the first judgement, s, and a line for the log."""
     export, again = (case(seed, number, KINDS[kind], rename=rename) for rename in (False, True))
     begun = clock.process_time()
     try:

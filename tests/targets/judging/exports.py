@@ -177,9 +177,11 @@ def written(layout, digits, curves, style):
             )
         case _:
             text, mapped = robotran(found, digits=digits - 1), {f"column {k}": n for k, n in enumerate(curves, start=1)}
-    own = {n: PRINTED[unit_kind(n)][0 if n == "Mkr" else 1][0] if layout in IN_SI else units[n][0] for n in curves}
+    unit_names = {
+        n: PRINTED[unit_kind(n)][0 if n == "Mkr" else 1][0] if layout in IN_SI else units[n][0] for n in curves
+    }
     keys = (
-        f'header = "{h}"\nsignal = "{n}"\n' + (f'unit = "{own[n]}"\n' if layout != "res" else "")
+        f'header = "{h}"\nsignal = "{n}"\n' + (f'unit = "{unit_names[n]}"\n' if layout != "res" else "")
         for h, n in mapped.items()
     )
     return text, "\n".join(f"[[column]]\n{entry}" for entry in keys)
@@ -224,7 +226,7 @@ def _case(random, number, faults, *, rename):
         plans.append(planted(random, plans[-1], signals, by, unit.__getitem__))
     plan, time = plans[-1], np.linspace(0.0, motion.duration, int(pick(random, (181, 241, 361, 501))))
     is_same = plan.file is file and not plan.branch
-    simulated = bodies if is_same else Multibody(plan.file, plan.branch, bodies)
+    simulated = bodies if is_same else Multibody(plan.file, plan.branch)
     right, wrong = bodies.curves(time, motion), simulated.curves(time, plan.motion)
     curves = {"time": time, **{n: wrong[n] for n in signals}}
     for alter in plan.alter:

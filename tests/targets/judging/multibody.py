@@ -28,12 +28,9 @@ def _turned(c: Array, s: Array, vector: Array) -> Array:
 
 
 class Multibody:
-    """Bodies with three coordinates each; ``branch`` is the assembly, the nearest to the sketch is 0.
+    """Bodies with three coordinates each; ``branch`` is the assembly, the nearest to the sketch is 0."""
 
-    ``like`` is a linkage that differs little, from whose turn this one's is found.
-    """
-
-    def __init__(self, file: Mapping[str, Any], branch: int = 0, like: Multibody | None = None) -> None:
+    def __init__(self, file: Mapping[str, Any], branch: int = 0) -> None:
         units = file["units"]
         self.length, self.angle = SI[units["length"]], SI[units["angle"]]
         mass, inertia = SI[units["mass"]], SI[units["inertia"]]
@@ -52,9 +49,7 @@ class Multibody:
         self.size = max(float(np.max(np.abs(p))) for k in self.points.values() for p in k.values())
         self.joints = list(self._joints())
         self.begin = self.angle * file["sketch"].get("angle", 0.0)
-        self.turn = self._followed(like.turn) if like and not branch else None
-        if self.turn is None:
-            self.turn = self._traced(self._assembled(branch))
+        self.turn = self._traced(self._assembled(branch))
 
     def _place(self, at: Any) -> Array:
         if isinstance(at, Mapping):
@@ -173,17 +168,6 @@ class Multibody:
         if branch >= len(branches):
             raise AssemblyError("no such assembly")
         return branches[branch]
-
-    def _followed(self, near: Array) -> Array | None:
-        """The turn closed from that of a linkage like it; None where this is not one continuous turn."""
-        with np.errstate(all="ignore"):
-            try:
-                turn, gap = self._closed(near, self._grid, 10)
-            except np.linalg.LinAlgError:
-                return None
-        steps = np.max(np.abs(np.diff(turn[:, 2::3], axis=0)), initial=0.0)
-        moved = np.max(np.abs(turn - near)[:, 2::3])
-        return turn if np.max(gap) < 1e-9 * self.size and steps < 0.3 and moved < 0.5 else None
 
     @property
     def _grid(self) -> Array:

@@ -1,4 +1,4 @@
-"""What people get wrong, drawn at random: in a linkage's file, in the crank's motion, in the columns of a file."""
+"""Faults drawn at random: in a linkage's file, in the crank's motion, in the columns of a result file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ INERTIA = {"kg*m^2": 1.0, "kg*mm^2": 1e-6, "g*mm^2": 1e-9, "kg": 1.0, "g": 1e-3,
 
 @dataclass(frozen=True)
 class Plan:
-    """What is simulated, in which assembly, and what becomes of its curves.
+    """The simulated linkage, its assembly, and the changes of its curves.
 
     ``names`` are those of the faults that are right; without them it is the one that makes the same linkage. Each of
     ``alter`` makes curves, the ``time`` among them, of curves and of what the simulation has at other times.
@@ -185,7 +185,7 @@ def _longer(value, k):
 
 
 def motion_fault(random, motion):
-    """What a user states wrongly of the motion."""
+    """A wrong statement of a user about the motion."""
     change = size(random, 0.02, 0.2)
     start = motion.start + float(pick(random, (90.0, 180.0, 25.0, 8.0))) * DEGREE
     found = {
@@ -220,78 +220,117 @@ def of(names, change):
     return lambda curves, _: {n: change(y) if n in names else y for n, y in curves.items()}
 
 
-def curve_faults(random, motion, signals, by, unit):
-    """Faults of columns by kind: their names, and the change of the curves."""
-    judged = [name for name in signals if name != by]
-    one, torque = pick(random, judged), pick(random, [s for s in judged if s.startswith(("Mkr", "joint"))] or judged)
-    width, stride = int(pick(random, (5, 7, 9, 15))), int(pick(random, (3, 4, 5, 8)))
-    limit, friction, few = random.uniform(0.5, 0.8), abs(size(random, 0.05, 0.4)), random.uniform(0.02, 0.98, 3)
+def smoothed(width):
+    """A moving average over so many samples."""
+    return lambda y: np.convolve(np.pad(y, width // 2, mode="edge"), np.full(width, 1.0 / width), mode="valid")
 
-    def other_unit(name):
-        true = pick(random, [k for k in UNITS[unit_kind(name)] if k != unit(name)])
-        return of((name,), lambda y: y * unit(name) / true)
 
-    def smoothed(y):
-        padded = np.pad(y, width // 2, mode="edge")
-        return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
+def filtered(width):
+    """A low-pass filter that keeps pace within about so many samples."""
 
-    def filtered(y):
+    def change(y):
         y, share = y.copy(), 1.0 - np.exp(-3.0 / width)
         for n in range(1, len(y)):
             y[n] = y[n - 1] + share * (y[n] - y[n - 1])
         return y
 
-    def limited(y):
-        bound = limit * np.max(np.abs(y))
-        return np.clip(y, -bound, bound)
+    return change
 
-    def single(factor):
-        return lambda y: np.where(np.isin(np.arange(len(y)), (few * len(y)).astype(int)), factor * y, y)
 
-    def at_every(curves, name):
+def limited(share):
+    """Values clipped at a share of their peak."""
+    return lambda y: np.clip(y, -share * np.max(np.abs(y)), share * np.max(np.abs(y)))
+
+
+def single(places, factor):
+    """Single samples, at these shares of the column, times a factor."""
+    return lambda y: np.where(np.isin(np.arange(len(y)), (places * len(y)).astype(int)), factor * y, y)
+
+
+def sampled(name, stride):
+    """A column at every so many samples, joined by straight lines."""
+
+    def change(curves, _):
         time = curves["time"]
         return {**curves, name: np.interp(time, time[::stride], curves[name][::stride])}
 
-    def late(names, steps):
-        def change(curves, simulated):
-            time = curves["time"]
-            return {**curves, **{n: simulated(time - steps * (time[1] - time[0]))[n] for n in names}}
+    return change
 
-        return change
 
-    found = {
+def late(names, steps):
+    """Columns so many samples behind the others."""
+
+    def change(curves, simulated):
+        time = curves["time"]
+        return {**curves, **{n: simulated(time - steps * (time[1] - time[0]))[n] for n in names}}
+
+    return change
+
+
+def shifted_clock(steps):
+    """The column of time so many samples ahead."""
+    return lambda curves, _: {**curves, "time": curves["time"] + steps * (curves["time"][1] - curves["time"][0])}
+
+
+def other_unit(random, name, unit):
+    """A column in another unit than its header's."""
+    true = pick(random, [k for k in UNITS[unit_kind(name)] if k != unit(name)])
+    return of((name,), lambda y: y * unit(name) / true)
+
+
+def curve_faults(random, motion, signals, by, unit):
+    """Faults of columns by kind: their names, and the change of the curves."""
+    judged = [name for name in signals if name != by]
+    one, torque = pick(random, judged), pick(random, [s for s in judged if s.startswith(("Mkr", "joint"))] or judged)
+    faults = torque_faults(random, motion, judged, unit, one=one, torque=torque)
+    if "S" in judged:
+        faults["inch"] = (("unit:S",), other_unit(random, "S", unit))
+        faults["other dead centre"] = (("counted back:S",), of(("S",), lambda y: np.max(y) - y))
+        faults["zero of S"] = (("offset:S",), of(("S",), lambda y: y + 0.3 * np.max(y)))
+    for link in [s for s in judged if s.startswith("link:")][:1]:
+        faults["link's unit"] = ((f"unit:{link}",), other_unit(random, link, unit))
+    rotary = [name for name in judged if is_rotary(name)]
+    if by:
+        return faults | crank_faults(random, judged, rotary, by, unit)
+    faults["clock"] = (("time shift",), shifted_clock(7.0))
+    if len(rotary) > 1:
+        faults["rotary columns"] = (("sign of rotary",), of(rotary, np.negative))
+    return faults
+
+
+def torque_faults(random, motion, judged, unit, *, one, torque):
+    """Faults of ``one`` column, and of a column of a torque or force."""
+    width, stride = int(pick(random, (5, 7, 9, 15))), int(pick(random, (3, 4, 5, 8)))
+    limit, friction, few = random.uniform(0.5, 0.8), abs(size(random, 0.05, 0.4)), random.uniform(0.02, 0.98, 3)
+    has_units = unit_kind(torque) in UNITS
+    faults = {
         "sign": ((f"sign:{one}", f"counted back:{one}"), of((one,), np.negative)),
-        "unit": ((f"unit:{torque}",), other_unit(torque) if unit_kind(torque) in UNITS else of((), np.negative)),
-        "smoothed": ((f"smoothed by moving average:{torque}",), of((torque,), smoothed)),
-        "low-pass": ((f"smoothed by low-pass filter:{torque}",), of((torque,), filtered)),
-        "limit": ((f"clipped:{torque}",), of((torque,), limited)),
-        "flipped samples": ((f"flipped samples:{torque}", f"stray samples:{torque}"), of((torque,), single(-1.0))),
-        "zero samples": ((f"stray samples:{torque}",), of((torque,), single(0.0))),
+        "unit": ((f"unit:{torque}",), other_unit(random, torque, unit) if has_units else of((), np.negative)),
+        "smoothed": ((f"smoothed by moving average:{torque}",), of((torque,), smoothed(width))),
+        "low-pass": ((f"smoothed by low-pass filter:{torque}",), of((torque,), filtered(width))),
+        "limit": ((f"clipped:{torque}",), of((torque,), limited(limit))),
+        "flipped samples": ((f"flipped samples:{torque}", f"stray samples:{torque}"), of((torque,), single(few, -1.0))),
+        "zero samples": ((f"stray samples:{torque}",), of((torque,), single(few, 0.0))),
         "late column": ((f"delay:{one}",), late((one,), 1)),
-        "sample rate": ((f"sample rate, joined by straight lines:{torque}",), lambda c, _: at_every(c, torque)),
+        "sample rate": ((f"sample rate, joined by straight lines:{torque}",), sampled(torque, stride)),
         "repeated": ((f"sample rate, each repeated until the next:{torque}",),
                      of((torque,), lambda y: np.repeat(y[::stride], stride)[: len(y)])),
     }  # fmt: skip
     if "Mkr" in judged:
         brake = of(("Mkr",), lambda y: y + friction * np.max(np.abs(y)) * np.sign(motion.speed))
-        found["friction"] = (("friction",), brake)
-    if "S" in judged:
-        found["inch"] = (("unit:S",), other_unit("S"))
-        found["other dead centre"] = (("counted back:S",), of(("S",), lambda y: np.max(y) - y))
-        found["zero of S"] = (("offset:S",), of(("S",), lambda y: y + 0.3 * np.max(y)))
-    for link in [s for s in judged if s.startswith("link:")][:1]:
-        found["link's unit"] = ((f"unit:{link}",), other_unit(link))
-    rotary = [name for name in judged if is_rotary(name)]
-    if by:
-        zero = float(pick(random, (90.0, -90.0, 180.0, 30.0, 17.0, -40.0))) * DEGREE
-        found["clock"] = (("time shift",), late(judged, 3))
-        found["mirrored"] = (("direction", "mirrored angle"), of((by,), np.negative))
-        found["unit of the crank"] = ((f"unit:{by}",), other_unit(by))
-        if by == "phi":
-            found["zero of the crank"] = (("start angle",), of(("phi",), lambda y: y + zero))
-            found["axis mirrored"] = (("view from behind",), of([*rotary, "phi"], np.negative))
-    else:
-        found["clock"] = (("time shift",), lambda c, _: {**c, "time": c["time"] + 7.0 * (c["time"][1] - c["time"][0])})
-        if len(rotary) > 1:
-            found["rotary columns"] = (("sign of rotary",), of(rotary, np.negative))
-    return found
+        faults["friction"] = (("friction",), brake)
+    return faults
+
+
+def crank_faults(random, judged, rotary, by, unit):
+    """Faults of the column that gives the crank's motion."""
+    zero = float(pick(random, (90.0, -90.0, 180.0, 30.0, 17.0, -40.0))) * DEGREE
+    faults = {
+        "clock": (("time shift",), late(judged, 3)),
+        "mirrored": (("direction", "mirrored angle"), of((by,), np.negative)),
+        "unit of the crank": ((f"unit:{by}",), other_unit(random, by, unit)),
+    }
+    if by == "phi":
+        faults["zero of the crank"] = (("start angle",), of(("phi",), lambda y: y + zero))
+        faults["axis mirrored"] = (("view from behind",), of([*rotary, "phi"], np.negative))
+    return faults

@@ -1,4 +1,4 @@
-"""Files of an independent program: what is wrong is named first, whatever links and points are called."""
+"""Files of an independent program: the fault is named first, whatever the names of links and points."""
 
 import pytest
 
@@ -9,7 +9,7 @@ SEED = 7
 
 
 @pytest.mark.parametrize(("kind", "number"), [(k, n) for k in ("clean", "fault") for n in (6, 17, 44, 50, 81)])
-def test_what_is_wrong_is_named_first_and_nothing_of_a_clean_file(kind, number):
+def test_the_fault_is_named_first_and_none_in_a_clean_file(kind, number):
     export = case(SEED, number, int(kind == "fault"))
     assert outcome(export, judged(export)) in RIGHT
 

@@ -1,0 +1,330 @@
+"""Every engine against the closed form, in tables: linkages, releases, methods, orders of convergence, ends of runs."""
+
+import dataclasses
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.linkage import GROUND
+from analytic.errors import LinkproofError
+from comparisons.reference.case import Truth
+from comparisons.reference.start_state import scene
+from engines.contract import Outcome, Setting
+from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
+from engines.stepping.histories import labelled
+from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.swinging import double_rocker_text
+from tests.engines.closed_form import (
+    EVERYTHING,
+    crank_number,
+    driven,
+    error_of,
+    errors_of,
+    history_of,
+    installed,
+    released,
+    run_of,
+    torque_error,
+    true_motion,
+    with_body,
+)
+
+# Of the peak, what one tuned run leaves: of torque, forces and accelerations; of places and velocities.
+LIMITS = {
+    "exudyn": (1e-4, 5e-6),
+    "mujoco": (1e-6, 1e-7),
+    "ondsel": (1e-11, 1e-11),
+    "pymunk": (5e-5, 5e-6),
+    "simbody": (1e-9, 1e-9),
+}
+ENGINES = tuple(LIMITS)
+LOADS = tuple(name for name in ENGINES if name != "ondsel")
+KINDS = {
+    "rimoldi-164": ENGINES,  # pins, and a guide on the ground
+    "slotted-takeup": ENGINES,  # a mass on a pin in a slot that turns, and a damper on the crank
+    "carried-slider": ("exudyn", "mujoco", "ondsel", "simbody"),  # a body that slides and turns with its host
+    "moving-guides": ENGINES,  # guides on hosts that slide, turn and rest
+    "ground-pin-in-slot": ENGINES,
+    "slot-without-mass": ENGINES,
+    "scotch-yoke": ("exudyn", "pymunk"),  # a slot in a body that does not turn
+    "three-on-one-pin": ENGINES,
+    "force-over-angle": LOADS,
+    "spring-and-damper": LOADS,
+}
+LINEAR_ORDERS = ("position", "velocity", "angular position", "angular velocity")
+
+
+@pytest.mark.parametrize(("linkage", "name"), [(linkage, name) for linkage in KINDS for name in KINDS[linkage]])
+def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(linkage, name):
+    motion = crank_motion("run-up", ramp_time=0.06, hold_time=0.02, start_angle=0.3)
+    errors = errors_of(run_of(installed(name), mechanism(linkage), motion, Setting.TUNED), mechanism(linkage), motion)
+    limits = {key: LIMITS[name][key in LINEAR_ORDERS] for key in errors}
+    assert {key: error for key, error in errors.items() if not error < limits[key]} == {}
+
+
+@pytest.mark.parametrize("name", ["exudyn", "pymunk"])
+def test_best_is_better_than_tuned_in_a_run_up_turned_backwards(name):
+    motion = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02, start_angle=0.3, clockwise=True)
+    linkage = mechanism("juki-mf7923d")
+    tuned, best = (errors_of(run_of(installed(name), linkage, motion, s), linkage, motion) for s in list(Setting)[1:])
+    assert max(best.values()) < 1e-6
+    assert max(best.values()) < 0.1 * max(tuned.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "channel", "least", "most"),
+    [
+        ("exudyn", "torque", 1e-4, 1e-2),
+        ("pymunk", "acceleration", 1e-2, math.inf),
+        ("mujoco", "torque", 0.1, math.inf),  # its own stiffness gives way by more than a tenth
+    ],
+)
+def test_a_naive_run_is_as_rough_as_a_newcomers(name, channel, least, most):
+    linkage = mechanism("juki-mf7923d")
+    motion = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.03, start_angle=0.3)
+    history = run_of(installed(name), linkage, motion, Setting.NAIVE)
+    if channel == "torque":
+        assert least < torque_error(history, linkage, motion) < most
+    else:
+        signal = history.acceleration
+        assert least < error_of(signal.values, true_motion(linkage, motion, signal.time)[2]) < most
+
+
+@pytest.mark.parametrize("name", ["mujoco", "ondsel", "simbody"])
+def test_a_joint_force_acts_on_the_body_that_the_scene_names_first(name):
+    linkage, motion = mechanism("rimoldi-164"), crank_motion("constant-speed", ramp_time=0.02, hold_time=0.0)
+    pins = driven(linkage, motion).pins
+    swapped = tuple(PinJoint(p.name, p.second, p.first, p.second_anchor, p.first_anchor) for p in pins)
+    given, other = (
+        run_of(installed(name), linkage, motion, Setting.TUNED, pins=each, channels=EVERYTHING)
+        for each in (pins, swapped)
+    )
+    for pin in pins:
+        assert error_of(other.joint_force[pin.name].values, -given.joint_force[pin.name].values) < 1e-6
+    assert error_of(other.torque.values, given.torque.values) < 1e-6
+
+
+@pytest.mark.parametrize("name", ["mujoco", "simbody"])
+def test_a_crank_that_turns_at_the_start_moves_every_link_as_the_scene_says(name):
+    model = driven(mechanism("moving-guides"), crank_motion("constant-speed", ramp_time=0.001))
+    velocity = np.array([(*body.velocity, body.angular_velocity) for body in model.bodies])
+    assert error_of(history_of(installed(name), model).velocity.values[0], velocity) < 1e-10
+
+
+# -- a crank that is let go --------------------------------------------------------------------------------------------
+
+RELEASES = {  # torque, N m, angle at the start, rad, and duration, s
+    "juki-mf7923d": (0.01, 0.4, 0.4),
+    "spring-and-damper": (0.0, 0.4, 0.1),
+    "force-over-angle": (0.5, 0.4, 0.04),
+    "slotted-takeup": (0.025, math.radians(269.18), 0.5),
+}
+FREE_ANGLE = {"direct": 1e-10, "exudyn": 3e-5, "mujoco": 1e-7, "pymunk": 1e-6, "simbody": 1e-6}  # rad at the end
+FREE_BEST = {"exudyn": 2e-8, "pymunk": 2e-8}
+
+
+@pytest.mark.parametrize(
+    ("name", "linkage", "setting"),
+    [
+        *((name, linkage, Setting.TUNED) for name in FREE_ANGLE for linkage in RELEASES
+          if (name, linkage) != ("simbody", "force-over-angle")),
+        *((name, "force-over-angle", Setting.BEST) for name in FREE_BEST),
+    ],
+)  # fmt: skip
+def test_a_free_crank_moves_as_the_equation_of_motion_says(name, linkage, setting):
+    model, motion = released(mechanism(linkage), *RELEASES[linkage])
+    history = history_of(installed(name), model, setting)
+    time, limit = history.position.time, FREE_ANGLE if setting is Setting.TUNED else FREE_BEST
+    assert np.ptp(motion.angle(time)) > 0.1  # it does move
+    assert np.abs(history.position.values[:, crank_number(model), 2] - motion.angle(time)).max() < limit[name]
+    assert name == "direct" or history.torque is None  # it is given
+
+
+# -- ways of stepping --------------------------------------------------------------------------------------------------
+
+BRIEF = crank_motion("run-up", ramp_time=0.02, hold_time=0.01)
+STEP = 2e-4
+
+
+@pytest.mark.parametrize("name", ["direct", *ENGINES])
+def test_every_method_gives_a_finite_history_in_steps_that_it_counts(name):
+    adapter, model = installed(name), driven(mechanism("juki-mf7923d"), BRIEF)
+    methods = adapter.methods(model)
+    assert len({method.name for method in methods}) == len(methods)
+    for method in methods:
+        coarse, run = (adapter.run_method(model, method, step) for step in (2.0 * STEP, STEP))
+        assert run.outcome is Outcome.FINISHED, run.reason
+        assert run.details["method"] == method.name
+        assert 0 < coarse.steps < run.steps
+        assert len(run.passes) == (0 if name == "direct" else method.runs)
+        assert max(run.passes, default=0.0) <= STEP * (1.0 + 1e-9)
+        for label, signal in labelled(run.history):
+            assert np.all(np.isfinite(signal.values)), label
+            assert 0.0 < np.diff(signal.time).min() < np.diff(signal.time).max() < 4.5 * STEP  # none near a jump
+            assert abs(signal.time[-1] - BRIEF.duration) < 2.0 * STEP
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "order", "steps", "effort"),
+    [
+        ("exudyn", "trapezoidal", 2, (1e-3, 5e-4), 1e-13),
+        ("exudyn", "trapezoidal x2", 4, (1e-3, 5e-4), 1e-13),
+        ("exudyn", "trapezoidal x3", 6, (2.4e-3, 1.2e-3), 1e-13),
+        ("pymunk", "centred", 2, (1.2e-3, 6e-4), 200),
+        ("pymunk", "centred x2", 3, (1.2e-3, 6e-4), 200),
+    ],
+)
+def test_the_error_falls_by_the_order_of_the_method(name, method, order, steps, effort):
+    adapter, linkage = installed(name), mechanism("rimoldi-164")
+    motion = crank_motion("constant-speed", ramp_time=0.06, hold_time=0.0, start_angle=0.3)
+    model = driven(linkage, motion, channels=frozenset({Channel.TORQUE}))
+    chosen = next(each for each in adapter.methods(model) if each.name == method)
+    runs = [adapter.run_method(model, dataclasses.replace(chosen, effort=effort), step) for step in steps]
+    errors = [torque_error(run.history, linkage, motion, after=0.02) for run in runs]  # what the start leaves is gone
+    assert order - 0.3 < math.log(errors[0] / errors[1]) / math.log(steps[0] / steps[1]) < order + 1.3
+
+
+def test_mujocos_forces_are_read_at_the_state_and_not_a_step_away_from_it():
+    """The error falls with the fourth power of the step; forces of another instant would make it the first."""
+    adapter, linkage = installed("mujoco"), mechanism("fork-takeup")
+    motion, errors = crank_motion("constant-speed", ramp_time=0.06, hold_time=0.0), []
+    for ratio in (1, 2):
+        recipe = dataclasses.replace(adapter.settings[Prescribed][Setting.TUNED], steps_per_turn=100, ratios=(ratio,))
+        adapter.settings = {Prescribed: {Setting.TUNED: recipe}}
+        errors.append(torque_error(run_of(adapter, linkage, motion, Setting.TUNED), linkage, motion))
+    assert 12.0 < errors[0] / errors[1] < 20.0
+
+
+def test_methods_are_listed_without_importing_the_engine():
+    script = "import sys, engines.registry as r; r.engine('exudyn').methods(None); print('exudyn' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("name", "turns"), [("exudyn", 50), ("pymunk", 200)])
+def test_the_last_of_many_turns_is_as_good_as_the_first(name, turns):
+    linkage, motion = mechanism("juki-mf7923d"), crank_motion("constant-speed", ramp_time=0.06 * turns, hold_time=0.0)
+    history = run_of(installed(name), linkage, motion, Setting.TUNED, channels=frozenset({Channel.TORQUE}))
+    signal = history.torque
+    errors = np.abs(signal.values - Truth(linkage, motion, signal.time).torque)
+    first, *_, last = np.array_split(errors, turns)
+    assert last.max() < 3.0 * first.max()
+
+
+# -- how runs end ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("direct", "locks, or passes a change point, at a crank angle of 74.41°"),
+        ("exudyn", "exudyn stopped at 0.0199"),
+        ("mujoco", "unstable"),
+        ("ondsel", "solved 7 of 33 frames"),
+        ("simbody", "Unable to advance time"),
+    ],
+)
+def test_a_linkage_that_locks_is_diverged_in_the_engines_own_words(name, words):
+    """Its crank reaches 74.4°."""
+    motion = crank_motion("constant-speed", speed=20.0, ramp_time=0.1, hold_time=0.0, start_angle=0.9)
+    run = installed(name).run(driven(from_text(double_rocker_text()), motion), Setting.TUNED)
+    assert (run.outcome, run.history) == (Outcome.DIVERGED, None)
+    assert words in run.reason
+
+
+def _loose(model):
+    return dataclasses.replace(model, pins=tuple(pin for pin in model.pins if GROUND in (pin.first, pin.second)))
+
+
+def _joint_twice(model):
+    return dataclasses.replace(model, pins=(*model.pins, dataclasses.replace(model.pins[0], name="again")))
+
+
+def _slider_twice(model):
+    bar = next(body for body in model.bodies if body.name == model.sliders[0].body)
+    again = dataclasses.replace(model.sliders[0], name="second guide", anchor=(0.0, 0.0), through=bar.position)
+    return dataclasses.replace(model, sliders=(*model.sliders, again))
+
+
+def _flywheel_without_mass(model):
+    return with_body(model, model.crank, mass=0.0)
+
+
+def _on_slots_alone(model):
+    pins = tuple(pin for pin in model.pins if "rod" not in (pin.first, pin.second))
+    slot = SlotJoint("slot", "rod", (0.0, 0.0), "crank", (0.0, 0.0), (1.0, 0.0))
+    return dataclasses.replace(model, pins=pins, slots=(slot,))
+
+
+def _free(model):
+    return dataclasses.replace(model, drive=Free(0.1, 1.0))
+
+
+def _damper_elsewhere(model):
+    return dataclasses.replace(model, dampers=(dataclasses.replace(model.dampers[0], first="coupler"),))
+
+
+@pytest.mark.parametrize(
+    ("name", "linkage", "change", "words"),
+    [
+        ("exudyn", "juki-mf7923d", _joint_twice, "repeat 2"),
+        ("exudyn", "juki-mf7923d", _loose, "degrees of freedom"),
+        ("pymunk", "rimoldi-164", _loose, "degrees of freedom"),
+        ("mujoco", "juki-mf7923d", _slider_twice, "second guide"),
+        ("simbody", "force-over-angle", _slider_twice, "no constraint for 'second guide'"),
+        ("simbody", "force-over-angle", _on_slots_alone, "only slots hold 'rod'"),
+        ("simbody", "force-over-angle", _free, "changes with its angle"),
+        # OpenSim would drop its inertia.
+        ("simbody", "juki-mf7923d", _flywheel_without_mass, "takes no inertia of a body without mass, as 'crank' has"),
+        ("ondsel", "juki-mf7923d", _free, "free drive"),
+        ("ondsel", "force-over-angle", lambda model: model, "applied force"),
+        ("ondsel", "spring-and-damper", lambda model: model, "point spring"),
+        ("ondsel", "slotted-takeup", _damper_elsewhere, "between the crank"),
+    ],
+)
+def test_a_scene_that_an_engine_cannot_hold_is_unsupported_in_one_sentence(name, linkage, change, words, monkeypatch):
+    if name == "simbody":  # what its own model refuses, not what all engines do
+        monkeypatch.setattr("engines.stepping.stepped_engine.data_obstacle", lambda scene, massless: None)
+    adapter, model = installed(name), scene(mechanism(linkage), Prescribed(crank_motion()), EVERYTHING)
+    run = adapter.run(change(model), Setting.TUNED)
+    assert (run.outcome, run.history) == (Outcome.UNSUPPORTED, None)
+    assert words in run.reason
+
+
+@pytest.mark.parametrize("name", ["direct", "exudyn", "pymunk"])
+def test_unknown_methods_and_empty_steps_are_misuse(name):
+    adapter, model = installed(name), driven(mechanism("juki-mf7923d"), BRIEF)
+    method = adapter.methods(model)[0]
+    with pytest.raises(LinkproofError, match="leapfrog"):
+        adapter.run_method(model, dataclasses.replace(method, name="leapfrog"), STEP)
+    for step in (0.0, -1e-3, math.inf, math.nan):
+        with pytest.raises(LinkproofError, match="step"):
+            adapter.run_method(model, method, step)
+
+
+QUIET = """
+from analytic.description.crank_motion import crank_motion
+from engines.contract import Setting
+from engines.registry import engine, engine_names
+from tests.analytic.linkages import mechanism
+from tests.engines.closed_form import driven
+model = driven(mechanism("fork-takeup"), crank_motion(ramp_time=0.01))
+print({engine(name).run(model, Setting.NAIVE).outcome.value for name in engine_names() if engine(name).version()})
+print(engine("mujoco").run_method(model, engine("mujoco").methods(model)[1], 0.1).outcome)
+"""
+
+
+def test_no_engine_prints_or_leaves_a_file(tmp_path):
+    """In a run that finishes and, in MuJoCo, one that breaks."""
+    installed("mujoco")
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    command = [sys.executable, "-c", QUIET]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr, list(tmp_path.iterdir())) == ("{'finished'}\ndiverged\n", "", [])
