@@ -8,7 +8,7 @@ import numpy as np
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.judging.deviations import near_jumps
+from comparisons.judging.jumps import near_jumps
 from comparisons.reference.case import Truth
 from comparisons.reference.start_state import scene
 from engines.contract import Engine, History, Outcome, Setting
@@ -38,7 +38,7 @@ def errors_of(history: History, linkage: Mechanism, motion: CrankMotion) -> dict
     assert history.velocity is not None
     assert history.torque is not None
     truth = Truth(linkage, motion, history.torque.time)
-    kept = ~near_jumps(truth.time, motion.jumps)
+    kept = ~near_jumps(truth.time, motion)
     errors = {"torque": error_of(history.torque.values, truth.torque, kept)}
     for joint, signal in history.joint_force.items():
         errors[joint] = error_of(signal.values, truth.joint_forces[joint].T, kept)

@@ -7,7 +7,7 @@ from rich.console import Console
 
 from analytic.description.loading import load
 from comparisons.judging.records import run_record
-from tests.comparisons.judging.test_baseline import RECORD
+from tests.comparisons.judging.test_judgement import RECORD
 from tests.targets import speed, targets
 
 

@@ -49,11 +49,6 @@ def test_a_task_asked_for_twice_is_made_once():
     assert sorted(made) == [1, 2, 3]
 
 
-def test_a_lost_task_has_the_result_of_what_went_wrong():
-    (found,) = study().in_order([Task("t", ("fail", None))])
-    assert found == "fail None: suite-error"
-
-
 def test_a_lost_task_may_count_as_never_begun():
     dropping = study(lost=lambda *_: None)
     assert list(dropping.make([Task("t", ("fail", None)), TASKS[0]])) == [TASKS[0]]
@@ -70,14 +65,6 @@ def test_what_a_journal_holds_is_not_made_again(tmp_path):
     assert list(again.in_order(TASKS)) == [1, 3, 2]
     assert heard == [("label 3", 1, 3), ("label 3", 2, 3), ("label 2", 2, 3), ("label 2", 3, 3)]
     assert list(study(journal=journal, function=failing).in_order(TASKS)) == [1, 3, 2]
-
-
-def test_tasks_expected_count_before_they_are_begun():
-    heard = []
-    expecting = study(announce=lambda *words: heard.append(words[1:]))
-    expecting.expect(TASKS)
-    list(expecting.make(TASKS[:1]))
-    assert heard == [(0, 3), (1, 3)]
 
 
 def test_closing_a_study_ends_its_workers(monkeypatch):

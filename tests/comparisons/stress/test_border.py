@@ -59,11 +59,6 @@ def test_where_nothing_fails_there_is_no_border():
     assert borders(grid(make)) == []
 
 
-def test_where_the_easiest_value_fails_there_is_none_either():
-    make, _ = world(above=0.5)
-    assert borders(grid(make)) == []
-
-
 def test_only_the_first_border_from_the_easy_value_counts():
     verdicts = dict.fromkeys(MASS, StressVerdict.WITHIN) | {1e2: StressVerdict.OVER, 1e4: StressVerdict.DIVERGED}
     (border,) = borders([result(value, verdict) for value, verdict in verdicts.items()])
@@ -73,17 +68,6 @@ def test_only_the_first_border_from_the_easy_value_counts():
     assert border.document["outside_command"] == "linkproof stress 'mass/row/100/e/tuned'"
 
 
-def test_lines_are_kept_apart():
-    verdicts = [StressVerdict.WITHIN, StressVerdict.OVER]
-    lines = [
-        result(value, v, usage=usage)
-        for usage in ("tuned", "best")
-        for value, v in zip((1.0, 10.0), verdicts, strict=True)
-    ]
-    found = borders(lines)
-    assert [one.usage for one in found] == ["best", "tuned"]
-
-
 def test_a_border_next_to_zero_is_not_followed_for_ever():
     values = [1e-1, 1e-6, 1e-12, 0.0]
     make, asked = world(below=1e-300)
@@ -91,14 +75,6 @@ def test_a_border_next_to_zero_is_not_followed_for_ever():
     assert border.outside == 0.0
     assert border.inside <= SMALLEST
     assert len(asked) < 10
-
-
-def test_what_is_narrow_enough_costs_no_run():
-    make, asked = world(above=1.05)
-    rough = borders(grid(make, [1.0, 1.08]))
-    asked.clear()
-    assert bisected(rough, make) == rough
-    assert asked == []
 
 
 @pytest.mark.parametrize("verdict", [StressVerdict.TIMED_OUT, StressVerdict.CRASHED])

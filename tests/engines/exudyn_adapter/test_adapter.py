@@ -12,7 +12,7 @@ from analytic.description.linkage import GROUND, RotaryDamper
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.judging.deviations import near_jumps
+from comparisons.judging.jumps import near_jumps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene
 from engines.contract import Origin, Outcome, Setting
@@ -78,7 +78,7 @@ def _true_torque(name, motion, time):
 
 def _error(signal, truth, motion):
     """Largest error over the truth's peak, component by component, away from acceleration jumps."""
-    kept = ~near_jumps(signal.time, motion.jumps)
+    kept = ~near_jumps(signal.time, motion)
     difference, size = np.abs(signal.values - truth)[kept], np.abs(truth)
     axes = tuple(range(truth.ndim - 1)) if truth.ndim > 1 else 0
     return float(np.max(difference.max(axes) / np.maximum(size.max(axes), np.finfo(float).tiny)))
@@ -123,7 +123,7 @@ def test_joint_forces_are_those_of_the_analysis_of_the_assur_groups(name):
     for joint, force in truth.items():
         if np.abs(force).max() > UNREADABLE * largest:
             peak = np.linalg.norm(force, axis=1).max()
-            kept = ~near_jumps(time, motion.jumps)
+            kept = ~near_jumps(time, motion)
             assert np.abs(forces[joint].values - force)[kept].max() < LOAD[Setting.TUNED] * peak, joint
 
 

@@ -11,7 +11,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.judging.deviations import near_jumps
+from comparisons.judging.jumps import near_jumps
 from comparisons.reference.start_state import scene
 from engines.contract import Method, Outcome, Setting
 from engines.exudyn_adapter.adapter import ExudynEngine
@@ -55,7 +55,7 @@ def _torque_errors(name, motion, run):
     sweep = mechanism(name).sweep(motion.angle(torque.time))
     truth = reduced.drive_torque(sweep, motion.speed(torque.time), motion.acceleration(torque.time))
     errors = np.abs(torque.values - truth) / np.abs(truth).max()
-    return np.where(near_jumps(torque.time, motion.jumps), np.nan, errors)
+    return np.where(near_jumps(torque.time, motion), np.nan, errors)
 
 
 def test_names_are_unique_and_nothing_is_imported_to_tell_them():

@@ -1,0 +1,83 @@
+"""Facts of a run: clocks, the machine, gaps between samples."""
+
+import gc
+import platform
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import CrankMotion, Segment
+from comparisons.runs import environment
+from comparisons.runs.run_engine import gap
+from comparisons.runs.timing import Noise, calibrate, no_collection, timed
+from engines.scene import Free, Prescribed
+
+
+def test_noise_is_relative_to_the_shortest():
+    noise = Noise((2.0, 1.0, 1.1, 1.2, 1.1, 1.0, 1.1, 1.3, 1.1, 1.1, 1.1))
+    assert noise.least == 1.0
+    assert noise.median_excess == pytest.approx(0.1)
+    assert noise.spread == pytest.approx(0.3)
+    nothing = Noise(())
+    assert (nothing.least, nothing.median_excess, nothing.spread) == (0.0, 0.0, 0.0)
+
+
+def test_work_is_timed_with_the_collector_off_and_the_collector_comes_back():
+    assert gc.isenabled()
+    collecting, seconds = timed(gc.isenabled)
+    assert (collecting, gc.isenabled()) == (False, True)
+    assert seconds > 0.0
+    assert calibrate() > 0.0
+    gc.disable()
+    try:
+        with no_collection():
+            pass
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def test_versions_machine_and_commit_without_absent_packages(monkeypatch):
+    monkeypatch.setattr(environment, "PACKAGES", ("numpy", "no-such-engine"))
+    facts = environment.environment()
+    assert facts["python"] == platform.python_version()
+    assert {"date", "machine", "commit", "numpy"} <= set(facts)
+    assert "no-such-engine" not in facts
+    assert all(facts.values())
+
+
+END = 1.0
+PARTS = Prescribed(CrankMotion("parts", (Segment(0.0, 0.6, (0.0, 1.0)), Segment(0.6, END, (0.6, 1.0)))))
+STEADY = np.linspace(0.0, END, 1001)
+GRADED = np.concatenate([np.linspace(0.0, 0.6, 601), np.linspace(0.6, END, 9)[1:]])  # 50 times as long at once
+# A dwell in three samples, as slow parts have few.
+DWELL = Prescribed(
+    CrankMotion(
+        "dwell", tuple(Segment(t, t + d, (0.0, w)) for t, d, w in ((0.0, 0.3, 1.0), (0.3, 0.4, 0.0), (0.7, 0.3, -1.0)))
+    )
+)
+FEW = np.concatenate([np.linspace(0.0, 0.3, 301), [0.4, 0.5, 0.6], np.linspace(0.7, END, 301)])
+
+
+def without(time, *places):
+    return np.delete(time, [np.argmin(np.abs(time - place)) for place in places])
+
+
+@pytest.mark.parametrize(
+    ("time", "drive", "hole"),
+    [
+        (STEADY, PARTS, ""),
+        (GRADED, PARTS, ""),
+        (FEW, DWELL, ""),
+        (without(STEADY, 0.0, 0.001, 0.002, 0.003, END), PARTS, ""),
+        (without(STEADY, 0.601, 0.602, 0.603), PARTS, ""),
+        (without(STEADY, 0.3, 0.7, 0.702), PARTS, ""),
+        (without(STEADY, 0.3, 0.301), PARTS, "from 0.299 to 0.302 s, where its own step is 0.001 s"),
+        (without(STEADY, 0.601, 0.602, 0.603), Free(0.0, END), "from 0.6 to 0.604 s, where its own step is 0.001 s"),
+        (FEW[:303], DWELL, "from 0.5 to 1 s, where its own step is 0.001 s"),
+        (without(STEADY, *STEADY[:6]), PARTS, "from 0 to 0.006 s, where its own step is 0.001 s"),
+        (without(GRADED, *GRADED[-5:]), PARTS, "from 0.75 to 1 s, where its own step is 0.05 s"),
+    ],
+)  # fmt: skip
+def test_a_gap_is_longer_than_a_few_of_the_steps_around_it(time, drive, hole):
+    assert gap(time, drive) == hole
