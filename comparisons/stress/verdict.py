@@ -63,8 +63,9 @@ def judged(blank: CellResult, case: Case, scene: Scene, run: Run, setting: str) 
             nearest, wrong = None, [f"there is no one motion to find ({error})"]
     verdict, reason = _verdict(nearest, wrong, failed, alarms)
     judged_run = run_record(blank, [nearest] if nearest else [], failed or checked[:1])
-    errors = {"errors": judged_run.errors, "invariants": judged_run.invariants}
-    return replace(blank, **errors, verdict=verdict, reason=reason, wrong="; ".join(wrong))
+    words = "; ".join(wrong)
+    errors, invariants = judged_run.errors, judged_run.invariants
+    return replace(blank, errors=errors, invariants=invariants, verdict=verdict, reason=reason, wrong=words)
 
 
 def _verdict(

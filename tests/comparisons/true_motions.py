@@ -1,4 +1,4 @@
-"""What an engine without any error returns for a case, all samples at once, and the same with one thing wrong."""
+"""The history of an engine without any error, all samples at once, and the same with one fault."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""A campaign judges what engines return and survives what they do."""
+"""A campaign judges the runs of engines, and a failure costs one run only."""
 
 import dataclasses
 import sys
@@ -271,9 +271,8 @@ def test_joint_forces_are_undefined_where_a_change_point_is_passed(with_engine):
     assert "no bound where the linkage passes its change point" in details[Verdict.UNDEFINED.value]
 
 
-@pytest.mark.parametrize("linkage", [PARALLELOGRAM, SHORT])
-def test_only_angles_that_the_crank_passes_matter(linkage):
-    request = _request(linkages=(linkage,), motions=(PART,), engines=("direct",), quantities=("Mkr", "v", "Jeq"))
+def test_only_angles_that_the_crank_passes_matter():
+    request = _request(linkages=(PARALLELOGRAM,), motions=(PART,), engines=("direct",), quantities=("Mkr", "v", "Jeq"))
     (result,) = compare(request)
     assert {record.outcome for record in result.records} == {"passed"}
 

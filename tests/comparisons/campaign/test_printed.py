@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.description.loading import literature, load
-from comparisons.campaign import campaign, errata
+from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.errata import judge_errata
 from comparisons.campaign.printed_answers import engine_answers
@@ -64,13 +64,6 @@ def test_an_erratum_is_refuted_by_a_run_that_may_be_in_a_journal(tmp_path, monke
 
 def test_other_variants_are_not_judged():
     assert list(judge_errata([load("two-crank-takeup", "W+1")], ["direct"])) == []
-
-
-@pytest.mark.parametrize(
-    ("corrected", "printed", "verdict"), [(1e-9, 0.5, "corrected"), (0.5, 1e-9, "as-printed"), (0.1, 0.2, "neither")]
-)
-def test_support_needs_a_clear_margin(corrected, printed, verdict):
-    assert errata._supported(corrected, printed) == verdict
 
 
 def test_an_engine_that_raises_gives_no_motion_and_ends_nothing(monkeypatch):

@@ -47,7 +47,7 @@ def test_figures_that_an_earlier_version_did_not_tell_are_no_difference(folder, 
     assert verify(older).findings == ()
 
 
-def test_an_error_within_three_times_its_own_is_told_and_one_beyond_decides(folder, tmp_path):
+def test_an_error_within_three_times_its_record_is_a_move_and_one_beyond_decides(folder, tmp_path):
     (limit,) = (one.limit for one in load_results(folder).records if one.quantity == "Mkr")
 
     def to(share):
@@ -165,7 +165,7 @@ def test_what_contradicts_itself_is_found(tmp_path, edit, words):
     assert finding.place.startswith(("bench ", "stress "))
 
 
-def test_what_has_moved_is_told_and_what_is_worse_decides(tmp_path):
+def test_moves_are_listed_and_worse_ones_decide(tmp_path):
     def worse(bench, stress):
         row = finished(bench)
         row["errors"][0]["error_max"] *= 5.0

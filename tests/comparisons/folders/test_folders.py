@@ -41,7 +41,7 @@ def test_nothing_differs_in_a_folder_as_it_was_written(folder):
     assert found.notes[0] == "judged by the limits of this version, which are the folder's"
 
 
-def test_an_error_that_its_curve_does_not_show_is_told(folder, tmp_path):
+def test_an_error_that_contradicts_its_curve_is_a_finding(folder, tmp_path):
     found = _found(folder, tmp_path / "b", lambda _, run: row(run, "Mkr").update(error_max=1e-5))
     assert {place for place, _ in found} == {"Mkr"}
     assert any(words.startswith("its error_max is 1e-05, its curve's is ") for _, words in found)
@@ -65,7 +65,7 @@ def test_a_vector_is_judged_by_its_magnitudes_where_they_are_further_off(folder,
     assert any("judged over-limit" in words for _, words in _found(folder, tmp_path / "b", bend))
 
 
-def test_a_text_that_is_not_what_ran_is_told_by_checksum_truth_and_key_figures(folder, tmp_path):
+def test_a_changed_text_shows_in_checksum_reference_and_key_figures(folder, tmp_path):
     def heavier(told, _):
         text = told["descriptions"][0]["text"]
         told["descriptions"][0]["text"] = text.replace("0.64\n", "0.6464\n", 1)
@@ -77,7 +77,7 @@ def test_a_text_that_is_not_what_ran_is_told_by_checksum_truth_and_key_figures(f
     assert "Mkr.peak was" in words
 
 
-def test_limits_of_the_senders_own_are_told_and_those_of_the_receiver_judge(tmp_path):
+def test_limits_of_the_sender_are_noted_and_those_of_the_receiver_judge(tmp_path):
     own = with_rows([{"quantities": ["Mkr"], "value": 1e-30, "reason": "none"}], "own")
     folder = save_campaign(tmp_path / "a", load("juki-mf7923d"), limits=own)
     by_theirs = verify(folder)
@@ -102,7 +102,7 @@ def elsewhere(folder, tmp_path_factory):
     return changed(folder, tmp_path_factory.mktemp("two") / "results", machine)
 
 
-def test_folders_of_one_name_are_kept_apart_and_whole(folder, elsewhere, tmp_path):
+def test_folders_of_one_name_are_merged_whole_under_two_names(folder, elsewhere, tmp_path):
     merged = merge(folders_of([folder, elsewhere]), tmp_path / "both")
     assert [one.path for one in merged] == [tmp_path / "both" / "results", tmp_path / "both" / "results~2"]
     assert merged[1].machine == "another"

@@ -191,7 +191,7 @@ def test_an_energy_error_decays_at_its_rate(rate):
 
 @pytest.mark.parametrize("rate", [0.0, 30.0, 1e9])
 @pytest.mark.parametrize("excess", [0.0, 0.1])
-def test_a_speed_is_held_against_its_acceleration_however_stiff(rate, excess):
+def test_a_speed_is_compared_with_its_acceleration_however_stiff(rate, excess):
     """ω' = g − r ω from rest, over within 1/r. A wrong speed obeys that equation too, but is not what it leads to."""
     time = np.linspace(0.0, 1.0, 201)
     speed = 2.0 * time if rate == 0.0 else 2.0 / rate * -np.expm1(-rate * time)

@@ -80,7 +80,7 @@ def test_no_speed_ramp_or_start_raises_one(name, regime, speed, start_angle, cou
 
 
 @pytest.mark.parametrize("count", [25, 150])
-def test_coarse_samples_of_a_true_motion_are_not_held_against_it(count):
+def test_coarse_samples_of_a_true_motion_raise_none(count):
     one = driven(JUKI)
     assert judgement(one, true_history(one, count)).alarms == ()
 
@@ -217,7 +217,7 @@ def records(one, history):
 
 
 @pytest.mark.parametrize("where", SPIKES)
-def test_a_spike_raises_no_alarm_and_its_energy_is_not_said_to_balance(where):
+def test_a_spike_raises_no_alarm_and_its_energy_balance_is_undefined(where):
     one = spike(*where)
     found = records(one, true_history(one, 1401))
     energy = found.pop("energy_balance")
@@ -449,7 +449,7 @@ def test_energy_is_balanced_across_acceleration_jumps():
     assert np.abs(energy_balance(Inspection(seen)).gained).max() < 1e-6 * peak
 
 
-def test_where_a_change_point_is_passed_no_joint_force_is_held_against_a_balance():
+def test_the_force_balance_is_undefined_where_a_change_point_is_passed():
     one = _unequal(0.0)
     motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one))
     records = {record.quantity: record for record in checks(one, motion, blank_record(one, "tuned"))}

@@ -76,18 +76,18 @@ def test_zeros_come_from_the_engines_own_motion_where_its_samples_show_them(samp
 
 
 @pytest.fixture(scope="module")
-def deviation_case():
+def abrupt_case():
     return Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up"))
 
 
 @pytest.fixture(scope="module")
-def deviation_motion(deviation_case):
-    return perfect_motion(deviation_case.mechanism, deviation_case.motion)
+def abrupt_motion(abrupt_case):
+    return perfect_motion(abrupt_case.mechanism, abrupt_case.motion)
 
 
-def _with_torque(deviation_motion, torque):
-    history = dataclasses.replace(deviation_motion.history, torque=Signal(deviation_motion.history.torque.time, torque))
-    return ObservedMotion(deviation_motion.scene, history)
+def _with_torque(motion, torque):
+    history = dataclasses.replace(motion.history, torque=Signal(motion.history.torque.time, torque))
+    return ObservedMotion(motion.scene, history)
 
 
 def test_a_thread_whose_feed_takes_a_full_turn_is_not_judged_on_a_swing():
@@ -95,70 +95,66 @@ def test_a_thread_whose_feed_takes_a_full_turn_is_not_judged_on_a_swing():
     watt = load("watt-six-bar")
     guide = ThreadGuide("N", (0.0, 0.0, 0.0))
     thread = ThreadPath((guide, ThreadEye("E")), 0.0, "lengthening", EyeReference(eye="E", extreme="lowest"))
-    deviation_case = Case(Mechanism(replace(watt, thread=thread)), watt.regimes[0].motion)
+    abrupt_case = Case(Mechanism(replace(watt, thread=thread)), watt.regimes[0].motion)
     with pytest.raises(NoSampleError, match="which it cannot make; give a crank angle as the reference"):
-        deviation(
-            deviation_case, QUANTITIES["thread_feed"], perfect_motion(deviation_case.mechanism, deviation_case.motion)
-        )
+        deviation(abrupt_case, QUANTITIES["thread_feed"], perfect_motion(abrupt_case.mechanism, abrupt_case.motion))
 
 
-def test_a_known_error_is_found_where_it_is(deviation_case, deviation_motion):
-    torque = deviation_motion.history.torque.values.copy()
+def test_a_known_error_is_found_where_it_is(abrupt_case, abrupt_motion):
+    torque = abrupt_motion.history.torque.values.copy()
     torque[700] += 1e-3
-    found = deviation(deviation_case, QUANTITIES["Mkr"], _with_torque(deviation_motion, torque))
+    found = deviation(abrupt_case, QUANTITIES["Mkr"], _with_torque(abrupt_motion, torque))
     assert found.error_max == pytest.approx(1e-3 / found.peak)
-    assert found.worst_time == deviation_motion.history.torque.time[700]
+    assert found.worst_time == abrupt_motion.history.torque.time[700]
     assert found.error_rms == pytest.approx(1e-3 / found.peak / np.sqrt(found.samples))
 
 
-def _at_jump(deviation_motion, change, jump=0.6):
-    torque = deviation_motion.history.torque.values.copy()
-    kink = int(np.argmin(np.abs(deviation_motion.history.torque.time - jump)))
+def _at_jump(motion, change, jump=0.6):
+    torque = motion.history.torque.values.copy()
+    kink = int(np.argmin(np.abs(motion.history.torque.time - jump)))
     torque[kink] = change(torque, kink)
-    return _with_torque(deviation_motion, torque)
+    return _with_torque(motion, torque)
 
 
-def test_samples_at_an_acceleration_jump_may_lie_between_its_two_values(deviation_case, deviation_motion):
-    between = _at_jump(deviation_motion, lambda torque, kink: 0.5 * (torque[kink - 1] + torque[kink + 1]))
-    found = deviation(deviation_case, QUANTITIES["Mkr"], between)
+def test_samples_at_an_acceleration_jump_may_lie_between_its_two_values(abrupt_case, abrupt_motion):
+    between = _at_jump(abrupt_motion, lambda torque, kink: 0.5 * (torque[kink - 1] + torque[kink + 1]))
+    found = deviation(abrupt_case, QUANTITIES["Mkr"], between)
     assert found.error_max < 1e-12
     assert found.error_at_jumps < 1e-12
     assert found.left_out == 3 + 5  # a millisecond on either side, the hundredth of the shortest piece
 
 
-def test_the_window_at_a_jump_is_the_regimes_and_not_the_engines(deviation_case):
+def test_the_window_at_a_jump_is_the_regimes_and_not_the_engines(abrupt_case):
     """A sample outside it is judged like any other, however long the engine's steps are."""
-    coarse = perfect_motion(deviation_case.mechanism, deviation_case.motion, 141)  # steps of 5 ms
-    found = deviation(deviation_case, QUANTITIES["Mkr"], _at_jump(coarse, lambda torque, kink: torque[kink], 0.6))
+    coarse = perfect_motion(abrupt_case.mechanism, abrupt_case.motion, 141)  # steps of 5 ms
+    found = deviation(abrupt_case, QUANTITIES["Mkr"], _at_jump(coarse, lambda torque, kink: torque[kink], 0.6))
     assert found.left_out == 2
-    late = deviation(
-        deviation_case, QUANTITIES["Mkr"], _at_jump(coarse, lambda torque, kink: 3.0 * torque[kink], 0.605)
-    )
+    late = deviation(abrupt_case, QUANTITIES["Mkr"], _at_jump(coarse, lambda torque, kink: 3.0 * torque[kink], 0.605))
     assert late.error_max > 0.1
 
 
 @pytest.mark.parametrize("jump", [0.0, 0.6])
-def test_a_torque_three_times_too_large_at_a_jump_is_over_the_limit(deviation_case, deviation_motion, jump):
+def test_a_torque_three_times_too_large_at_a_jump_is_over_the_limit(abrupt_case, abrupt_motion, jump):
     found = deviation(
-        deviation_case, QUANTITIES["Mkr"], _at_jump(deviation_motion, lambda torque, kink: 3.0 * torque[kink], jump)
+        abrupt_case, QUANTITIES["Mkr"], _at_jump(abrupt_motion, lambda torque, kink: 3.0 * torque[kink], jump)
     )
     assert found.error_max < 1e-12
     assert found.error_at_jumps > 0.1
-    record = replace(blank_record(deviation_case, "tuned"), quantity="Mkr", error_max=found.error_max)
+    record = replace(blank_record(abrupt_case, "tuned"), quantity="Mkr", error_max=found.error_max)
     assert judge(record).outcome == Verdict.PASSED
     judged = judge(replace(record, error_at_jumps=found.error_at_jumps))
     assert (judged.outcome, judged.error_max) == (Verdict.OVER_LIMIT, found.error_at_jumps)
 
 
-def test_at_the_start_the_torque_may_be_that_of_a_crank_at_rest(deviation_case, deviation_motion):
+def test_at_the_start_the_torque_may_be_that_of_a_crank_at_rest(abrupt_case, abrupt_motion):
     still = Case(
-        deviation_case.mechanism, CrankMotion("rest", (Segment(0.0, 1.0, (float(deviation_case.motion.angle(0.0)),)),))
+        abrupt_case.mechanism, CrankMotion("rest", (Segment(0.0, 1.0, (float(abrupt_case.motion.angle(0.0)),)),))
     )
-    resting = _at_jump(deviation_motion, lambda *_: float(still.at(np.zeros(1)).torque[0]), 0.0)
-    assert deviation(deviation_case, QUANTITIES["Mkr"], resting).error_at_jumps < 1e-12
+    resting = _at_jump(abrupt_motion, lambda *_: float(still.at(np.zeros(1)).torque[0]), 0.0)
+    assert deviation(abrupt_case, QUANTITIES["Mkr"], resting).error_at_jumps < 1e-12
 
 
-def test_what_is_interpolated_across_a_jump_is_not_held_against_an_engine():
+def test_interpolation_across_a_jump_is_no_error_of_an_engine():
     """A power from a torque and a speed that have clocks of their own."""
     abrupt = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up", ramp_time=1e-3, hold_time=0.05))
     shifted = perfect_motion(abrupt.mechanism, abrupt.motion, 202, shift=0.5)
@@ -168,11 +164,11 @@ def test_what_is_interpolated_across_a_jump_is_not_held_against_an_engine():
     assert deviation(abrupt, QUANTITIES["Mkr"], shifted).error_at_jumps < 1e-12
 
 
-def test_what_is_zero_for_want_of_any_mass_is_not_judged(deviation_case, deviation_motion):
-    links = {name: dataclasses.replace(link, mass=0.0) for name, link in deviation_case.mechanism.linkage.links.items()}
+def test_what_is_zero_for_want_of_any_mass_is_not_judged(abrupt_case, abrupt_motion):
+    links = {name: dataclasses.replace(link, mass=0.0) for name, link in abrupt_case.mechanism.linkage.links.items()}
     for name, link in links.items():
         links[name] = dataclasses.replace(link, inertia=None if link.inertia is None else 0.0)
-    bare = Case(Mechanism(dataclasses.replace(deviation_case.mechanism.linkage, links=links)), deviation_case.motion)
+    bare = Case(Mechanism(dataclasses.replace(abrupt_case.mechanism.linkage, links=links)), abrupt_case.motion)
     still = perfect_motion(bare.mechanism, bare.motion)
     for name in ("Jeq", "Teq", "Mkr", "Peq"):
         with pytest.raises(NoSampleError, match="is zero throughout, as no link has a mass"):

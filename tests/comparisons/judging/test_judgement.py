@@ -59,13 +59,13 @@ def test_rows_of_a_user_go_before_the_table(tmp_path):
         ('[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nreasons = ""', "unknown key of .* limit 1 'reasons'"),
     ],
 )
-def test_a_wrong_table_is_said_in_one_sentence(tmp_path, text, words):
+def test_a_wrong_table_is_refused_in_one_sentence(tmp_path, text, words):
     (tmp_path / "limits.toml").write_text(text)
     with pytest.raises(LinkproofError, match=words.replace("[[limit]]", r"\[\[limit\]\]")):
         read_limits(tmp_path / "limits.toml")
 
 
-def test_a_file_that_cannot_be_read_is_said_in_one_sentence(tmp_path):
+def test_an_unreadable_file_is_refused_in_one_sentence(tmp_path):
     for path in (tmp_path, tmp_path / "none.toml"):
         with pytest.raises(
             LinkproofError, match=r"expected a TOML file of limits at '.*', got '[A-Z][a-z ]+'; check it$"
@@ -130,7 +130,7 @@ def test_a_file_is_the_same_for_the_same_records_in_any_order(tmp_path):
         json.dumps({"format": 1, "linkages": {"a": {"checksum": "0", "variants": {"v": {"r": {"errors": WORDS}}}}}}),
     ],
 )
-def test_a_damaged_baseline_is_said_in_one_sentence(tmp_path, text):
+def test_a_damaged_baseline_is_refused_in_one_sentence(tmp_path, text):
     (tmp_path / "b.json").write_text(text, encoding="utf-8")
     with pytest.raises(LinkproofError, match=r"expected a baseline of linkproof in .*, got a damaged file"):
         read_baseline(tmp_path / "b.json", PLACES)
@@ -146,7 +146,7 @@ def test_a_baseline_of_another_version_or_none_is_not_called_damaged(tmp_path):
         read_baseline(tmp_path, PLACES)
 
 
-VERDICT_RECORD = Record("m", "v", "run-up", "c", "e", "1", "tuned", quantity="Mkr", error_max=1e-5)
+JUDGED = Record("m", "v", "run-up", "c", "e", "1", "tuned", quantity="Mkr", error_max=1e-5)
 LIMIT = shipped_limits().limit("Mkr", "tuned", "run-up").value
 
 
@@ -166,15 +166,15 @@ def _loose(value: float) -> LimitTable:
         ({"outcome": Verdict.UNDEFINED, "detail": "why"}, Verdict.UNDEFINED, "why"),
     ],
 )
-def test_a_record_is_held_against_its_limit(change, outcome, words):
-    found = judge(replace(VERDICT_RECORD, **change))
+def test_a_record_is_judged_by_its_limit(change, outcome, words):
+    found = judge(replace(JUDGED, **change))
     assert found.outcome == outcome
     assert words in found.detail
     assert judge(found).outcome == outcome
 
 
 def test_another_standard_gives_another_verdict_of_the_same_error():
-    failed = judge(replace(VERDICT_RECORD, error_max=2.0 * LIMIT))
+    failed = judge(replace(JUDGED, error_max=2.0 * LIMIT))
     passed = Standard(_loose(3.0 * LIMIT)).judge(failed)
     assert (passed.outcome, passed.detail, passed.limit) == (Verdict.PASSED, "", pytest.approx(3.0 * LIMIT))
     assert shipped_standard().judge(passed) == failed
@@ -182,13 +182,13 @@ def test_another_standard_gives_another_verdict_of_the_same_error():
 
 def test_growth_over_the_baseline_fails_within_the_limit():
     empty = Baseline({}, {"m": Place("m.toml", "0")})
-    standard = Standard(shipped_limits(), empty.recorded([replace(VERDICT_RECORD, error_max=1e-6)], {}))
-    assert standard.judge(replace(VERDICT_RECORD, error_max=2.9e-6)).outcome == Verdict.PASSED
-    grown = standard.judge(replace(VERDICT_RECORD, error_max=3.1e-6))
+    standard = Standard(shipped_limits(), empty.recorded([replace(JUDGED, error_max=1e-6)], {}))
+    assert standard.judge(replace(JUDGED, error_max=2.9e-6)).outcome == Verdict.PASSED
+    grown = standard.judge(replace(JUDGED, error_max=3.1e-6))
     assert (grown.outcome, grown.baseline) == (Verdict.OVER_LIMIT, pytest.approx(3e-6))
 
 
 def test_naive_records_decide_only_where_nothing_else_ran():
-    naive = replace(VERDICT_RECORD, setting="naive")
-    assert list(deciding([naive, VERDICT_RECORD])) == [VERDICT_RECORD]
+    naive = replace(JUDGED, setting="naive")
+    assert list(deciding([naive, JUDGED])) == [JUDGED]
     assert list(deciding([naive])) == [naive]

@@ -223,14 +223,14 @@ def test_words_that_are_no_scheduler_are_refused(words):
 
 
 @pytest.mark.parametrize("package", ["distributed", "cryptography"])
-def test_without_dask_or_its_keys_it_is_said_how_to_get_them(monkeypatch, package):
+def test_without_dask_or_its_keys_the_message_says_how_to_install_them(monkeypatch, package):
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(LinkproofError, match=r"pip install 'linkproof\[cluster\]'"), opened("local:2", None):
         pass
 
 
 @pytest.mark.nightly
-def test_a_lost_scheduler_is_said_and_its_processes_end(tmp_path):
+def test_a_lost_scheduler_is_an_error_and_its_processes_end(tmp_path):
     path = tmp_path / "process"
     with opened("local:1", EVERY_CORE) as pool:
         workers = list(pool.client.run(os.getpid).values())
@@ -267,3 +267,8 @@ def test_a_local_cluster_dies_with_its_command(tmp_path, by):
         command.send_signal(by)
         command.wait(PATIENCE)
     assert wait_for(lambda: not any(map(runs, [*cluster, int(path.read_text())])))
+
+
+def test_daemonic_workers_and_those_without_linkproof_are_refused(pool):
+    assert "DASK_DISTRIBUTED__WORKER__DAEMON=False" in pool._fault(replace(pool.here, is_daemon=True))
+    assert pool._fault(ImportError("no")).startswith("expected linkproof, as here, got none (no)")

@@ -1,10 +1,10 @@
-"""Borders are found where they are, to the precision asked for, by as few runs as halving takes."""
+"""Borders are bisected to the requested precision by as few runs as halving takes."""
 
 import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparisons.stress.border import PRECISE, SMALLEST, bisected, borders
@@ -40,6 +40,7 @@ def grid(make, values=MASS, axis="mass"):
     return make([Cell(axis, "row", value, "e", "tuned") for value in values])
 
 
+@settings(max_examples=20)
 @given(above=st.floats(1.5, 9e5), below=st.floats(1.1e-6, 0.7))
 def test_both_borders_are_bracketed_to_a_tenth(above, below):
     make, asked = world(above=above, below=below)
@@ -90,3 +91,19 @@ def test_an_axis_whose_borders_are_not_worth_it_is_left_alone():
     ]
     rough = borders(line)
     assert bisected(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
+
+
+def test_where_the_easiest_value_fails_there_is_none_either():
+    make, _ = world(above=0.5)
+    assert borders(grid(make)) == []
+
+
+def test_each_line_of_a_map_has_its_own_border():
+    verdicts = [StressVerdict.WITHIN, StressVerdict.OVER]
+    lines = [
+        result(value, v, usage=usage)
+        for usage in ("tuned", "best")
+        for value, v in zip((1.0, 10.0), verdicts, strict=True)
+    ]
+    found = borders(lines)
+    assert [one.usage for one in found] == ["best", "tuned"]

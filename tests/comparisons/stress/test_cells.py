@@ -1,4 +1,4 @@
-"""A cell by its words, made in any engine, told as JSON and back; a map of cells made, kept, resumed and narrowed."""
+"""A cell by its key, run in any engine, as JSON and back; a map of cells, its journal and its borders."""
 
 import contextlib
 import dataclasses
@@ -145,7 +145,7 @@ def request(**changes):
     return StressRequest((axis,), ("perfect",), ("tuned",), pool=LocalPool(0), **changes)
 
 
-def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_engine):
+def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_engine):
     with_engine(Liar())
     heard = []
     found = campaign.stress(request(), lambda *words: heard.append(words))
@@ -163,7 +163,7 @@ def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_e
     assert heard[-1][1] == heard[-1][2] == len(found.cells)
 
 
-def test_what_the_journal_has_is_not_made_again(with_engine, tmp_path):
+def test_cells_in_the_journal_are_not_run_again(with_engine, tmp_path):
     engine = with_engine(Liar())
     journal = Journal(tmp_path, "as asked")
     first = campaign.stress(request(), journal=journal)

@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic.description import changes
@@ -73,6 +73,7 @@ POWERS = st.floats(-6.0, 6.0).map(lambda power: 10.0**power)
 LOADED = ["tests/linkages/spring-and-damper.toml", "tests/linkages/force-over-angle.toml", *catalogue()]
 
 
+@settings(max_examples=10)
 @given(name=st.sampled_from(LOADED), length=POWERS, mass=POWERS, time=POWERS)
 def test_the_closed_form_does_not_notice_units(name, length, mass, time):
     """Torque has the unit m l² t⁻², joint forces m l t⁻²; in these all is the same to rounding."""
@@ -139,7 +140,7 @@ def test_a_disturbed_start_is_off_by_so_much_and_no_more(what, size):
     assert (start_misfit(given) is None) is (size < 1e-6)
 
 
-def test_what_is_told_is_what_differs_from_a_plain_run_up():
+def test_only_conditions_that_differ_from_a_plain_run_up_are_saved():
     told = dataclasses.replace(JUKI, link="coupler", mass_factor=10.0, at=(1.0, 2.0)).differing
     assert told == {"linkage": "juki-mf7923d", "link": "coupler", "mass_factor": 10.0, "at": [1.0, 2.0]}
     assert Conditions(**{k: tuple(v) if isinstance(v, list) else v for k, v in told.items()}).mass_factor == 10.0

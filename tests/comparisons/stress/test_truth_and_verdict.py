@@ -1,4 +1,4 @@
-"""What is wrong with a motion, and the verdict that follows."""
+"""The faults of a motion, and the verdict that follows."""
 
 from dataclasses import replace
 from functools import cache
@@ -129,7 +129,7 @@ def test_the_truth_is_within_every_limit():
     assert found.worst_check.error_max < found.worst_check.limit
 
 
-def test_an_engine_that_lies_is_caught_with_what_gave_it_away():
+def test_a_wrong_motion_is_caught_with_the_checks_that_flag_it():
     found = judgement(case(), scaled("torque", 1.5))
     assert found.verdict is StressVerdict.CAUGHT
     assert found.wrong.startswith("torque off by 0.5 of its peak")
@@ -196,6 +196,26 @@ def test_a_run_without_a_motion_keeps_its_reason():
     assert found.worst_check is None
 
 
-def test_a_motion_with_a_regime_of_its_own_is_held_to_the_limits_of_the_like():
+def test_a_reversal_has_the_limits_of_similar_motions():
     turned = stress_case(Conditions("juki-mf7923d", motion="reversal", hold_turns=0.5))
     assert judgement(turned, true_history(turned, 901), "best").verdict is StressVerdict.WITHIN
+
+
+def test_whole_turns_apart_is_the_same_place():
+    one = case()
+    two_turns = np.array([0.0, 0.0, 4.0 * np.pi])
+    turned = with_signal(true_history(one, 301), "position", lambda values, _: values + two_turns)
+    assert found(one, turned) == []
+
+
+def test_the_limits_are_those_of_the_setting():
+    history = scaled("torque", 1.00003)
+    assert judgement(case(), history, "tuned").verdict is StressVerdict.WITHIN
+    assert judgement(case(), history, "best").verdict is StressVerdict.OVER
+
+
+def test_numbers_beyond_all_bounds_are_wrong_and_still_numbers():
+    found = judgement(case(), with_signal(true_history(case(), 601), "velocity", lambda values, _: 1e200 * values))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert np.isfinite(found.nearest.error_max)
+    assert np.isfinite(found.worst_check.error_max)

@@ -16,7 +16,7 @@ from comparisons.work_precision.analysis import (
     on_front,
 )
 from comparisons.work_precision.floor import Cause
-from comparisons.work_precision.places import by_regime, places
+from comparisons.work_precision.places import places
 from comparisons.work_precision.records import KIND, Bench, by_quantity, load, save
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
@@ -80,7 +80,7 @@ def test_single_runs_and_extrapolated_ones_have_fronts_of_their_own():
     assert len(on_front([*SECOND, *FOURTH])) < len(told)
 
 
-def test_a_setting_is_held_against_the_price_of_its_own_error():
+def test_a_setting_is_compared_with_the_price_of_its_error():
     # Both methods reach it exactly at a measured point: the second order at 64 times its first cost, the fourth at 8.
     tuned, best = (setting_row(name, 0.1 / 16**3, 0.128) for name in ("tuned", "best"))
     found, other = compare_settings([*SECOND, *FOURTH, tuned, best])
@@ -90,15 +90,6 @@ def test_a_setting_is_held_against_the_price_of_its_own_error():
     assert other.rival.setting == "fourth"
     (beyond,) = compare_settings([*SECOND, setting_row("best", 1e-12, 1.0)])
     assert (beyond.ratio, beyond.rival) == (None, None)
-
-
-def test_places_stand_in_the_order_measured_with_their_titles():
-    found = places(made_up_bench(regimes=("run-up", "own")))
-    assert [(one.mechanism, one.regime) for one in found] == [
-        ("juki-mf7923d", "run-up"), ("juki-mf7923d", "own"), ("rimoldi-164", "run-up"), ("rimoldi-164", "own"),
-    ]  # fmt: skip
-    assert found[0].title == "The juki-mf7923d"
-    assert {name: len(part) for name, part in by_regime(found).items()} == {"run-up": 2, "own": 2}
 
 
 def test_a_place_is_judged_by_the_torque_where_it_has_one():
@@ -156,10 +147,15 @@ def test_a_document_of_another_form_is_refused_with_the_place(tmp_path, place, w
         load(tmp_path)
 
 
-def test_a_point_that_did_not_finish_stands_in_every_quantity_asked_for():
+def test_an_unfinished_point_stands_in_every_requested_quantity():
     failed, finished = points([row(error_max=None, outcome="diverged")]), points([row()])
     assert [(one.quantity, one.finished) for one in by_quantity(failed, ("Jeq", "phi"))] == [
         ("Jeq", False),
         ("phi", False),
     ]
     assert [one.quantity for one in by_quantity(finished, ("Jeq", "phi"))] == ["Mkr"]
+
+
+def test_a_lucky_coarse_step_is_not_chosen():
+    lucky = sweep_rows([1e-9, 1e-2, 1e-3, 1e-4, 1e-10], cost=1e-3)
+    assert choices(lucky, [1e-8])[0].record == lucky[-1]

@@ -17,7 +17,7 @@ from comparisons.work_precision import measure as point
 from comparisons.work_precision.costs import REDUCTIONS, ROUNDS, most_reducible
 from comparisons.work_precision.measure import chosen, measure
 from comparisons.work_precision.records import Bench
-from engines.contract import Method, Origin, Outcome, Run, Setting
+from engines.contract import History, Method, Origin, Outcome, Run, Setting
 from engines.mechanics.joints import JointEquations
 from engines.registry import engine
 from engines.scene import Prescribed
@@ -78,7 +78,7 @@ def test_the_worst_joint_stands_for_all(monkeypatch):
     assert [one.name for one in chosen(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
 
 
-def test_what_an_engine_does_not_tell_costs_that_quantity_alone(monkeypatch):
+def test_a_missing_signal_costs_its_quantity_alone(monkeypatch):
     def partial(history):
         torque = replace(history.torque, origin=Origin.COMPUTED)
         return replace(history, torque=torque, joint_force={"A": history.joint_force["A"]})
@@ -92,7 +92,7 @@ def test_what_an_engine_does_not_tell_costs_that_quantity_alone(monkeypatch):
     assert errors["joint_force"].detail.endswith("not offered")
 
 
-def test_what_an_engine_raises_is_told():
+def test_an_exception_of_an_engine_is_its_adapters_error():
     with pytest.raises(AdapterError, match="direct raised UnknownNameError"):
         measure(PICKLED, "direct", Method("no such", ""), 24.0, ("Mkr",), with_errors=True)
 
@@ -157,3 +157,8 @@ def test_a_reduced_linkage_still_has_as_many_equations_as_unknowns():
             model = scene(Mechanism(rest), Prescribed(crank_motion(start_angle=0.7)), part.channels)
             equations = JointEquations(model)
             assert equations.rows == equations.size
+
+
+def test_an_engine_without_any_requested_quantity_provides_nothing(monkeypatch):
+    measurement = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
+    assert (measurement.outcome, measurement.detail) == ("not-provided", "Jeq not offered; Mkr not offered")

@@ -121,7 +121,7 @@ def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
     assert found["tuned"].finished
 
 
-def test_what_an_interrupted_benchmark_has_is_not_measured_again(known, tmp_path):
+def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_path):
     def interrupting(label, done, total):
         if done == 20:
             raise KeyboardInterrupt

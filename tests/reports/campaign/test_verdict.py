@@ -1,4 +1,4 @@
-"""The verdict names whom to trust in what, and nothing that an engine does untuned turns it."""
+"""The verdict names the engines to trust for each quantity; naive settings do not change it."""
 
 from dataclasses import replace
 

@@ -78,7 +78,7 @@ def test_an_error_stands_beside_the_one_before_with_factor_and_peak():
     ]
 
 
-def test_seconds_are_told_of_one_machine_alone():
+def test_seconds_are_compared_on_one_machine_only():
     here, elsewhere = (rendered(*difference_printout(_difference(same)).details) for same in (True, False))
     assert "7.0 → 7.1" in here
     assert "500 ms" in here

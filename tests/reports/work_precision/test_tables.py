@@ -28,7 +28,7 @@ def test_a_way_names_its_method_and_its_steps_a_turn():
     assert any(way.startswith("higher x2 @") for way in ways)
 
 
-def test_floor_is_said_only_of_an_error_that_a_finer_step_does_not_lower():
+def test_a_floor_is_an_error_that_a_finer_step_does_not_lower():
     def told(errors):
         (facts,) = _facts(sweep_rows(errors))
         (sweep,) = facts.sweeps
@@ -39,7 +39,7 @@ def test_floor_is_said_only_of_an_error_that_a_finer_step_does_not_lower():
     assert told([1e-1, 2e-3, 1.9e-3, 1.8e-3]) == (Cause.MODEL, "floor 1.8e-3: read-out or model")
 
 
-def test_what_an_engine_does_not_tell_is_said_once_where_it_is_missing():
+def test_a_quantity_without_a_value_has_its_reason_once():
     told = {"lacking": {"Jeq": "Jeq computed by the adapter"}}
     rows = [row(**told), setting_row("tuned", 1e-3, 1e-2, **told), row(quantity="Jeq", engine="beta")]
     alpha, beta = _facts(rows, "Jeq")
@@ -49,7 +49,7 @@ def test_what_an_engine_does_not_tell_is_said_once_where_it_is_missing():
     assert failed_methods(alpha) == ("joint_force:A not offered",)
 
 
-def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
+def test_a_setting_is_on_ahead_of_or_off_the_front():
     (alpha, _) = places(BENCH)[0].engines("Mkr")
 
     def told(noise):
@@ -142,11 +142,6 @@ def test_orders_and_least_errors_stand_side_by_side_by_regime_and_mechanism():
     assert {cell.words for cell in rows["alpha", "plain"]} == {"order 2.0"}
     assert {cell.words for cell in rows["alpha", "higher x2"]} == {"order 4.0"}
     assert all("still falling" in cell.note and "floor" not in cell.note for cell in rows["alpha", "plain"])
-
-
-def test_the_control_is_held_against_nothing():
-    table, _ = _section(made_up_bench(control="alpha")).parts
-    assert {engine for engine, _ in _rows(table)} == {"beta"}
 
 
 def _run(engine, reduction, least, outcome="finished", reason=""):
