@@ -192,3 +192,8 @@ def test_naive_records_decide_only_where_nothing_else_ran():
     naive = replace(JUDGED, setting="naive")
     assert list(deciding([naive, JUDGED])) == [JUDGED]
     assert list(deciding([naive])) == [naive]
+
+
+def test_an_uncovered_quantity_says_what_to_add():
+    with pytest.raises(LookupError, match="add one with its reason"):
+        limit("colour", "tuned", "run-up")

@@ -17,7 +17,7 @@ from comparisons.stress import cells as stress
 from comparisons.stress.axes import axes
 from comparisons.stress.campaign import StressRequest, make_cells
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
-from comparisons.stress.cells import find_cell, lost, made
+from comparisons.stress.cells import find_cell, lost, made, usages
 from comparisons.stress.scenes import case
 from engines.contract import Abilities, Method, Outcome, Run
 from tests.comparisons.faults import PATIENCE
@@ -220,3 +220,10 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
     (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")], PATIENCE)
     assert found.verdict is StressVerdict.WITHIN
+
+
+def test_usages_are_settings_or_the_methods_an_engine_has():
+    assert usages(axes()["mass"], Perfect()) == list(axes()["mass"].settings)
+    assert usages(axes()["speed"], Perfect()) == ["defaults", "centred"]
+    assert usages(axes()["iterations"], Perfect()) == ["centred"]
+    assert usages(axes()["tolerance"], Perfect()) == []

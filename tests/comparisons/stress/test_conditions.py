@@ -15,10 +15,11 @@ from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.released import FreeMotion
 from comparisons.reference.case import own_motion
 from comparisons.stress.axes import axes, chosen_axes
 from comparisons.stress.scenes import RELEASED, Conditions, case, linkage, motion, reversal, scene
-from comparisons.stress.stiff_motion import stiff_motion
+from comparisons.stress.stiff_motion import MOST_RELAXATIONS, StiffMotion, relaxations, stiff_motion
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel
@@ -163,3 +164,11 @@ def test_both_integrations_are_one_motion(factor):
     assert np.max(np.abs(stiff.speed(time) - exact.speed(time))) < 1e-9 * exact.peak_speed
     assert stiff.peak_speed == pytest.approx(exact.peak_speed, rel=1e-2)
     assert stiff.speed(0.01).shape == ()
+
+
+def test_the_closed_forms_own_integration_is_taken_as_long_as_it_is_cheap():
+    assert isinstance(case(damped(1.0)).motion, FreeMotion)
+    soft, hard = (Mechanism(linkage(damped(factor))) for factor in (1.0, 1e6))
+    assert relaxations(soft, 0.03) < MOST_RELAXATIONS < relaxations(hard, 0.03)
+    assert relaxations(hard, 0.06) == pytest.approx(2.0 * relaxations(hard, 0.03))
+    assert isinstance(case(damped(1e8)).motion, StiffMotion)

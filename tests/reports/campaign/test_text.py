@@ -175,3 +175,18 @@ def test_the_verdict_is_that_of_the_first_page_without_a_time(text):
     assert "Trust alpha and beta, once tuned" in text
     assert "Nothing was judged of gamma." in text
     assert "quickest" not in text
+
+
+def test_deviations_stand_beside_their_limits():
+    text = _text(printout([_result()]))
+    assert "m (v), r: c" in text
+    assert "1.2e-05 ✓" in text
+    assert "1e-04" in text
+    assert text.count("joint_force") == 1
+    assert "3 deviations: 3 passed" in text
+
+
+def test_details_hold_every_record_and_all_its_figures():
+    text = rendered(*printout([_result(detail="because")]).details)
+    assert all(name in text for name in ("Jeq", "joint_force:A", "joint_force:B"))
+    assert text.count("because") == 3
