@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError
 from comparisons.invariants.inspection import FAINT_FORCE
-from comparisons.judging.deviations import at_jumps
+from comparisons.judging.jumps import near_jumps
 from comparisons.reference.case import Case
 from comparisons.reference.channels import truth
 from comparisons.runs.failures import blamed_on
@@ -118,7 +118,7 @@ class _Curve(NamedTuple):
         """Over the peak; none at jumps, where accelerations and forces have two values."""
         error = np.abs(self.values - self.true) / (self.peak or 1.0)
         is_smooth = self.figure.signal[0] in (Channel.POSITION, Channel.VELOCITY)
-        return error if is_smooth else np.where(at_jumps(self.time, case), 0.0, error)
+        return error if is_smooth else np.where(near_jumps(self.time, case.motion), 0.0, error)
 
 
 def _worst(case: Case, curves: list[_Curve]) -> ScriptFigure:

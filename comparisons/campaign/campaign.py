@@ -81,12 +81,12 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
 
 
 def run_key(linkage: Linkage, regime: str, name: str, setting: Setting) -> str:
-    """What tells a run from all others of a campaign."""
+    """The unique name of a run within a campaign."""
     return "/".join((linkage.name, linkage.variant, regime, name, setting))
 
 
 def cases(request: CampaignRequest) -> list[Case]:
-    """The cases of ``each_case``, all of them kept."""
+    """The cases of ``each_case``, as a list."""
     return list(each_case(request))
 
 
@@ -142,9 +142,9 @@ def compare(
 ) -> CampaignRuns:
     """The runs of a request, made in parallel as they are gone through.
 
-    ``announce`` hears the label of the run begun last, how many are finished and how many there are. Runs are made in
-    the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is made
-    here, unbounded. A ``journal`` is given every finished run to keep, and spares those that it has kept already.
+    ``announce`` receives the label of the run begun last, the number of finished runs and the number of all. Runs are
+    made in the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is
+    made here, unbounded. A ``journal`` stores every finished run; runs that it has stored already are not repeated.
     ``todo`` are its ``tasks`` where they are known.
 
     What ``tasks`` raises is raised at once, before the first run; LinkproofError too, if the journal is
@@ -164,7 +164,7 @@ def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tupl
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
-    """What the engine has to record."""
+    """The channels that the engine has to record."""
     return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
 
 

@@ -1,6 +1,6 @@
 """Printed models put to the engines: which of two closed forms a simulation supports, and by how much.
 
-An engine knows nothing of either model. It simulates the linkage as described, and its crank speed is held against the
+An engine knows nothing of either model. It simulates the linkage as described, and its crank speed is compared with the
 corrected closed form and against the printed one.
 """
 
@@ -29,7 +29,7 @@ from engines.contract import Outcome, Setting, Signal
 
 Array = NDArray[np.float64]
 
-SPEED = "omega"  # the quantity that is held against both models
+SPEED = "omega"  # the quantity compared with both models
 # The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
 LAST_SHARE = 0.2
 # An engine supports a model if it is this many times nearer to it than to the other.
@@ -41,7 +41,7 @@ class ErratumRecord:
     """One engine's judgement of a printed model; deviations are of crank speed, error_max over the corrected peak.
 
     Mean speeds, rad/s, are over the last fifth of the regime; ``supports`` is ``corrected``, ``as-printed`` or
-    ``neither``; ``reason`` says why there is no motion, where there is none.
+    ``neither``; ``reason`` explains a missing motion.
     """
 
     mechanism: str
@@ -113,7 +113,7 @@ def _task(erratum: Erratum, case: Case, name: str) -> Task:
 def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
     for linkage in linkages:
         if linkage.variant != linkage.variants[0]:
-            continue  # printed models are held against the file's own values
+            continue  # printed models are compared at the values of the file
         mechanism = Mechanism(linkage)
         regimes = linkage.released
         names = dict.fromkeys(erratum.regime for erratum in linkage.errata)
@@ -124,14 +124,14 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
 def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> ErratumRecord:
     erratum, case = trial
     corrected, values = case.motion, result.curves.get(SPEED)
-    own = next(error for error in result.errors if error.quantity == SPEED)
+    speed_error = next(error for error in result.errors if error.quantity == SPEED)
     record = ErratumRecord(
         mechanism=case.mechanism.linkage.name,
         erratum=erratum.name,
         place=erratum.place,
         regime=erratum.regime,
         engine=name,
-        outcome=own.outcome,
+        outcome=speed_error.outcome,
         supports="neither",
         deviation_corrected=None,
         deviation_printed=None,
@@ -139,7 +139,7 @@ def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> Erratu
         mean_speed_corrected=_mean_speed(corrected, corrected.duration),
         mean_speed_printed=_mean_speed(printed, corrected.duration),
         note=erratum.note,
-        reason=own.detail,
+        reason=speed_error.detail,
     )
     if values is None:
         return record

@@ -1,4 +1,4 @@
-"""Key figures of the closed form: what tells that a linkage's file has changed, whatever engines do."""
+"""Key figures of the closed form: they change with a linkage's file, and do not depend on any engine."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
 
-ROUNDINGS: Final = 16  # of the largest figure of a unit: what is less is not told from none
+ROUNDINGS: Final = 16  # of the largest figure of a unit: a smaller figure counts as zero
 KEY: Final = (
     *("Mkr.peak", "Mkr.rms", "Peq.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min", STROKE),
     *("S.min", "S.max", "v.min", "v.max", "a.min", "a.max"),
@@ -36,7 +36,7 @@ THREAD: Final = "thread:length@0s"  # m, of its contour
 
 @dataclass(frozen=True)
 class KeyFigure:
-    """A key figure, SI, in its ``unit``, as ``recorded`` and as it is ``now``; None where there is none.
+    """A key figure, SI, in its ``unit``, as ``recorded`` and as it is ``now``; None if it is missing.
 
     ``changed`` says that it is not as recorded; where nothing is recorded of its motion it cannot be.
     """
@@ -53,7 +53,7 @@ class KeyFigure:
 
     @property
     def sentence(self) -> str:
-        """What is recorded and what is now, in words."""
+        """The recorded and the present value, in words."""
         place = f"{self.mechanism} ({self.variant}), {self.regime}: {self.figure}"
         recorded, now = (
             "" if value is None else f"{value:.9g} {self.unit}".rstrip() for value in (self.recorded, self.now)
@@ -67,7 +67,7 @@ class KeyFigure:
 
     @property
     def share(self) -> float | None:
-        """By what share of the recorded it has changed; None where that is nothing."""
+        """Relative change since the recording; None if the recorded value is zero or missing."""
         return self.now / self.recorded - 1.0 if self.recorded and self.now is not None else None
 
 
@@ -92,7 +92,7 @@ def key_figures(case: Case, names: Iterable[str] = ()) -> dict[str, float]:
 
 
 def _parts_of_the_description(case: Case) -> Iterator[tuple[str, float]]:
-    """What a change of the description moves that need not move a signal, SI."""
+    """Figures of the description, SI, that can change without any change of a signal."""
     linkage, start = case.mechanism.linkage, case.start()
     if linkage.output is not None:
         place = start.point(linkage.output.point)
@@ -104,7 +104,7 @@ def _parts_of_the_description(case: Case) -> Iterator[tuple[str, float]]:
 
 
 def _unit(name: str, linkage: Linkage) -> str:
-    """SI unit of a key figure by its name; none of a direction, and of what is no key figure of this version."""
+    """SI unit of a key figure by its name; empty for a direction and for unknown names."""
     if name == THREAD or name.startswith(OUTPUT):
         return "m"
     try:
@@ -162,7 +162,7 @@ def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
 
 
 def _roundings(recorded: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
-    """By unit what is rounding of the largest figure that has it."""
+    """By unit, the rounding error of the largest figure in that unit."""
     values = dict.fromkeys(units.values(), 0.0) | {"rad": SAME_FIGURE}  # a transmission angle of zero is rounding
     for name, value in recorded.items():
         values[units[name]] = max(values[units[name]], ROUNDINGS * float(np.finfo(float).eps) * abs(value))

@@ -1,4 +1,4 @@
-"""What engines answer to printed figures: signals of a crank that turns steadily up to their angles, or is released.
+"""Engines' values for printed figures: signals of a crank that turns steadily up to their angles, or is released.
 
 A figure of another kind, a stroke or a range, is the closed form's alone.
 """
@@ -42,8 +42,8 @@ from engines.contract import Outcome, Setting
 from engines.scene import Channel
 
 Array = NDArray[np.float64]
-Answers = dict[str, Any]  # the ``values``, SI, of one run, None where there is none, and the ``reason``
-Wanted = tuple[tuple[Figure, ...], ...]  # by entry its figure, and one to subtract
+Answers = dict[str, Any]  # the ``values``, SI, of one run, None for a missing one, and the ``reason``
+Terms = tuple[tuple[Figure, ...], ...]  # by entry its figure, and one to subtract
 
 LEVELS: Final = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 DRIVE: Final = ("phi", "omega", "epsilon")
@@ -51,7 +51,7 @@ DRIVE: Final = ("phi", "omega", "epsilon")
 
 @dataclass(frozen=True)
 class EngineAnswer(PublishedRecord):
-    """A printed figure beside an engine's; None with the ``reason`` where it gives none.
+    """A printed figure beside an engine's, which is None with a ``reason`` if the engine has no value.
 
     ``uncertainty`` is the figure's own: half its last digit, or its source's accuracy where that is known to be less.
     """
@@ -62,12 +62,12 @@ class EngineAnswer(PublishedRecord):
 
 
 @dataclass(frozen=True)
-class Trial:
-    """Printed figures that one run answers."""
+class PrintedRun:
+    """Printed figures whose values follow from one run of a case."""
 
     case: Case
     entries: tuple[Published, ...]
-    wanted: Wanted
+    terms: Terms
 
 
 def engine_answers(
@@ -79,17 +79,17 @@ def engine_answers(
     pool: Pool | None = None,
 ) -> Iterator[EngineAnswer]:
     """Every engine's answer, tuned, to every printed signal of the linkages at an angle or a time."""
-    trials = [trial for linkage in linkages for trial in _trials(linkage)]
-    tasks = [_task(number, trial, name) for number, trial in enumerate(trials) for name in engines]
+    printed = [printed_run for linkage in linkages for printed_run in _printed_runs(linkage)]
+    tasks = [_task(number, printed_run, name) for number, printed_run in enumerate(printed) for name in engines]
     where = pool or LocalPool(usual_processes(len(tasks)))
     study = Study(read_out, _lost, lambda row: (row, {}), lambda row, _: dict(row), None, announce, where)
     with closing(study.in_order(tasks, bounds)) as runs:
-        for trial in trials:
+        for printed_run in printed:
             for name, run in zip(engines, runs, strict=False):
-                yield from _answers(trial, name, run)
+                yield from _answers(printed_run, name, run)
 
 
-def _trials(linkage: Linkage) -> Iterator[Trial]:
+def _printed_runs(linkage: Linkage) -> Iterator[PrintedRun]:
     """One run for each regime, and for each speed and crank angle that figures are printed for."""
     mechanism = Mechanism(linkage)
     groups: dict[PrintedMotion, list[tuple[Published, tuple[Figure, ...]]]] = {}
@@ -101,29 +101,29 @@ def _trials(linkage: Linkage) -> Iterator[Trial]:
             )
             groups.setdefault(motion_of(mechanism, entry), []).append((entry, figures))
     for printed, group in groups.items():
-        entries, wanted = zip(*group, strict=True)
-        yield Trial(case_of(mechanism, printed), entries, wanted)
+        entries, terms = zip(*group, strict=True)
+        yield PrintedRun(case_of(mechanism, printed), entries, terms)
 
 
-def _task(number: int, trial: Trial, name: str) -> Task:
-    linkage = trial.case.mechanism.linkage
+def _task(number: int, printed_run: PrintedRun, name: str) -> Task:
+    linkage = printed_run.case.mechanism.linkage
     label = f"{linkage.name} ({linkage.variant}): {name}"
-    return Task(f"printed/{number}/{name}", (pickle.dumps(trial.case), name, trial.wanted), label)
+    return Task(f"printed/{number}/{name}", (pickle.dumps(printed_run.case), name, printed_run.terms), label)
 
 
-def read_out(pickled: bytes, name: str, wanted: Wanted) -> Answers:
+def read_out(pickled: bytes, name: str, terms: Terms) -> Answers:
     """One run of a pickled case, and the figures as its history has them."""
     case = unpickled(pickled)
     model = case.scene(frozenset(Channel))
     run = run_engine(engine(name), model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:
-        return _none(wanted, f"{run.outcome}: {run.reason}")
+        return _none(terms, f"{run.outcome}: {run.reason}")
     motion = ObservedMotion(model, run.history)
-    return {"values": [_difference(case, motion, each) for each in wanted], "reason": "records none of it"}
+    return {"values": [_difference(case, motion, each) for each in terms], "reason": "records none of it"}
 
 
-def _none(wanted: Wanted, reason: str) -> Answers:
-    return {"values": [None] * len(wanted), "reason": reason}
+def _none(terms: Terms, reason: str) -> Answers:
+    return {"values": [None] * len(terms), "reason": reason}
 
 
 def _difference(case: Case, motion: ObservedMotion, figures: Sequence[Figure]) -> float | None:
@@ -149,7 +149,7 @@ def _signal(linkage: Linkage, motion: ObservedMotion, name: str, time: Array) ->
     part, _, component = rest.rpartition(":")
     if kind == "joint_force" and component in COMPONENTS[kind]:
         force = motion.history.joint_force.get(part)
-        is_vector = force is not None and force.values.ndim > 1  # some engines tell a force's size alone
+        is_vector = force is not None and force.values.ndim > 1  # some engines have only the magnitude of a force
         return None if force is None or not is_vector else np.asarray(resample(force, time)[:, "xy".index(component)])
     if kind == "link":
         level = LEVELS[tuple(COMPONENTS[kind]).index(component)]
@@ -166,15 +166,15 @@ def _point(linkage: Linkage, motion: ObservedMotion, name: str, component: str, 
     return np.asarray(motion.point(body, anchor, time, order)[:, axis])
 
 
-def _answers(trial: Trial, name: str, run: Answers) -> Iterator[EngineAnswer]:
-    for entry, value in zip(trial.entries, run["values"], strict=True):
+def _answers(printed_run: PrintedRun, name: str, run: Answers) -> Iterator[EngineAnswer]:
+    for entry, value in zip(printed_run.entries, run["values"], strict=True):
         yield EngineAnswer(
-            **beside(trial.case.mechanism.linkage, entry, value),
+            **beside(printed_run.case.mechanism.linkage, entry, value),
             engine=name,
             uncertainty=max(entry.half_digit, entry.accuracy),
             reason=run["reason"] if value is None else "",
         )
 
 
-def _lost(failure: Lost, _pickled: bytes, _name: str, wanted: Wanted) -> Answers:
-    return _none(wanted, f"{failure.outcome}: {failure.reason}")
+def _lost(failure: Lost, _pickled: bytes, _name: str, terms: Terms) -> Answers:
+    return _none(terms, f"{failure.outcome}: {failure.reason}")

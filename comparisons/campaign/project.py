@@ -1,4 +1,4 @@
-"""A user's project: the folder of a ``linkproof.toml``, which says what is compared there and by what standard."""
+"""A user's project: the folder of a ``linkproof.toml``, with the linkages, engines and limits to compare."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ KEYS: Final = (*LISTS, "time_limit", "memory_limit", "baseline", "allow_new", "a
 
 @dataclass(frozen=True)
 class Project:
-    """What a ``linkproof.toml`` says; nothing means the command's default.
+    """The contents of a ``linkproof.toml``; an empty field means the command's default.
 
     ``linkages`` are the files that its patterns match, ``engines``, ``settings`` and ``regimes`` names as the commands
     take them, ``time_limit`` s and ``memory_limit`` GiB of each run, ``baseline`` the file of what was recorded,
@@ -45,7 +45,7 @@ class Project:
 
 
 def find_project(start: Path) -> Project | None:
-    """The project that a file or folder belongs to: the nearest ``linkproof.toml`` there or above; None without one."""
+    """The project that a file or folder belongs to: the nearest ``linkproof.toml`` there or above; else None."""
     here = start.resolve()
     for folder in (here, *here.parents):
         if (folder / FILE).is_file():
@@ -54,7 +54,7 @@ def find_project(start: Path) -> Project | None:
 
 
 def read_project(path: Path) -> Project:
-    """A project from its file; raises LinkproofError for what it cannot say."""
+    """A project from its file; raises LinkproofError for a wrong one."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -120,7 +120,7 @@ def _within(folder: Path, place: str, key: str, path: Path) -> Path:
 
 
 def _files(folder: Path, pattern: str, path: Path) -> list[Path]:
-    """The files that a pattern matches, sorted; raises LinkproofError where none does, or one lies elsewhere."""
+    """The files that a pattern matches, sorted; raises LinkproofError without one, or for one outside the folder."""
     _within(folder, pattern, "linkages", path)
     try:
         paths = sorted(file for file in folder.glob(pattern) if file.is_file() and file.name != FILE)

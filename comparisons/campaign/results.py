@@ -56,12 +56,12 @@ class Results:
 
     @cached_property
     def limits(self) -> LimitTable:
-        """The limits that the records are held against; those of the suite where none are saved."""
+        """The limits of the records; the suite's own if the folder has no table of limits."""
         return table_of(self.document["limits"]) if "limits" in self.document else shipped_limits()
 
     @cached_property
     def figures(self) -> tuple[KeyFigure, ...]:
-        """Key figures of every linkage and motion, beside what was recorded of them."""
+        """Key figures of every linkage and motion, beside their recorded values."""
         names = [field.name for field in fields(KeyFigure)]
         rows = self.document.get("figures", ())  # objects of a campaign that was not read from a folder
         return tuple(row if isinstance(row, KeyFigure) else KeyFigure(**{n: row[n] for n in names}) for row in rows)
@@ -159,7 +159,7 @@ def is_saved(folder: Path) -> bool:
 def load(folder: Path, *, with_sheets: bool = True) -> Results:
     """Read a saved campaign or judgement back; no engine is imported.
 
-    Raises LinkproofError where there is none, or it is damaged.
+    Raises LinkproofError if it is missing or damaged.
     """
     kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
     results = Results(*load_study(folder, kind, FORM, RunRecord.from_row), load_sheets(folder) if with_sheets else ())

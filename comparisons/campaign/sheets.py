@@ -14,7 +14,7 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, run_jobs, usual_pro
 def sheets(
     request: CampaignRequest, *, bounds: Bounds = DEFAULT_BOUNDS, processes: int | None = None
 ) -> tuple[Sheet, ...]:
-    """A sheet of every linkage, in the order of the request; of one whose process gave none it says why."""
+    """A sheet of every linkage, in the order of the request; one whose process failed contains the reason."""
     jobs = [(linkage, request.motions, request.own_regimes) for linkage in request.linkages]
     count = usual_processes(len(jobs)) if processes is None else processes
     with closing(run_jobs(usual_sheet, jobs, bounds=bounds, processes=count)) as ended:

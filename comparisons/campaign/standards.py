@@ -35,7 +35,7 @@ def _path(file: LinkageFile, folder: Path) -> str:
 
 
 def checksum(text: str) -> str:
-    """What tells one text of a linkage file from another."""
+    """A checksum of a linkage file's text."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -48,7 +48,7 @@ def standard(
     may_lack: bool = False,
     coverage: Coverage = Coverage(),  # noqa: B008 - frozen
 ) -> Standard:
-    """What results of these files are held against: a file of limits and a baseline, each before the project's.
+    """The standard for results of these files: limits and a baseline, each with precedence over the project's.
 
     Without any of them the suite's limits alone. ``coverage`` says how much of the baseline is compared. Raises
     LinkproofError for what cannot be read, and for a baseline named by its path that is not there, unless it
@@ -70,7 +70,7 @@ def standard(
 
 
 def notes(baseline: Baseline) -> tuple[str, ...]:
-    """What a baseline says of files that fails nothing, a sentence each."""
+    """Notes on the files of a baseline that are no failures, a sentence each."""
     if not baseline.is_recorded:
         return ("the baseline is empty: --record-baseline writes it",)
     return tuple(f"{path} has changed since its baseline was recorded" for path in baseline.changed())
@@ -96,7 +96,7 @@ class JudgedCampaign:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """What a campaign's document has of it besides the records, JSON-ready."""
+        """The parts of a campaign's document besides the records, JSON-ready."""
         return {
             "limits": self.standard.limits.as_dict,
             "figures": list(self.figures),
@@ -107,7 +107,7 @@ class JudgedCampaign:
 
 @dataclass(frozen=True)
 class JudgedRuns(Iterable[RunRecord]):
-    """Runs under a standard, judged whenever they are gone through: where they come from a file, none is in memory."""
+    """Runs judged by a standard, one by one in every pass over them; runs read from a file are not held in memory."""
 
     runs: Iterable[RunRecord]
     standard: Standard
@@ -138,7 +138,7 @@ def judged_campaign(
     With ``record_into`` they are judged by its limits alone, and written there as its baseline.
     """
     baseline = standard.baseline
-    seen: list[Record] = []  # what the cases are of: of thousands not all are kept
+    seen: list[Record] = []  # one record for each case: there may be thousands of cases
     beside = compared(noted(compared_cases(request, baseline), seen), baseline)
     departed = departures(request.linkages, seen, baseline)
     if record_into is not None:

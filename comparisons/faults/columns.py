@@ -16,12 +16,12 @@ from comparisons.faults.fault import Correction, Fault, Kind
 from comparisons.faults.simulation import (
     Predict,
     Simulation,
-    at_jumps,
     holds_acceleration,
     is_angle,
     is_place,
     is_rotary,
 )
+from comparisons.judging.jumps import near_jumps
 from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
@@ -200,7 +200,7 @@ def _delayed(evidence: Evidence) -> Fault:
             at = time + float(shift[0])
             within = (at >= evidence.time[0] - SAME * step) & (at <= evidence.time[-1] + SAME * step)
             if holds_acceleration(name):
-                within &= ~at_jumps(at, simulation.motion)
+                within &= ~near_jumps(at, simulation.motion)
             return np.where(within, predict(of, at), np.nan)  # outside the run a tool may write anything
 
         return simulation.then(change)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from analytic.errors import LinkproofError
 from comparisons.faults.columns import Evidence
 from comparisons.faults.fault import Fault, Kind, Numbers, both
-from comparisons.faults.simulation import Simulation, at_jumps, holds_acceleration, is_angle
+from comparisons.faults.simulation import Simulation, holds_acceleration, is_angle
+from comparisons.judging.jumps import near_jumps
 
 Array = NDArray[np.float64]
 
@@ -88,7 +89,7 @@ class Fitting:
                 apart = apart - TURN * np.round(np.nanmedian(apart) / TURN)
             rest = np.where(signal.counted, apart / signal.tolerance, np.nan)
             if moved and holds_acceleration(signal.name):
-                rest = np.where(at_jumps(signal.time, other.motion) & ~signal.over, np.nan, rest)
+                rest = np.where(near_jumps(signal.time, other.motion) & ~signal.over, np.nan, rest)
             rest = np.where(signal.over & np.isnan(rest), signal.residual, rest)  # left open, it is not explained
             remains.append(rest)
         return remains

@@ -20,8 +20,6 @@ Array = NDArray[np.float64]
 Predict = Callable[[str, Array], Array]  # a signal's name, times (n,), s
 Change = Callable[[Predict, str, Array], Array]
 
-WINDOW: Final = 1e-2  # of the shortest piece of the motion: half the window at its acceleration jumps
-STEPS: Final = 1.01  # of the file on either side of a jump: its instant is rounded
 SHAPE: Final = ("ground", "sliders", "slots", "pins", "output", "crank")  # of a linkage, besides its links' points
 
 
@@ -175,20 +173,3 @@ def is_place(name: str) -> bool:
 def is_rotary(name: str) -> bool:
     """Whether a signal changes its sign where the drawing is looked at from behind."""
     return name in ("phi", "omega", "epsilon", "Mkr", "shaking_moment") or name.startswith("link:")
-
-
-def at_jumps(time: Array, motion: Motion) -> NDArray[np.bool_]:
-    """Samples in the window at any jump of the crank's acceleration."""
-    near = np.zeros(len(time), dtype=bool)
-    for jump in motion.jumps:
-        near |= near_jump(time, motion, jump)
-    return near
-
-
-def near_jump(time: Array, motion: Motion, jump: float) -> NDArray[np.bool_]:
-    """Samples in the window at one jump."""
-    ends = np.array([0.0, *motion.jumps, motion.duration])
-    pieces = np.diff(np.unique(ends))
-    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-    window = max(WINDOW * float(np.min(pieces[pieces > 0.0], initial=motion.duration)), STEPS * step)
-    return np.asarray(np.abs(time - jump) <= window)

@@ -1,4 +1,4 @@
-"""Two folders of campaigns side by side: what has moved between them, and by how much."""
+"""The differences of two folders of campaigns: records, key figures, times and facts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Name = tuple[str, str]  # of a linkage: mechanism and variant
 
 @dataclass(frozen=True)
 class MovedRecord:
-    """A record of both folders; ``beyond`` says that it fails and did not before, or is over what is ``allowed``.
+    """A record in both folders; ``beyond`` is true for a new failure or an error over the ``allowed`` one.
 
     Allowed is three times the error before, at least round-off; None where other designs or variants are compared.
     """
@@ -36,7 +36,7 @@ class MovedRecord:
 
     @property
     def factor(self) -> float | None:
-        """The error over the one before; None where there is none."""
+        """Ratio of the second error to the first; None if either is missing or the first is zero."""
         old, new = self.before.error_max, self.after.error_max
         return new / old if old and new is not None else None
 
@@ -59,7 +59,7 @@ class RunPair:
 
 @dataclass(frozen=True)
 class FolderDifference:
-    """What has moved from one folder to another; records and figures bear the second folder's names.
+    """The differences of two folders; records and figures bear the second folder's names.
 
     ``linkages`` are pairs of those that are compared, ``compared`` counts the records in both folders. ``facts`` are
     name, before and after of what the folders were made on. Figures decide in ``same`` linkages alone: other designs
@@ -108,7 +108,7 @@ def difference(before: Results, after: Results) -> FolderDifference:
     figures = {place: values for place, values in _figures(before, names).items() if place in places}
     baseline = as_baseline(after, figures, [old[key] for key in both])
     moves = _moves([(old[key], new[key]) for key in both], baseline, {p for p in names if names[p] == p})
-    here, there = before.document["environment"], after.document["environment"]
+    first, second = before.document["environment"], after.document["environment"]
     return FolderDifference(
         tuple(names.items()),
         len(both),
@@ -118,11 +118,11 @@ def difference(before: Results, after: Results) -> FolderDifference:
         _others(old, new),
         _others(new, old),
         tuple(
-            (k, here.get(k, ""), there.get(k, ""))
-            for k in {**here, **there}
-            if here.get(k) != there.get(k) and k != "date"
+            (k, first.get(k, ""), second.get(k, ""))
+            for k in {**first, **second}
+            if first.get(k) != second.get(k) and k != "date"
         ),
-        here["machine"] == there["machine"],
+        first["machine"] == second["machine"],
     )
 
 
@@ -202,7 +202,7 @@ def _runs(pairs: Iterable[tuple[Record, Record]]) -> tuple[RunPair, ...]:
 
 
 def _figures(results: Results, names: Mapping[Name, Name]) -> dict[tuple[str, str, str], dict[str, float]]:
-    """Key figures by the names of the other folder; none of another tool's results."""
+    """Key figures by the names of the other folder; empty for results of another tool."""
     groups = saved_figures(results)
     return {(*names[place[:2]], place[2]): figures for place, figures in groups.items() if place[:2] in names}
 

@@ -1,4 +1,4 @@
-"""Folders of several machines joined: each kept whole in a folder of its own, named in one list, no run twice."""
+"""Folders of several machines joined: each copied whole into a subfolder, with one list of them, no run twice."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class MergedFolder(StudyFolder):
 
     @cached_property
     def environment(self) -> Mapping[str, str]:
-        """What it was made on; raises LinkproofError where it holds nothing, or work of several machines."""
+        """The environment of the folder's runs; raises LinkproofError without a run, or for several machines."""
         studies = [study.document for study in (self.campaign, self.bench, self.stress) if study is not None]
         if not studies:
             raise LinkproofError(
@@ -55,7 +55,7 @@ class MergedFolder(StudyFolder):
 
     @cached_property
     def runs(self) -> frozenset[str]:
-        """What was run, in words that tell one run from every other on the same machine."""
+        """The names of the runs, unique on one machine."""
         campaign, bench, stress = self.campaign, self.bench, self.stress
         return frozenset((
             *(f"compare {run.key}, {run.conditions}" for run in (campaign.runs if campaign else ())),
@@ -91,7 +91,7 @@ def folders_of(paths: Sequence[Path]) -> tuple[MergedFolder, ...]:
 
 
 def merged_folders(path: Path) -> list[Path]:
-    """The folders within one that ``merge`` wrote; none of any other. Raises LinkproofError for a damaged list."""
+    """The subfolders of a folder that ``merge`` wrote, else empty; raises LinkproofError for a damaged list."""
     file = path / LIST
     if not file.is_file():
         return []

@@ -1,4 +1,4 @@
-"""Benchmarks and stability maps of folders: held against themselves, and against those of another folder."""
+"""Benchmarks and stability maps of folders: checked for contradictions, and compared with another folder's."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SAME_ORDER: Final = 0.01  # what rounding may change in an observed order
 
 @dataclass(frozen=True)
 class StudyFolder:
-    """The studies of a folder, each read when it is needed; None where it has none of a kind."""
+    """The studies of a folder, each read on first use; None for a kind that is missing."""
 
     path: Path
 
@@ -66,7 +66,7 @@ class StudyMove:
 
 @dataclass(frozen=True)
 class StudyDifference:
-    """What has moved between two studies of a ``kind``; ``compared`` counts the runs in both."""
+    """The differences of two studies of a ``kind``; ``compared`` counts the runs in both."""
 
     kind: str
     compared: int
@@ -110,7 +110,7 @@ def _errors(old: RunRecord, new: RunRecord) -> Iterator[tuple[str, tuple[float, 
 
 
 def checked_studies(folder: StudyFolder) -> Iterator[tuple[str, list[tuple[str, str]]]]:
-    """How much each study of a folder has, other than a campaign, and where it contradicts itself: place, sentence."""
+    """The size of each study of a folder other than a campaign, and its contradictions: place, sentence."""
     if bench := folder.bench:
         yield f"{work_precision.KIND}: {len(bench.points)} points", list(_bench_faults(bench))
     if stress := folder.stress:

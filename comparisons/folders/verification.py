@@ -1,4 +1,4 @@
-"""A folder judged anew: texts, curves and records held against each other and against the closed form."""
+"""A folder judged anew: texts, curves and records compared with each other and with the closed form."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SAME: Final = 1e-9
 
 @dataclass(frozen=True)
 class VerificationFinding:
-    """Where a folder contradicts itself or the closed form, and how."""
+    """A contradiction within a folder or with the closed form: its place, and a sentence."""
 
     place: str
     sentence: str
@@ -41,10 +41,10 @@ class VerificationFinding:
 
 @dataclass(frozen=True)
 class Verification:
-    """What came of judging a folder anew.
+    """The result of judging a folder anew.
 
-    ``records`` and ``invariants`` are as judged now, ``curves``, ``figures`` and ``texts`` count what was worked out
-    again; ``studies`` are others, which were held against themselves; ``notes`` say what they were judged by and what
+    ``records`` and ``invariants`` are as judged now, ``curves``, ``figures`` and ``texts`` count what was computed
+    again; ``studies`` are others, checked for contradictions; ``notes`` say what they were judged by and what
     a folder cannot show.
     """
 
@@ -69,7 +69,7 @@ class _SavedBounds(Baseline):
 def verify(folder: Path, limits: Path | None = None) -> Verification:
     """Judge a campaign by the limits saved in its folder or by a file's, and hold other studies against themselves.
 
-    Every curve of a campaign is held against the closed form of the folder's texts, worked out now, and every record
+    Every curve of a campaign is compared with the closed form of the folder's texts, computed now, and every record
     against its curve. Raises LinkproofError for a folder that cannot be read, or that judge wrote.
     """
     studies = list(checked_studies(StudyFolder(folder)))
@@ -112,13 +112,13 @@ def _name(record: Record) -> str:
 
 
 def _limits(results: Results, file: Path | None) -> tuple[LimitTable, str]:
-    """The table to judge by, and what it is."""
+    """The table of limits to judge by, and a note on its origin."""
     if file is not None:
         return read_limits(file), f"judged by the limits of {file}"
     shipped = shipped_limits().as_dict
     others = [row for row in results.limits.as_dict if row not in shipped]
-    own = [f"{', '.join(row['quantities'])} {row['value']:g} ({row['reason']})" for row in others]
-    words = f"judged by the folder's limits, of which this version has not: {'; '.join(own)}" if own else ""
+    added = [f"{', '.join(row['quantities'])} {row['value']:g} ({row['reason']})" for row in others]
+    words = f"judged by the folder's limits, of which this version has not: {'; '.join(added)}" if added else ""
     return results.limits, words or "judged by the limits of this version, which are the folder's"
 
 
@@ -166,7 +166,7 @@ def _is_vector(case: Case, quantity: Quantity) -> bool:
 
 
 def _curve_faults(deviation: Deviation, angle: NDArray[np.float64], reference: NDArray[np.float64]) -> Iterator[str]:
-    """Where a saved curve of the truth is not the closed form of the folder's text."""
+    """Saved reference curves that differ from the closed form of the folder's text."""
     scale = deviation.peak or 1.0
     off = float(np.max(np.abs(deviation.reference - reference), initial=0.0)) / scale
     if not off <= SAME:
@@ -177,7 +177,7 @@ def _curve_faults(deviation: Deviation, angle: NDArray[np.float64], reference: N
 
 
 def _error_faults(case: Case, quantity: Quantity, deviation: Deviation, record: Record) -> Iterator[str]:
-    """Where a record does not tell what its curve shows; magnitudes of a vector bound its errors from below."""
+    """Records that contradict their curves; magnitudes of a vector bound its errors from below."""
     pairs = {
         "error_max": deviation.error_max,
         "error_rms": deviation.error_rms,

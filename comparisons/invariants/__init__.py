@@ -1,1 +1,1 @@
-"""What holds in every true motion, checked on the engine's own; no closed form enters."""
+"""The invariants of every true motion, checked on the engine's own motion, without the closed form."""

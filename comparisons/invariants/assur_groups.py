@@ -1,4 +1,4 @@
-"""The Assur groups of a scene, found from its joints' equations, and the assembly modes that they are in."""
+"""The Assur groups of a scene, from its joints' equations, and their assembly modes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from engines.mechanics.states import Numbers, Reals
 class AssurGroups:
     """The groups: each the fewest bodies not yet placed that their joints place.
 
-    Their joints among each other and with what is placed give as many equations as they have coordinates. What cannot
+    Their joints among each other and with placed bodies give as many equations as they have coordinates. What cannot
     be divided further is one group, whatever its class. ``blocks`` holds the rows and columns of each; rows come in
     pairs (2, k): the equation is the first one less the second, where ``equations.rows`` and more stand for none.
     """
@@ -43,7 +43,7 @@ class AssurGroups:
         return len(self._rows_of(bodies, placed)) == len(self._columns(bodies))
 
     def _rows_of(self, bodies: tuple[str, ...], placed: set[str]) -> list[tuple[int, int]]:
-        """Equations of the joints of these bodies with each other and with what is placed."""
+        """Equations of the joints of these bodies with each other and with placed bodies."""
         equations, none = self.equations, self.equations.rows
         rows = []
         for ends in self._pins:

@@ -14,7 +14,8 @@ from comparisons.invariants import invariants
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import EnergyBalance, energy_at_play, energy_balance
 from comparisons.invariants.inspection import Inspection
-from comparisons.judging.deviations import UNBOUNDED, near_jumps
+from comparisons.judging.deviations import UNBOUNDED
+from comparisons.judging.jumps import near_jumps
 from comparisons.judging.records import Record, Verdict
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
@@ -140,8 +141,8 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
 
 
 def _away_from_jumps(case: Case, signal: Signal) -> Signal:
-    """A signal without its samples at acceleration jumps, where interpolating between samples means nothing."""
-    smooth = ~near_jumps(signal.time, case.motion.jumps)
+    """A signal without its samples at acceleration jumps, where the true value is not unique."""
+    smooth = ~near_jumps(signal.time, case.motion)
     return Signal(signal.time[smooth], signal.values[smooth])
 
 
@@ -173,9 +174,9 @@ def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:
 
 
 def _check_energy(case: Case, blank: Record, balance: EnergyBalance) -> Record:
-    """The record of an energy balance: what is gained, or the error estimate of that where it is larger.
+    """The record of an energy balance: the energy gained, or its error estimate where that is larger.
 
-    What exceeds the limit by more than its error's bound fails; what is over it without that decides nothing.
+    A gain over the limit by more than its error bound fails; one over the limit by less is undefined.
     """
 
     def check(values: Array) -> Record:

@@ -1,4 +1,4 @@
-"""What an observed motion would have to be corrected by to fit its scene: an estimate of its error from itself.
+"""Corrections that make an observed motion fit its scene: an estimate of its error from the motion alone.
 
 With G = ∂Φ/∂q the residual r of the joints on position, velocity or acceleration level becomes, to first order, an
 error of the state: G δ = −r. Near a dead position a joint that is open by little means a link that is off by much, and
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 EPS = float(np.finfo(float).eps)
-BLOCK = 4096  # instants whose equations are held in memory at a time
+BLOCK = 4096  # instants whose equations are in memory at a time
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Corrected:
         return np.asarray(self.motion.bodies(LEVELS[order], self.time) / self.equations.metres)
 
     def correction(self, order: int) -> Array:
-        """What the position, velocity or acceleration lacks."""
+        """The correction of the position, velocity or acceleration."""
         if order == 0:
             return self._position_lack
         return self._velocity_lack if order == 1 else self._acceleration_lack
@@ -147,13 +147,13 @@ class Corrected:
 
     @property
     def forces(self) -> Array:
-        """What every pin, then every guided point, exerts on its first body, (instants, joints, 2), N."""
+        """The force of every pin, then every guided point, on its first body, (instants, joints, 2), N."""
         return np.asarray(self.equations.joint_forces(self._closed[1], self.reactions))
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What the joints' equations say of a motion at the samples of one clock, up to an order.
+    """The findings of the joints' equations on a motion at the samples of one clock, up to an order.
 
     ``lacking`` and ``moving``, (n, orders), are the size of the largest correction of any body and of the largest
     motion of any: displacements over the scene's size, turns in rad. ``determinants`` is (n, groups). ``torque`` (n,),

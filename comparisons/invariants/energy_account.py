@@ -44,7 +44,7 @@ class EnergyBalance:
 
     @property
     def excess(self) -> Array:
-        """What is gained beyond the error's bound, J: what certainly comes from nowhere."""
+        """Energy gained beyond the error bound, J: it certainly has no source."""
         return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_bound, 0.0))
 
 

@@ -34,7 +34,7 @@ BESIDE, SAMPLES_BESIDE = 0.05, 5.0  # rad of a change point, and samples of it
 # may miss of the samples it goes through, over their peak.
 DEGREE, FAR, MISSED = 8, 4.0, 1e-4
 SUDDEN = 0.3  # relaxation times between samples
-STANDSTILL = 1e-12  # of the peak kinetic energy: of less, no rate of damping can be told
+STANDSTILL = 1e-12  # of the peak kinetic energy: below it there is no reliable rate of damping
 COARSE = 0.5  # rad of crank between samples: a dozen of a turn show its energy, not the work done between them
 NOWHERE = 1e-12  # a determinant below it has no sign
 TINY = float(np.finfo(float).tiny)
@@ -43,7 +43,7 @@ ALIKE = 4.0  # times as long as its neighbour a piece of a law may be
 
 @dataclass(frozen=True)
 class Inspection:
-    """All that can be found in a motion is worked out once, on each of the clocks its channels have."""
+    """One observed motion with its joints' equations evaluated once on each clock of its channels."""
 
     motion: ObservedMotion
     changes: Mapping[frozenset[str], tuple[float, ...]] = field(default_factory=dict)  # by group, rad
@@ -62,7 +62,7 @@ class Inspection:
 
     @cached_property
     def radian(self) -> float:
-        """What φ is measured against: 1 rad, or the scene's size, m."""
+        """The unit of φ: 1 rad, or the scene's size, m."""
         return scene_size(self.motion.scene) if self.motion.is_linear else 1.0
 
     @cached_property
@@ -73,7 +73,7 @@ class Inspection:
         return {key: findings(self.motion, self.groups, *clock) for key, clock in clocks.items()}
 
     def on(self, channel: Channel) -> Findings:
-        """What is found at a channel's samples."""
+        """The findings at a channel's samples."""
         return self._findings[self.motion.signal(channel).time.tobytes()]
 
     def corrections(self) -> dict[str, Signal]:
@@ -124,7 +124,7 @@ class Inspection:
     def beside_changes(self, time: Array) -> NDArray[np.bool_]:
         """Where a group is at its change point or a few samples from it, (n, groups): it moves on smoothly there.
 
-        What is small there is the determinant: corrections, which are over it, tell its own rounding.
+        The determinant is small there, and corrections, which are divided by it, are mere rounding.
         """
         angle = self.motion.crank(Channel.POSITION, time)
         reach = np.maximum(BESIDE, SAMPLES_BESIDE * np.abs(np.gradient(angle))) if len(angle) > 1 else BESIDE
@@ -208,7 +208,7 @@ class Inspection:
 
 
 def _bridge(signal: Signal, beside: NDArray[np.bool_], gap: slice, jumps: tuple[float, ...]) -> Array:
-    """Values in a gap by a polynomial through the samples on either side of it; nan where there is none."""
+    """Values in a gap by a polynomial through the samples on either side of it; nan without such a polynomial."""
     time, width = signal.time, signal.time[gap.stop - 1] - signal.time[gap.start]
     low, high = time[gap.start] - FAR * width, time[gap.stop - 1] + FAR * width
     around = (time >= low) & (time <= high) & ~beside

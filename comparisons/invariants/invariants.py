@@ -1,4 +1,4 @@
-"""What must hold in any true motion, checked on the engine's own; no closed form enters.
+"""Invariants of any true motion, checked on the engine's own motion, without the closed form.
 
 So a wrong motion is caught even where no reference exists. For a linkage of one degree of freedom these checks are
 complete: what passes them all is the motion of the scene, short of what their limits let through.
@@ -51,16 +51,16 @@ def closure(seen: Inspection) -> dict[str, Signal]:
 
 
 def crank_phase(seen: Inspection) -> Signal:
-    """By how much the driver is, or by its own account must be, away from where it should be, rad or m."""
+    """The driver's distance from its prescribed or released motion, or the largest gap between samples, rad or m."""
     drive, time = seen.motion.scene.drive, seen.motion.signal(Channel.POSITION).time
     if isinstance(drive, Prescribed):
         signal = Signal(time, np.abs(seen.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
     else:
         signal = released_phase(seen)
-    return Signal(signal.time, np.maximum(signal.values, _untold(seen)))
+    return Signal(signal.time, np.maximum(signal.values, _gap(seen)))
 
 
-def _untold(seen: Inspection) -> float:
+def _gap(seen: Inspection) -> float:
     """Largest angle between two samples of a channel, rad, where it is more than half a turn; else 0."""
     motion = seen.motion
     signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]

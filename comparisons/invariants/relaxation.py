@@ -26,7 +26,7 @@ def carried(start: float, shares: Array, added: Array) -> Array:
 
 
 def forgotten(gained: Array, rate: Array, time: Array) -> Array:
-    """What is left of an energy error that dampers take away at a rate, 1/s: h' = δE' − rate · h.
+    """The rest of an energy error that dampers dissipate at a rate, 1/s: h' = δE' − rate · h.
 
     More speed is damped more: a power D taken of the kinetic energy T takes D/T of any error in it.
     """
@@ -51,7 +51,7 @@ def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, st
 
 
 def _steps(time: Array, speed: Array, acceleration: Array, rate: Array) -> tuple[Array, Array]:
-    """What each step keeps of an error of the speed, and what it adds to it."""
+    """The share of a speed error that each step keeps, and the error that it adds."""
     push, step = acceleration + rate * speed, np.diff(time)
     decay = step * 0.5 * (rate[1:] + rate[:-1])
     shares = np.exp(-decay)

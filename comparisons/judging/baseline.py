@@ -24,12 +24,12 @@ GROWTH: Final = 3.0
 FLOOR_SHARE: Final = 1e-3
 # What a key figure of the closed form may change by, relative.
 SAME_FIGURE: Final = 1e-6
-FIRST: Final = r"\.first$"  # an earlier name of what is read at the time 0
+FIRST: Final = r"\.first$"  # an earlier name of figures at the time 0
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a linkage stands in a baseline: its file's path from there, and the checksum of its text."""
+    """A linkage's place in a baseline: its file's path from there, and the checksum of its text."""
 
     path: str
     checksum: str
@@ -37,11 +37,11 @@ class Place:
 
 @dataclass(frozen=True)
 class Coverage:
-    """How much of what was recorded a comparison is to hold, and what it may lack or have besides.
+    """The extent of a comparison with a baseline, and the departures that it allows.
 
     ``every_linkage`` says that the linkages are all there are, ``every_motion`` that a linkage's motions are,
     ``every_variant`` that key figures of its other variants, which no engine runs, are compared;
-    ``new_motions`` that a motion which was not recorded fails. What is allowed is a note. ``figures`` are names of
+    ``new_motions`` that a motion without a record fails. An allowed departure is a note. ``figures`` are names of
     figures that are compared besides the key figures.
     """
 
@@ -56,7 +56,7 @@ class Coverage:
 
 @dataclass(frozen=True)
 class Baseline:
-    """What was recorded. ``places`` has every linkage's, by the name its records have.
+    """A baseline. ``places`` contains every linkage's place, by the name in its records.
 
     ``linkages`` is as in the file: by path its checksum, and by variant and regime with its conditions the figures, and
     by engine and setting the errors. ``lost`` are paths in it whose files do not exist any more; ``is_recorded`` is
@@ -70,7 +70,7 @@ class Baseline:
     is_recorded: bool = True
 
     def allowed(self, record: Record) -> float | None:
-        """The largest deviation the baseline lets pass, None where none was recorded."""
+        """The largest deviation that the baseline allows; None without a record."""
         errors = self._regime(record).get("errors", {}).get(f"{record.engine} {record.setting}", {})
         value = errors.get(record.quantity)
         if value is None or record.limit is None:
@@ -78,7 +78,7 @@ class Baseline:
         return max(GROWTH * float(value), FLOOR_SHARE * record.limit)
 
     def figures(self, record: Record) -> Mapping[str, float]:
-        """The key figures recorded for a record's linkage, variant and regime; none where there are none."""
+        """The key figures recorded for a record's linkage, variant and regime; empty without a record."""
         recorded = self._regime(record).get("figures", {})
         return {re.sub(FIRST, "@0s", name): float(value) for name, value in recorded.items()}
 
@@ -145,12 +145,12 @@ def _key(record: Record) -> str:
 
 
 def regime_key(regime: str, conditions: str) -> str:
-    """What an entry's regimes are called: speed, times and angles belong to it."""
+    """The key of an entry's regime: with speed, times and angles."""
     return f"{regime}: {conditions}"
 
 
 def read_baseline(path: Path, places: Mapping[str, Place]) -> Baseline:
-    """A baseline back from its file, empty where there is none; raises LinkproofError for one that is damaged."""
+    """A baseline back from its file, empty if the file does not exist; raises LinkproofError for a damaged one."""
     if not path.exists():
         return Baseline({}, places, is_recorded=False)
     try:

@@ -1,4 +1,4 @@
-"""What a comparison and its baseline do not have in common: linkages, variants and motions missing, new or renamed."""
+"""Departures of a comparison from its baseline: linkages, variants and motions missing, new or renamed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NEW, MISSING = "--allow-new", "--allow-missing"
 
 @dataclass(frozen=True)
 class Departure:
-    """What is not as recorded, in a sentence; ``is_allowed`` makes a note of it.
+    """A departure from the baseline, in a sentence; if ``is_allowed`` it is only a note.
 
     ``place`` is a path, with a variant, with a regime and its conditions, as far as it goes; ``is_recorded`` says that
     it stands in the baseline, and is not compared any more.
@@ -30,7 +30,7 @@ class Departure:
 
 
 def departures(linkages: Sequence[Linkage], cases: Iterable[Record], baseline: Baseline) -> tuple[Departure, ...]:
-    """Every departure of linkages and their motions from a baseline; none where nothing is recorded yet."""
+    """Every departure of linkages and their motions from a baseline; empty as long as the baseline is."""
     return (*file_departures(baseline), *motion_departures(linkages, cases, baseline))
 
 

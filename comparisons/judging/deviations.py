@@ -1,4 +1,4 @@
-"""How far an engine's signal is from the truth, relative to the truth's peak."""
+"""Deviations of an engine's signals from the truth, relative to the truth's peak."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, Segment, degrees
+from comparisons.judging.jumps import near_jump, near_jumps
 from comparisons.judging.quantities import Quantity
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
@@ -16,15 +17,11 @@ from engines.scene import Channel
 
 Array = NDArray[np.float64]
 
-# Of the shortest piece of a prescribed motion: half the window at its acceleration jumps.
-WINDOW = 1e-2
-# Steps on either side of an acceleration jump within which a sample may lie between the two values of the truth there.
-JUMP_STEPS = 2.0
 UNBOUNDED = "joint forces have no bound where the linkage passes its change point at {angle}"
 
 
 class NoSampleError(ValueError):
-    """Not one sample of a run says anything of a quantity."""
+    """No sample of a run allows a comparison of a quantity."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +54,7 @@ class Deviation:
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:
     """Compare one quantity over every sample the engine returned.
 
-    Samples of accelerations and torques in the window at an acceleration jump (``window``) have a bound of their own:
+    Samples of accelerations and torques at an acceleration jump (``near_jumps``) have a bound of their own:
     there an engine may be off by the jump besides. Samples of Jeq near standstill are left out and counted. A vector
     of which the engine tells the magnitude is compared as a magnitude. Raises NoSampleError where no sample is left.
     """
@@ -72,7 +69,7 @@ def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int)
     """As ``deviation``, of a signal read from an engine's motion before; ``clock`` counts the engine's samples."""
     counted = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
-        counted &= ~at_jumps(signal.time, case)
+        counted &= ~near_jumps(signal.time, case.motion)
     if not counted.any():
         raise NoSampleError(
             f"every sample of {quantity.name} lies at an acceleration jump or near standstill: run it for longer"
@@ -105,7 +102,7 @@ def _beyond_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Arr
     """By how much the largest error of a sample at an acceleration jump is over the size of the jump."""
     worst = 0.0
     for jump in case.motion.jumps if quantity.holds_acceleration else ():
-        near = _at_jump(signal.time, case, jump)
+        near = near_jump(signal.time, case.motion, jump)
         if near.any():
             before, after = _sides(case, quantity, jump)
             error = _size(signal.values[near] - reference[near])
@@ -113,50 +110,15 @@ def _beyond_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Arr
     return worst
 
 
-def window(case: Case) -> float:
-    """Time on either side of an acceleration jump, s, in which an error may be as large as the jump.
-
-    A share of the shortest piece of the prescribed motion: it belongs to the regime, whatever the engine's steps.
-    """
-    motion = case.motion
-    pieces = motion.segments if isinstance(motion, CrankMotion) else ()
-    return WINDOW * min((piece.end - piece.start for piece in pieces), default=0.0)
-
-
-def at_jumps(time: Array, case: Case) -> NDArray[np.bool_]:
-    """Samples in the window at any acceleration jump."""
-    near = np.zeros(len(time), dtype=bool)
-    for jump in case.motion.jumps:
-        near |= _at_jump(time, case, jump)
-    return near
-
-
-def _at_jump(time: Array, case: Case, jump: float) -> NDArray[np.bool_]:
-    return np.asarray(np.abs(time - jump) <= window(case) * (1.0 + 1e-9))
-
-
 def _sides(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:
     """The truth just before and just after a jump, (1, ...) each; before the start the crank is at rest."""
-    driven = Case(case.mechanism, case.motion)  # whose few instants push none of the case's own clocks out
+    driven = Case(case.mechanism, case.motion)  # a new case: a case stores the truth of few clocks only
     after = quantity.reference(driven, np.array([jump]))
     if jump > 0.0:
         return quantity.reference(driven, np.array([np.nextafter(jump, 0.0)])), after
     rest = Segment(0.0, case.motion.duration, (float(case.motion.angle(0.0)),))
     resting = Case(case.mechanism, CrankMotion(case.motion.regime, (rest,)))
     return quantity.reference(resting, np.array([jump])), after
-
-
-def near_jumps(time: Array, jumps: tuple[float, ...]) -> NDArray[np.bool_]:
-    """Samples within two steps of an acceleration jump, by the clock's own step on that side of it.
-
-    A sample missing on the jump itself does not widen the step.
-    """
-    gaps = np.diff(time)
-    step = np.minimum(np.append(gaps, gaps[-1]), np.insert(gaps, 0, gaps[0]))
-    near = np.zeros(len(time), dtype=bool)
-    for jump in jumps:
-        near |= np.abs(time - jump) <= JUMP_STEPS * step * (1.0 + 1e-9)
-    return near
 
 
 def _size(values: Array) -> Array:

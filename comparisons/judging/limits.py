@@ -50,7 +50,7 @@ class LimitTable:
     rows: tuple[Limit, ...]
 
     def limit(self, quantity: str, setting: str, regime: str, mechanism: str = "") -> Limit:
-        """The limit a record is held against; raises LookupError for a quantity the table does not cover.
+        """The limit of a record; raises LookupError for a quantity that the table does not cover.
 
         Forces of all joints share a limit, and so do all regimes that linkages define for themselves.
         """
@@ -91,7 +91,7 @@ def limit(quantity: str, setting: str, regime: str) -> Limit:
 
 
 def read_limits(path: Path) -> LimitTable:
-    """The suite's table behind the ``[[limit]]`` rows of a user's file; raises LinkproofError for what is wrong."""
+    """The suite's table behind the ``[[limit]]`` rows of a user's file; raises LinkproofError for a wrong file."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -115,7 +115,7 @@ def with_rows(rows: object, origin: str, unknown: list[str] | None = None) -> Li
 def check_named(
     table: LimitTable, mechanisms: Callable[[], Iterable[str]], regimes: Callable[[], Iterable[str]]
 ) -> None:
-    """Raise UnknownNameError for a user's row that names a mechanism or regime which is none: it would never apply.
+    """Raise UnknownNameError for a user's row with an unknown mechanism or regime, which would never apply.
 
     The linkages' names are looked up only if a row has others than the suite's.
     """

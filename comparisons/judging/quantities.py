@@ -72,20 +72,20 @@ class Quantity:
     zero: str = ""
 
     def origin(self, motion: ObservedMotion) -> Origin:
-        """The weakest origin of what it is made of."""
+        """The weakest origin of its parts."""
         if self.name.startswith(JOINT_FORCE):
             return motion.history.joint_force[self.name.removeprefix(JOINT_FORCE)].origin
         return motion.origin(self.channels)
 
     def lacking(self, motion: ObservedMotion) -> str:
-        """The channels, or the joint, it needs and the engine has not recorded; empty if none."""
+        """The channels, or the joint, it needs and the engine has not recorded; empty if all are there."""
         if self.name.startswith(JOINT_FORCE):
             joint = self.name.removeprefix(JOINT_FORCE)
             return "" if joint in motion.history.joint_force else f"force in joint '{joint}'"
         return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
 
     def shared(self, case: Case, motion: ObservedMotion) -> str:
-        """What of it the reference and the engine have in common."""
+        """The parts of it that the reference and the engine share."""
         if not self.zero or (self.needs_output and top_of_turn(case.mechanism) is None):
             return ""
         return self.zero if motion.last_turn is None else ""
@@ -100,7 +100,7 @@ class Quantity:
 
     @property
     def channels(self) -> frozenset[Channel]:
-        """What an engine has to record for it."""
+        """The channels that an engine has to record for it."""
         return self.also | {self.clock}
 
     def fits(self, case: Case) -> bool:
@@ -255,7 +255,7 @@ def _of_driver(quantity: Quantity, case: Case) -> Quantity:
 
 
 def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
-    """The quantities of these names, in this order; all that fit the case if none is named.
+    """The quantities of these names, in this order; by default all that fit the case.
 
     ``joint_force`` stands for the forces of all joints. Raises UnknownNameError for a name that no case has, and
     LinkproofError for one that this case has not.

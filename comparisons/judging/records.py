@@ -1,4 +1,4 @@
-"""The record of a run: what was run, what it cost, how far it is from the truth; and the same flat, by quantity."""
+"""The record of a run: its identity, cost and errors; and the same flat, by quantity."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CURVE: Final = ("time", "angle", "observed", "reference")  # s, rad (m of a line
 
 
 class Verdict(StrEnum):
-    """What came of a record: ``failed`` ones count against an engine, those that are not ``judged`` say nothing."""
+    """The outcome of a record: ``failed`` ones count against an engine, those that are not ``judged`` do not count."""
 
     PASSED = "passed"
     OVER_LIMIT = "over-limit"
@@ -37,7 +37,7 @@ class Verdict(StrEnum):
     SUITE_ERROR = "suite-error"  # the reference, the judging or a check raised: no fault of the engine
     UNDEFINED = "undefined"  # no sample to judge by
     NOT_PROVIDED = "not-provided"  # a channel that the engine does not offer
-    MEASURED = "measured"  # compared, and held against no limit
+    MEASURED = "measured"  # compared, without a limit
     COMPUTED = "computed"  # compared, but with a number of the adapter's own, not the engine's
 
     @property
@@ -47,18 +47,18 @@ class Verdict(StrEnum):
 
     @property
     def judged(self) -> bool:
-        """Whether it says anything of the engine."""
+        """Whether it counts for or against the engine."""
         return self is Verdict.PASSED or self.failed
 
 
-CONTROL = "control"  # the origin of what is no engine's: the suite's second derivation
+CONTROL = "control"  # the origin of the suite's second derivation, which is no engine
 IMPORTED = "imported"  # the origin of what another tool's files say
 FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED, Verdict.ADAPTER_ERROR))
 
 
 @dataclass(frozen=True)
 class RunFacts:
-    """What was run, where, and what it cost.
+    """The identity, machine and cost of a run.
 
     ``setup_seconds`` is the building of the model, ``seconds`` the stepping alone, ``steps`` all its time steps;
     ``runs`` of the engine make its figures. ``host`` names the machine of a cluster that it was made on.
@@ -84,7 +84,7 @@ class RunFacts:
 
     @property
     def run(self) -> tuple[str, str, str, str, str]:
-        """What identifies the run within its study."""
+        """The key of the run within its study."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
 
     @property
@@ -216,7 +216,7 @@ def _shared(record: object) -> dict[str, Any]:
 
 
 def blank_record(case: Case, setting: str, engine: str = "", version: str = "", host: str = "") -> Record:
-    """What all records of one run of a case share."""
+    """A record with the fields that all records of one run of a case share."""
     linkage = case.mechanism.linkage
     names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
     return Record(*names, engine, version, setting, host=host)

@@ -1,4 +1,4 @@
-"""Judging a record: its error against its limit and against what was recorded of it before."""
+"""Judging a record: its error against its limit and against its baseline."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ V = TypeVar("V")
 
 @dataclass(frozen=True)
 class Standard:
-    """What records are held against: a table of limits, and what was recorded before."""
+    """The standard for records: a table of limits and a baseline."""
 
     limits: LimitTable
     baseline: Baseline = field(default_factory=Baseline)
@@ -68,12 +68,12 @@ def judge(record: Record) -> Record:
 
 
 def deciding(records: Sequence[Record]) -> Sequence[Record]:
-    """Those that say whether a campaign has passed: naive ones only where nothing else ran."""
+    """The records that decide whether a campaign has passed: naive ones only where nothing else ran."""
     return [record for record in records if record.setting != Setting.NAIVE] or records
 
 
 def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
-    """What is second in pairs by what is first, both in the order of the pairs."""
+    """The second parts of pairs grouped by the first, both in the order of the pairs."""
     groups: dict[K, list[V]] = {}
     for key, entry in pairs:
         groups.setdefault(key, []).append(entry)

@@ -82,7 +82,7 @@ class ObservedMotion:
 
     @cached_property
     def last_turn(self) -> slice | None:
-        """The position's samples of the crank's last full turn; None where it makes none in one direction.
+        """The position's samples of the crank's last full turn in one direction; None without one.
 
         Fewer samples than DENSE do not show what lies between them: reading there would be an error of ours.
         """
@@ -111,7 +111,7 @@ class ObservedMotion:
         return np.asarray(with_ground(self.on_clock(channel, time)), dtype=float)
 
     def pose(self, time: Array) -> Pose:
-        """Where the bodies are."""
+        """Positions of the bodies."""
         return pose_of(self.bodies(Channel.POSITION, time))
 
     def crank(self, channel: Channel, time: Array) -> Array:

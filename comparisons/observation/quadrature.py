@@ -12,7 +12,7 @@ from engines.contract import Signal
 
 Array = NDArray[np.float64]
 
-FEWEST = 4 * POINTS  # samples from which an error can be told
+FEWEST = 4 * POINTS  # samples needed for an error estimate
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS // 2)  # exact for the interpolating polynomials
 
 
@@ -53,7 +53,7 @@ def _cumulative(nodes: Array, stretch: Signal, order: int) -> Array:
 
 
 def error_estimate(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Array:
-    """What ``integral`` is off by up to each sample, never falling: its distance from the integral of fourth order.
+    """Estimated error of ``integral`` up to each sample, never falling: its distance from the integral of fourth order.
 
     Of a signal that its samples resolve this is several times the error; of one that they do not, less than it.
     Infinite where there are too few samples to tell.
@@ -64,7 +64,7 @@ def error_estimate(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Arr
 
 
 def error_bound(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Array:
-    """What ``integral`` may be off by up to each sample, never falling: its distance from that of every other sample.
+    """Error bound of ``integral`` up to each sample, never falling: its distance from that of every other sample.
 
     Of a signal that its samples resolve, this is some sixty times the error; of a peak as narrow as a few samples still
     no less than it. Infinite where there are too few samples to tell.

@@ -1,4 +1,4 @@
-"""A case: one mechanism under one motion of its crank, the truth an engine is held against."""
+"""A case: one mechanism under one motion of its crank, the truth for comparison with an engine."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 SLOW_SHARE = 0.05
 # Steps, rad, at which a motion is checked before it is run.
 LOOK: Final = math.radians(0.5)
-# Clocks whose truth is kept. A run has no more than two or three, and no other run has the same.
+# Clocks whose truth is cached. A run has no more than two or three, and no other run has the same.
 MOST_CLOCKS: Final = 4
 AT_REST: Final = 1e-9  # of the peak speed
 
@@ -142,7 +142,7 @@ class Case:
 
     @property
     def unbounded_at(self) -> float | None:
-        """A change point that the motion passes, rad: there joint forces have no bound; None if there is none."""
+        """A change point that the motion passes, rad: where joint forces have no bound; None without one."""
         low, high = self.reach
         return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
@@ -151,7 +151,7 @@ class Case:
         return self.sweep(np.zeros(1))
 
     def scene(self, channels: Iterable[Channel]) -> Scene:
-        """What an engine is given of the case."""
+        """The scene of the case, for an engine."""
         drive = self.drive
         if drive is None:
             assert isinstance(self.motion, CrankMotion)
@@ -161,7 +161,7 @@ class Case:
         return scene(self.mechanism, drive, channels, start_angle=angle, speed=speed)
 
     def at(self, time: Array) -> Truth:
-        """The closed form along the motion, kept so that all quantities on one clock share its work."""
+        """The closed form along the motion, cached: all quantities on one clock share its work."""
         key = time.tobytes()
         if key not in self._seen:
             while len(self._seen) >= MOST_CLOCKS:
@@ -190,7 +190,7 @@ class Case:
 
 @lru_cache(maxsize=16)  # a megabyte each, or tens where a crank is released for long
 def unpickled(case: bytes) -> Case:
-    """The case of a worker's job, the same for all its jobs, so that they share what it has worked out.
+    """The case of a worker's job, the same for all its jobs, so that they share its results.
 
     Cases are pickled even for jobs in this process: an array that has travelled lies otherwise in memory, and linear
     algebra adds it up in another order.
@@ -214,7 +214,7 @@ def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exa
 
 
 def _released(linkage: Linkage, own: ReleasedRegime) -> str:
-    """Where a driver is let go, how fast, and under what drive."""
+    """The angle and speed at which a driver is released, and its drive."""
     if linkage.is_linear:
         speed = linkage.written(own.start_speed)
         return f"released at {linkage.written(own.start_angle)} with {speed}/s, force of the drive {_torque(own, 'N')}"

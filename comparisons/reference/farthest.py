@@ -1,4 +1,4 @@
-"""Where S counts from: the top dead centre, or the farthest place that a crank which cannot turn fully brings it to."""
+"""The zero of S: the top dead centre, or the farthest point of a motion whose crank cannot turn fully."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ class Spin(Protocol):
 
 
 class Motion(Spin, Protocol):
-    """A crank motion, prescribed or found by integration."""
+    """A crank motion, prescribed or integrated."""
 
     @property
     def regime(self) -> str:

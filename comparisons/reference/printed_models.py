@@ -37,7 +37,7 @@ class Stepped:
 
 
 def printed_motion(linkage: Linkage, erratum: Erratum) -> Spin:
-    """The crank's motion by the printed model, in the printed integrator where that is what is on trial."""
+    """The crank's motion by the printed model, by the printed integrator if that is the erratum."""
     own = linkage.released[erratum.regime]
     mechanism = Mechanism(in_variant(linkage, erratum.variant) if erratum.variant else linkage)
     if erratum.steps is None:

@@ -1,4 +1,4 @@
-"""What a campaign ran on: versions, machine, commit, date."""
+"""The environment of a campaign: versions, machine, commit, date."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ _LENGTH = 300  # characters of an exception's own words
 
 
 class Failure(StrEnum):
-    """How a run can end besides what its engine says of it (``engines.contract.Outcome``)."""
+    """Ways in which a run can end besides its engine's own ``engines.contract.Outcome``."""
 
     TIMED_OUT = "timed-out"
     CRASHED = "crashed"
@@ -44,7 +44,7 @@ class Lost:
 
 
 class AdapterError(Exception):
-    """An adapter raised, or returned what it may not; the message says what and where."""
+    """An adapter raised, or violated the contract; the message names the fault and its line."""
 
 
 class _Named(Protocol):
@@ -70,7 +70,7 @@ def blamed_on(adapter: _Named) -> Iterator[None]:
 
 
 def lost(error: BaseException, memory: int) -> Lost:
-    """What came of a job that raised ``error`` within a bound of ``memory`` bytes."""
+    """The loss of a job that raised ``error`` within a bound of ``memory`` bytes."""
     if isinstance(error, MemoryError):
         return Lost(Failure.CRASHED, f"needed more than {memory / GIB:.3g} GiB of memory")
     if isinstance(error, SystemExit):

@@ -19,7 +19,7 @@ _OPEN_FILES: Final = Path("/proc/self/fd")  # a file without a name has one ther
 
 
 class Claim:
-    """The sole right to write to a folder, kept by every process that holds one; nothing where the system cannot."""
+    """An exclusive lock on writing to a folder, across processes; without effect where the system has no file locks."""
 
     def __init__(self, folder: Path) -> None:
         try:
@@ -90,12 +90,12 @@ def write_file(path: Path, write: Callable[[Path], object]) -> None:
 
 
 def _nameless(folder: Path) -> int | None:
-    """A new file without a name, of which a kill leaves nothing; None where the system has none."""
+    """A new file without a name, which vanishes if the process is killed; None where the system has no such files."""
     if not _OPEN_FILES.is_dir() or not hasattr(os, "O_TMPFILE"):
         return None
     try:
         return os.open(folder, os.O_TMPFILE | os.O_RDWR)
-    except OSError:  # a kind of disk that has none
+    except OSError:  # a file system without them
         return None
 
 
@@ -106,7 +106,7 @@ def _neighbour(place: Path) -> Path:
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Raise LinkproofError where what is done inside cannot write at a path."""
+    """Turn errors of writing to a path into LinkproofError."""
     try:
         yield
     except OSError as error:
@@ -114,7 +114,7 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def _place(path: Path) -> Path:
-    """Where a file is written: at the end of its links; raises LinkproofError where something else stands."""
+    """The path of a file to write, at the end of its links; raises LinkproofError if something else is there."""
     place = Path(os.path.realpath(path))
     if place.is_symlink() or (os.path.exists(path) and not os.path.isfile(path)):  # the first is a loop
         raise _no_file(path)

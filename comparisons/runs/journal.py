@@ -1,4 +1,4 @@
-"""The journal of a request in hand: its finished records, appended as they come, so that a kill costs none."""
+"""The journal of a request: its finished records, appended one by one, so that a killed process loses none."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Journal:
 
     @cached_property
     def records(self) -> RecordFile:
-        """What is finished so far. Raises LinkproofError if the work begun there is another request's."""
+        """The records finished so far. Raises LinkproofError if the folder contains the journal of another request."""
         _ = self._claim
         header = self.place / HEADER
         if header.is_file():

@@ -25,7 +25,7 @@ _KNOWN: Final[dict[tuple[str, ...], Engine]] = {}  # plug-ins that workers have 
 
 @dataclass
 class Plugin:
-    """What stands for a plug-in where it is not imported; sent to a worker, it is the adapter itself.
+    """A placeholder for a plug-in that is not imported; sent to a worker, it becomes the adapter itself.
 
     Running it imports it here, as intended for runs without workers.
     """
@@ -116,7 +116,7 @@ def _adapter(name: str) -> Engine:
 
 
 def _from_workers(function: Any, jobs: Sequence[tuple[Any, ...]]) -> list[Any]:  # noqa: ANN401
-    """What a function comes to for each of the jobs, or how it failed."""
+    """The result of a function for each of the jobs, or its failure."""
     if not jobs:
         return []
     start_server(["comparisons.campaign.campaign"])  # which runs will need, as the server starts once
@@ -130,7 +130,7 @@ def _error(name: str, lost: Lost) -> AdapterError:
 
 
 def _described(name: str) -> dict[str, Any]:
-    """What a plug-in is, as plain data; the registry has checked its abilities and version."""
+    """A plug-in's properties as plain data; the registry has checked its abilities and version."""
     adapter = engine(name)
     with blamed_on(adapter):
         if isinstance(adapter, registry.Unusable) and adapter.error is not None:

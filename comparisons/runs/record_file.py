@@ -1,7 +1,7 @@
 """Records with their arrays in two files that only grow: ``records.jsonl``, one a line, and ``curves.npy``.
 
-What is written is never moved, so that a kill costs no more than the record being written; nothing but where each
-record stands is held in memory.
+Records are only appended, so that a killed process loses no more than the record being written; only the position
+of each record is in memory.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _CHECKSUM: Final = ', "checksum": "'  # ends a line: of all before it and of the
 class RecordFile:
     """The records in a folder, by key.
 
-    Where it ``may_be_torn``, a record that is not whole, or whose checksum does not match, counts as none.
+    Where it ``may_be_torn``, a record that is incomplete, or whose checksum does not match, is left out.
     ``survives_power_failure`` costs some milliseconds a record.
     """
 
@@ -51,7 +51,7 @@ class RecordFile:
 
     @property
     def keys(self) -> Sequence[str]:
-        """Of all records, in the order in which they were first written."""
+        """The keys of all records, in the order in which they were first written."""
         return list(self._places)
 
     def __contains__(self, key: object) -> bool:
@@ -84,7 +84,7 @@ class RecordFile:
             self._flush(file)
 
     def row(self, key: str) -> dict[str, Any]:
-        """What was written under a key, with ``key`` and the places of its arrays."""
+        """The row written under a key, with ``key`` and the positions of its arrays."""
         first, length = self._places[key]
         with (self.folder / RECORDS).open("rb") as file:
             file.seek(first)

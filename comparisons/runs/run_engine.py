@@ -1,7 +1,4 @@
-"""Running a scene in an engine: a run comes back, and one that finished is whole.
-
-Whatever an adapter returns is checked here, before it meets anything else.
-"""
+"""Running a scene in an engine, and checking the run that its adapter returns: contract, finite values, gaps."""
 
 from __future__ import annotations
 
@@ -11,30 +8,40 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from comparisons.observation.interpolation import POINTS
 from comparisons.runs.failures import AdapterError, blamed_on
-from comparisons.runs.gaps import gap
 from engines.contract import Engine, History, Method, Origin, Outcome, Run, Setting, Signal, StudiedEngine
-from engines.scene import Channel, Scene
+from engines.scene import Channel, Drive, Prescribed, Scene
+
+Array = NDArray[np.float64]
 
 _REASON: Final = 1000  # characters of a reason
-_LARGEST: Final = 1e100  # of a signal, in any unit: the squares of what is made of it are still finite
+_LARGEST: Final = 1e100  # of a signal, in any unit: squares of values computed from it are still finite
+# A gap is longer than so many of the engine's own steps: anywhere, and where it may start anew, at the borders of the
+# motion's parts. Measured of every engine and setting over the catalogue's motions, swings with dwells and released
+# cranks: up to 1.7 anywhere, and 4 at borders, where pymunk's ``best`` has no forces for three samples.
+GAP, BORDER_GAP = 2.5, 5.0
+NEIGHBOURS = 5  # steps on either side, whose median is the engine's own step there
+LONG = 0.9  # of all steps turn a prescribed driver less than a long one, which a short part of a slow motion may have
+ROUNDING = 1e-9  # of the duration
 
 
 def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float | None = None) -> Run:
     """The run of a scene by a setting, or by a method at a longest ``step``, s.
 
-    What a run that finished has recorded covers the whole motion and is finite, and so are its squares.
-    Raises AdapterError for every exception of the adapter but MemoryError, which whoever set the bound explains
-    (``comparisons.runs.failures``), and for a run that is not as the contract has it.
+    The samples of a finished run cover the whole motion; they and their squares are finite. Raises AdapterError for
+    every exception of the adapter but MemoryError, which the process with the memory bound reports
+    (``comparisons.runs.failures``), and for a run that violates the contract.
     """
     with blamed_on(adapter):
         return checked(started(adapter, model, way, step), model, adapter.name)
 
 
 def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | None) -> Run:
-    """What the adapter returns, as it is."""
+    """The adapter's own return value, unchecked."""
     if isinstance(way, Setting):
         return adapter.run(model, way)
     assert step is not None
@@ -43,7 +50,7 @@ def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | 
 
 
 def checked(run: Run, model: Scene, name: str) -> Run:
-    """The run that the engine of this name made, held to samples that can be read and that cover the whole motion.
+    """The run of the engine of this name, checked for readable samples that cover the whole motion.
 
     Raises AdapterError for what no simulation can do wrong.
     """
@@ -56,7 +63,7 @@ def checked(run: Run, model: Scene, name: str) -> Run:
 
 
 def readable(run: Run, model: Scene, name: str) -> Run:
-    """The run that the engine of this name made, held to the contract: plain data, and samples of the scene's shapes.
+    """The run of the engine of this name, checked against the contract: plain data, and samples of the scene's shapes.
 
     One that claims to have finished, and cannot be read between its samples or is not finite throughout, has diverged.
     Raises AdapterError for what no simulation can do wrong.
@@ -83,7 +90,7 @@ def readable(run: Run, model: Scene, name: str) -> Run:
 
 
 def _signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signal | None]]:
-    """Every signal a scene asks for, by name; None where the history lacks it."""
+    """Every signal that a scene requests, by name; None if the history lacks it."""
     for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
         yield channel.value, getattr(history, channel.value, None)
     if Channel.JOINT_FORCE in model.channels:
@@ -92,7 +99,7 @@ def _signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signa
 
 
 def _faults(run: object, model: Scene) -> Iterator[str]:
-    """What was expected of a run, and what there is instead, wherever it is not so."""
+    """Every violation of the contract by a run, as "expected value, got actual value"."""
     if type(run) is not Run:
         yield f"a Run, got {_shown(run)}"
         return
@@ -134,8 +141,8 @@ def _signal_faults(signal: object, shapes: tuple[tuple[int, ...], ...]) -> Itera
     elif not all(isinstance(part, np.ndarray) and part.dtype.kind in "fiu" for part in (signal.time, signal.values)):
         yield "times and values as arrays of real numbers, got others"
     elif signal.time.ndim != 1 or signal.values.shape not in [(len(signal.time), *shape) for shape in shapes]:
-        wanted = " or ".join(str(("samples", *shape)).replace("'", "") for shape in shapes)
-        yield f"values of shape {wanted} for {signal.time.size} times, got {signal.values.shape}"
+        expected = " or ".join(str(("samples", *shape)).replace("'", "") for shape in shapes)
+        yield f"values of shape {expected} for {signal.time.size} times, got {signal.values.shape}"
     elif not (np.isfinite(signal.time).all() and (np.diff(signal.time) >= 0.0).all()):
         yield "times that are finite and never decrease, got others"
 
@@ -149,5 +156,37 @@ def _is_plain(value: object) -> bool:
 
 
 def _shown(value: object) -> str:
-    """A number or a short text as it is, anything else by its type alone, as its own words may be anything."""
+    """A number as it is, anything else by its type alone, since its own text may be anything."""
     return repr(value) if isinstance(value, float | int) else f"a {type(value).__name__}"
+
+
+def gap(time: Array, drive: Drive) -> str:
+    """Where samples at these times (n,), s, leave out more than a few of their own steps, in words; empty if nowhere.
+
+    Before the first and behind the last sample counts too. The own step is the median of those before or of those
+    after, the larger one: it may change from one part of a motion to the next. Between samples a gap also turns a
+    prescribed driver further than long steps do.
+    """
+    borders = _borders(drive)
+    instants = np.concatenate([borders[:1], time, borders[-1:]])
+    steps = np.diff(instants)
+    medians = np.median(sliding_window_view(np.pad(steps, NEIGHBOURS, mode="reflect"), NEIGHBOURS), axis=1)
+    own = np.maximum(medians[: len(steps)], medians[-len(steps) :])
+    before, behind = instants[:-1] - ROUNDING * borders[-1], instants[1:] + ROUNDING * borders[-1]
+    at_border = np.searchsorted(borders, before) < np.searchsorted(borders, behind, "right")
+    beyond = steps - np.where(at_border, BORDER_GAP, GAP) * own
+    if isinstance(drive, Prescribed):
+        turned = np.abs(np.diff(drive.motion.angle(instants)))[1:-1]
+        beyond[1:-1][turned <= GAP * np.quantile(turned, LONG)] = 0.0
+    worst = int(np.argmax(beyond))
+    if not beyond[worst] > 0.0:
+        return ""
+    return f"from {instants[worst]:.4g} to {instants[worst + 1]:.4g} s, where its own step is {own[worst]:.2g} s"
+
+
+def _borders(drive: Drive) -> Array:
+    """Start and end of a motion, and where a part of it ends or its torque has a kink between, s."""
+    if isinstance(drive, Prescribed):
+        return np.array([0.0, *(segment.end for segment in drive.motion.segments)])
+    kinks = drive.over_time.times if drive.over_time else ()
+    return np.array([0.0, *(kink for kink in kinks if 0.0 < kink < drive.duration), drive.duration])

@@ -1,4 +1,4 @@
-"""What every study does: keyed tasks in worker processes, each result written down, read back in order or as needed."""
+"""Studies: keyed tasks in worker processes; each result is written to a journal and read back in order."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Written = tuple[Mapping[str, Any], Mapping[str, Array]]  # a result as a row of 
 class Task:
     """One piece of work: ``job`` are the arguments of the study's function, ``key`` tells it from all others.
 
-    ``weight`` is what it costs, very roughly, in any unit.
+    ``weight`` is its approximate cost, in any unit.
     """
 
     key: str
@@ -37,7 +37,7 @@ class Study(Generic[R]):
     """Tasks of one kind; what the ``journal`` holds is not made again, and no result stays in memory.
 
     ``function``, a module's own, makes a result of a task's job; ``lost`` does so from what went wrong and the same
-    job, or None where the task counts as never begun. ``encode`` and ``decode`` are for the journal. The ``pool`` says
+    job, or None if the task counts as never begun. ``encode`` and ``decode`` are for the journal. The ``pool`` says
     where they are made. Raises LinkproofError if the journal is another request's.
     """
 
@@ -83,7 +83,7 @@ class Study(Generic[R]):
     def complete(self, tasks: Sequence[Task], bounds: Bounds = DEFAULT_BOUNDS) -> None:
         """Make those tasks that have no result yet.
 
-        Several processes begin with the heaviest, so that none is left alone with it at the end.
+        Several processes begin with the heaviest, so that it does not run alone at the end.
         """
         for _ in self._heaviest_first(tasks, bounds):
             pass

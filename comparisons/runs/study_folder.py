@@ -35,7 +35,7 @@ WrittenRecord = tuple[str, Mapping[str, Any], Mapping[str, Array]]  # key, row a
 def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: Iterable[WrittenRecord]) -> None:
     """Write a study into ``folder/kind``, which is replaced as a whole once all is written.
 
-    The records may come from a generator: none stays in memory.
+    The records may come from a generator; they do not stay in memory.
     """
     lock, new = claim(folder), folder / f".{kind}.new"
     with writing(folder / kind):
@@ -96,7 +96,7 @@ def load_study(
 
 @contextmanager
 def usable(folder: Path, kind: str) -> Iterator[None]:
-    """Raise LinkproofError where what is done inside finds a study that is not as it was written."""
+    """Turn errors of reading a changed or damaged study into LinkproofError."""
     try:
         yield
     except (OSError, ValueError, KeyError, TypeError) as error:
@@ -128,11 +128,11 @@ def _replace(place: Path, new: Path) -> None:
 
 
 def first_fault(error: ValidationError) -> tuple[str, str]:
-    """The key of the first part that is wrong, "cells.3.value", empty for the whole, and what is wrong with it."""
+    """The key of the first wrong part, such as "cells.3.value", empty for the whole, and the fault in words."""
     first = error.errors(include_url=False, include_input=False)[0]
     return ".".join(map(str, first["loc"])), first["msg"]
 
 
 def fault_words(error: Exception) -> str:
-    """What is wrong with a file, in a line: of its checked parts the first, by its key."""
+    """The first fault of a file, in one line, with its key."""
     return ": ".join(first_fault(error)) if isinstance(error, ValidationError) else str(error)

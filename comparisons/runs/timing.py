@@ -21,7 +21,7 @@ WORK = f"{_TURNS} interpreted additions and {_PASSES} passes over {_SIZE} floats
 
 @dataclass(frozen=True)
 class Noise:
-    """How long the same work took each time, s, spread over the whole of a measurement; all 0 if it never did."""
+    """Times of the same work, s, spread over a whole measurement; the figures are 0 without a sample."""
 
     samples: tuple[float, ...]
 
@@ -32,12 +32,12 @@ class Noise:
 
     @property
     def median_excess(self) -> float:
-        """How much longer the median is than the shortest, as a share of it."""
+        """Median over shortest time, less 1."""
         return statistics.median(self.samples) / self.least - 1.0 if self.samples else 0.0
 
     @property
     def spread(self) -> float:
-        """How much longer than the shortest nine in ten are at most, as a share of it."""
+        """Ninth decile over shortest time, less 1."""
         return float(np.quantile(self.samples, 0.9)) / self.least - 1.0 if self.samples else 0.0
 
 
@@ -55,7 +55,7 @@ def calibrate() -> float:
 
 @contextmanager
 def no_collection() -> Iterator[None]:
-    """Keep the garbage collector out of what is timed; it is left as it was found."""
+    """Switch the garbage collector off while timing, and back to its former state afterwards."""
     was_on = gc.isenabled()
     gc.disable()
     try:
@@ -66,7 +66,7 @@ def no_collection() -> Iterator[None]:
 
 
 def timed(work: Callable[[], T]) -> tuple[T, float]:
-    """What ``work`` returns and the wall time it took, s."""
+    """The return value of ``work`` and its wall time, s."""
     with no_collection():
         begun = time.perf_counter()
         result = work()

@@ -49,9 +49,9 @@ _START_LOCK: Final = threading.Lock()  # a process is cut off as a whole, whiche
 
 @dataclass(frozen=True)
 class Bounds:
-    """What one job may take: ``seconds`` of wall time, and ``memory``, bytes that it may add to the address space.
+    """Bounds of one job: ``seconds`` of wall time, and ``memory``, bytes that it may add to the address space.
 
-    Address space counts what is reserved, touched or not. It is bounded where the system can (Linux).
+    Address space counts reserved memory, used or not. It is bounded where the system can (Linux).
     """
 
     seconds: float = 600.0
@@ -89,7 +89,7 @@ class _Worker:
 
     @property
     def sources(self) -> list[Connection | int]:
-        """What can be waited for: its messages, its output, its end."""
+        """Handles to wait for: its messages, its output, its end."""
         return [self.channel, self.process.sentinel, *([self.output] if self.output else [])]
 
     def read_output(self) -> None:
@@ -123,7 +123,7 @@ class _Worker:
     def kill(self) -> None:
         """Kill the process, whatever it is doing, and all that it has started."""
         if hasattr(os, "killpg") and self.process.pid is not None:
-            with contextlib.suppress(ProcessLookupError, PermissionError):  # no group yet, or none any more
+            with contextlib.suppress(ProcessLookupError, PermissionError):  # no group yet, or no longer
                 os.killpg(self.process.pid, signal.SIGKILL)
         self.process.kill()
         self.process.join()

@@ -1,4 +1,4 @@
-"""What runs inside a worker process: one job after the other, each within a memory bound, its output captured.
+"""Code inside a worker process: one job after the other, each within a memory bound, its output captured.
 
 Imports the standard library alone, so that the server which forks workers can be started before anything heavy is.
 """
@@ -50,7 +50,7 @@ class BrokenMessageError(Exception):
 
 
 def message_of(sent: bytes | bytearray, mark: bytes, longest: int) -> bytes | None:
-    """The message with this mark that a worker has sent; None if the rest has not arrived yet.
+    """The message with this mark from a worker; None if the rest has not arrived yet.
 
     An engine shares the pipe with its worker, and may write into it or change Python's functions. Raises
     BrokenMessageError for another mark, more than ``longest`` bytes or more than announced, and a wrong checksum.
@@ -88,7 +88,7 @@ def _send(channel: Connection, mark: bytes, message: bytes) -> None:
 
 
 def start_method() -> str:
-    """How workers are started: forked in 5 ms from a server without threads that has imported what they need.
+    """The start of workers: forked in 5 ms from a server without threads that has imported what they need.
 
     On Windows, which has no such server, and on macOS, whose libraries may not be forked, every worker is spawned and
     imports anew. ``START`` in the environment overrules it.
@@ -117,7 +117,7 @@ def _leave_temporary_folder() -> None:
 
 @contextlib.contextmanager
 def same_path() -> Iterator[None]:
-    """A Python started here imports modules from the same folders as this one, and none from the working folder."""
+    """A Python started here imports modules from the same folders as this one, and not from the working folder."""
     path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
     before = dict(os.environ)
     os.environ.update(PYTHONPATH=path, PYTHONSAFEPATH="1")
@@ -159,7 +159,7 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Discard what is written to the file descriptors 1 and 2, unless the output is requested."""
+    """Discard output to the file descriptors 1 and 2, unless it is requested."""
     if os.environ.get(SHOW_OUTPUT):
         yield
         return

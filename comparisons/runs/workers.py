@@ -1,4 +1,4 @@
-"""Where jobs run: in worker processes of this machine, each within bounds, or in any other pool."""
+"""Pools in which jobs run: worker processes of this machine, each within bounds, or any other."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ R = TypeVar("R")
 
 
 def usual_processes(count: int) -> int:
-    """The default number of processes for ``count`` jobs: the cores, and none for a single job."""
+    """The default number of processes for ``count`` jobs: the number of cores, or 0 for a single job."""
     return 0 if count == 1 else cores()
 
 
@@ -30,11 +30,11 @@ class PoolLostError(LinkproofError):
 
 
 class Pool(Protocol):
-    """Where jobs run."""
+    """A place in which jobs run."""
 
     @property
     def place(self) -> Mapping[str, str]:
-        """What an environment records of the machines that jobs run on; nothing for this machine."""
+        """Facts of the machines that run the jobs, for the environment of the results; empty for this machine."""
         ...
 
     def run(
@@ -125,7 +125,7 @@ def run_jobs(
     the cores by default, never more than there are jobs. With 0 the jobs run in this process, one after the other and
     without bounds: only exceptions are caught.
 
-    A job whose worker dies is tried once more if the worker had finished others before, so that none pays for another.
+    A job whose worker dies is tried once more if the worker had finished others before, which may have damaged it.
     A worker ignores Ctrl-C and writes nothing to the terminal. All workers are killed at once when the generator is
     closed or raises, and when this process dies, whatever its cause.
     """

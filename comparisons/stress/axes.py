@@ -1,4 +1,4 @@
-"""What the stress maps vary: one table of axes, read once, every word in it checked."""
+"""The axes of the stress maps: a table that is read once and checked."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def axes() -> Mapping[str, Axis]:
 
 
 def chosen_axes(names: Iterable[str]) -> list[Axis]:
-    """The axes of these names, all if none is named; raises UnknownNameError."""
+    """The axes of these names, by default all; raises UnknownNameError."""
     known, chosen = axes(), list(names)
     for name in chosen:
         if name not in known:
@@ -93,9 +93,9 @@ def _axis(table: dict[str, Any]) -> Axis:
 
 
 def _row(common: Mapping[str, Any], table: Mapping[str, Any]) -> Row:
-    own = {field.name for field in fields(Row)} - {"conditions"}
-    conditions: dict[str, Any] = {key: _plain(value) for key, value in {**common, **table}.items() if key not in own}
-    return Row(conditions=Conditions(**conditions), **{key: table[key] for key in own & table.keys()})
+    of_row = {field.name for field in fields(Row)} - {"conditions"}
+    conditions: dict[str, Any] = {key: _plain(value) for key, value in {**common, **table}.items() if key not in of_row}
+    return Row(conditions=Conditions(**conditions), **{key: table[key] for key in of_row & table.keys()})
 
 
 def _plain(value: object) -> object:

@@ -1,4 +1,4 @@
-"""Where a map's verdict leaves ``within limit``: from the easy value outwards, then by bisection between two runs."""
+"""Borders of a map's ``within limit``: searched from the easy value outwards, then bisected between two runs."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
 
 PRECISE: Final = 1.1  # ratio of the two values that bracket a border
 COARSE: Final = 3.0
-# A value of zero bounds a logarithm at this share of the smallest other one: a border beyond is none to be told from 0.
+# A value of zero bounds a logarithm at this share of the smallest other one: a border below it is the same as 0.
 NEXT_TO_ZERO: Final = 1e-3
-SMALLEST: Final = 1e-15  # what is bracketed between this and zero is left there
-# Where the easiest value itself is not within limit there is no border; where nothing fails there is none either.
+SMALLEST: Final = 1e-15  # a border between this and zero is not narrowed down
+# There is no border where the easiest value is not within limit, or where nothing fails.
 GOOD: Final = (StressVerdict.WITHIN,)
 # Where these begin is a property of the machine, and every run that looks for it costs all that a cell may.
 BOUNDED: Final = (StressVerdict.TIMED_OUT, StressVerdict.CRASHED)
@@ -24,7 +24,7 @@ BOUNDED: Final = (StressVerdict.TIMED_OUT, StressVerdict.CRASHED)
 
 @dataclass(frozen=True)
 class Border:
-    """Where a line of a map leaves its limit: the last value ``inside``, the first ``outside``, the verdict there."""
+    """A border on a line of a map: the last value ``inside`` the limit, the first ``outside``, the verdict there."""
 
     axis: str
     row: str
@@ -36,7 +36,7 @@ class Border:
 
     @property
     def line(self) -> tuple[str, str, str, str]:
-        """What it shares with the cells it lies between."""
+        """Axis, row, engine and usage, as those of the cells beside it."""
         return (self.axis, self.row, self.engine, self.usage)
 
     @property
@@ -99,7 +99,7 @@ def bisected(
 
 
 def _is_wide(border: Border, precision: float) -> bool:
-    """Whether halving it once more is worth a run: what lies next to zero is not followed for ever."""
+    """Whether to halve it once more; a border next to zero is not followed for ever."""
     low, high = sorted((border.inside, border.outside))
     worth = axes()[border.axis].narrow and border.verdict not in BOUNDED
     return worth and border.ratio > precision and (low > 0.0 or high > SMALLEST)

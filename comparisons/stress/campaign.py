@@ -1,4 +1,4 @@
-"""All cells of the stress maps and their borders, in worker processes, kept as they come."""
+"""All cells of the stress maps and their borders, run in worker processes and stored in a journal."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ QUICK_BORDERS: Final = "tuned"
 
 @dataclass(frozen=True)
 class StressRequest:
-    """What to put under stress; no ``usages`` means every setting and method of each axis.
+    """The cells to run; no ``usages`` means every setting and method of each axis.
 
     ``time_limit`` is what a cell may take, s; by default what its axis grants. ``command`` repeats it.
     """
@@ -59,13 +59,13 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     ``announce`` hears a label, how many cells are done and how many are known of. Raises LinkproofError where there
     is no cell.
     """
-    wanted = cells(request.axes, request.engines, request.usages, quick=request.quick)
-    if not wanted:
+    requested = cells(request.axes, request.engines, request.usages, quick=request.quick)
+    if not requested:
         usages = ", ".join(request.usages) or "any setting"
         raise LinkproofError(f"no stability run matches {usages}: choose other axes or settings")
     study = _study(announce, journal, request.pool)
     make = partial(_made, study, request)
-    grid = make(wanted)
+    grid = make(requested)
     rough = borders(grid)
     if request.quick:
         rough = [border for border in rough if border.usage == QUICK_BORDERS]
@@ -101,7 +101,7 @@ def _made(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cel
 
 
 def _seconds(request: StressRequest, cell: Cell) -> float:
-    """What a cell may take, s."""
+    """The time limit of a cell, s."""
     if request.time_limit is not None:
         return request.time_limit
     granted = axes()[cell.axis].seconds

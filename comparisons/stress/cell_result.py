@@ -11,7 +11,7 @@ from comparisons.judging.records import QuantityRecord, RunRecord, Verdict
 
 
 class StressVerdict(StrEnum):
-    """What a cell shows."""
+    """The verdict of a cell."""
 
     WITHIN = "within limit"
     OVER = "over limit"
@@ -44,12 +44,12 @@ class Cell:
 
     @property
     def command(self) -> str:
-        """What makes it again."""
+        """The command that runs the cell again."""
         return f"linkproof stress '{self.key}'"
 
     @property
     def line(self) -> tuple[str, str, str, str]:
-        """What it shares with the cells of other values."""
+        """Axis, row, engine and usage, shared with the cells of other values."""
         return (self.axis, self.row, self.engine, self.usage)
 
 
@@ -73,7 +73,7 @@ class CellResult(RunRecord):
 
     @property
     def cell(self) -> Cell:
-        """What was run."""
+        """The cell that was run."""
         return Cell(self.axis, self.row, self.value, self.engine, self.setting)
 
     @property

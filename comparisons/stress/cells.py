@@ -114,7 +114,7 @@ def _unmade(cell: Cell) -> CellResult:
 
 @lru_cache(maxsize=4)
 def _case(conditions: Conditions) -> Case:
-    """Kept, since neighbouring cells share it and a long released motion takes seconds to integrate."""
+    """A case, cached: neighbouring cells share it, and a long released motion takes seconds to integrate."""
     return case(replace(conditions))
 
 

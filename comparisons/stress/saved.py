@@ -54,7 +54,7 @@ class Stress:
 
     @cached_property
     def borders(self) -> tuple[Border, ...]:
-        """Every border found."""
+        """All borders."""
         return _BORDERS.validate_python(self.document["borders"])
 
     @cached_property
@@ -74,7 +74,7 @@ class Stress:
 
     @cached_property
     def columns(self) -> Mapping[str, tuple[float, ...]]:
-        """Of each axis the listed values that were run, without those of the bisection; all where none is listed."""
+        """Each axis' listed values that were run, without those of the bisection; all if none of them is listed."""
         quick, seen = (
             self.document["quick"],
             dict.fromkeys((result.cell.axis, result.cell.value) for result in self.results),
@@ -122,7 +122,7 @@ def save(folder: Path, stress: Stress) -> None:
 
 
 def load(folder: Path) -> Stress:
-    """Read a stress test back; no engine is imported. Raises LinkproofError where there is none, or it is damaged."""
+    """Read a stress test back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
     stress = Stress(*load_study(folder, KIND, FORM, CellResult.from_row))
     with usable(folder, KIND):
         _ = stress.columns

@@ -25,13 +25,13 @@ GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # directions that no two bodies
 
 @dataclass(frozen=True)
 class Conditions:
-    """All that decides a cell's scene and how it is stepped; the defaults are a smooth run-up of the linkage as it is.
+    """The conditions of a cell: scene and steps; the defaults are a smooth run-up of the unchanged linkage.
 
     ``linkage`` is a catalogue name, or a file's among the stress maps' own. ``speed`` is in rpm, ``start_angle`` in
     degrees; ``motion`` is a regime's name, ``reversal`` or ``released``. ``turns`` is the duration of a constant speed
     or of a released crank, in turns at ``speed``; ``spinning`` says whether it is released at that speed or at rest,
     ``torque`` (N m) is then on it. ``point`` of ``link`` (or of the ground) is put at ``at + excess * slope``, m.
-    ``scaled`` names what is multiplied by ``scale``, ``load`` what is kept of springs and dampers, times
+    ``scaled`` names what is multiplied by ``scale``, ``load`` the kind of loads that remain (springs or dampers), times
     ``load_factor``. ``disturbed`` says whether positions or velocities of the start are off by ``disturbance``.
     """
 
@@ -63,7 +63,7 @@ class Conditions:
 
     @property
     def differing(self) -> dict[str, str | float | bool | list[float]]:
-        """What differs from the defaults, by name."""
+        """The conditions that differ from the defaults, by name."""
         differing = {}
         for field in fields(self):
             value = getattr(self, field.name)
@@ -73,7 +73,7 @@ class Conditions:
 
     @property
     def time_factor(self) -> float:
-        """What every time is multiplied by."""
+        """The factor of every time."""
         return self.scale if self.scaled == "time" else 1.0
 
     @property
@@ -88,7 +88,7 @@ class Conditions:
 
 
 def linkage(conditions: Conditions) -> Linkage:
-    """The linkage of a cell; its name tells nothing of what was changed."""
+    """The linkage of a cell, under its original name."""
     name = conditions.linkage
     changed = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
     if conditions.mass_factor != 1.0:
@@ -123,7 +123,7 @@ def motion(conditions: Conditions) -> CrankMotion:
 
 
 def reversal(speed: float, start_angle: float, hold: float, change: float) -> CrankMotion:
-    """Speed to the other direction and back within ``change`` each, held for ``hold`` before, between and after, s.
+    """Speed to the other direction and back within ``change`` each, constant for ``hold`` before, between and after, s.
 
     The change follows a quintic, so that the acceleration is continuous.
     """
@@ -146,21 +146,21 @@ def case(conditions: Conditions) -> Case:
     if conditions.motion != RELEASED:
         return Case(mechanism, motion(conditions))
     turn = 2.0 * math.pi / conditions.rate
-    own = ReleasedRegime(
+    released = ReleasedRegime(
         name="driven" if conditions.torque else "free",
         torque=conditions.torque,
         start_angle=math.radians(conditions.start_angle),
         start_speed=conditions.rate if conditions.spinning else 0.0,
         duration=conditions.turns * turn,
     )
-    if relaxations(mechanism, own.duration) > MOST_RELAXATIONS:
-        stiff = stiff_motion(mechanism, own)
-        return Case(mechanism, stiff, free_drive(stiff, own))
-    return own_case(mechanism, own)
+    if relaxations(mechanism, released.duration) > MOST_RELAXATIONS:
+        stiff = stiff_motion(mechanism, released)
+        return Case(mechanism, stiff, free_drive(stiff, released))
+    return own_case(mechanism, released)
 
 
 def scene(conditions: Conditions, of: Case) -> Scene:
-    """What an engine is given of a cell: everything to be recorded, the start disturbed if it is to be."""
+    """The scene of a cell, with every channel and, on request, a disturbed start."""
     undisturbed = of.scene(frozenset(Channel))
     if not conditions.disturbed:
         return undisturbed

@@ -1,4 +1,4 @@
-"""What of a motion is wrong, by the closed form.
+"""Faults of a motion, by comparison with the closed form.
 
 A motion is *wrong* where the position or velocity of any body, the crank's angle among them, the torque of a driven
 crank or the force in a joint is off by more than ``WRONG`` of its scale, or where no samples cover as much of the
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.inspection import FAINT_FORCE
 from comparisons.invariants.invariants import HALF_TURN
-from comparisons.judging.deviations import near_jumps
+from comparisons.judging.jumps import near_jumps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.reference.channels import truth
@@ -30,7 +30,7 @@ WRONG = 1e-2
 
 
 def wrongs(case: Case, motion: ObservedMotion) -> list[str]:
-    """What of a motion is wrong, in words; empty for a right one."""
+    """The faults of a motion, in words; empty for a right one."""
     return [words for size, words in _errors(case, motion) if not size <= WRONG]
 
 
@@ -57,7 +57,7 @@ def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
 
 def _off(name: str, case: Case, signal: Signal, true: Array, least: float = 0.0) -> Iterator[tuple[float, str]]:
     """Largest error of a torque or a force over its peak, ``least`` at least, away from jumps of the acceleration."""
-    smooth = ~near_jumps(signal.time, case.motion.jumps)
+    smooth = ~near_jumps(signal.time, case.motion)
     if smooth.any():
         away, size = (np.linalg.norm(v.reshape(len(v), -1)[smooth], axis=1) for v in (signal.values - true, true))
         error = away / (max(float(np.max(size)), least) or 1.0)

@@ -1,4 +1,4 @@
-"""What one cell of a stress map comes to: is the motion right, and if not, did a check flag it?
+"""The verdict of one cell of a stress map: is the motion right, and if not, did a check flag it?
 
 ``stress.truth`` says what a *wrong* motion is. Where an engine reports success with one, the invariants, which need no
 closed form, have either caught or missed it.
@@ -62,10 +62,10 @@ def judged(blank: CellResult, case: Case, scene: Scene, run: Run, setting: str) 
         except LinkproofError as error:
             nearest, wrong = None, [f"there is no one motion to find ({error})"]
     verdict, reason = _verdict(nearest, wrong, failed, alarms)
-    own = run_record(blank, [nearest] if nearest else [], failed or checked[:1])
-    return replace(
-        blank, errors=own.errors, invariants=own.invariants, verdict=verdict, reason=reason, wrong="; ".join(wrong)
-    )
+    judged_run = run_record(blank, [nearest] if nearest else [], failed or checked[:1])
+    words = "; ".join(wrong)
+    errors, invariants = judged_run.errors, judged_run.invariants
+    return replace(blank, errors=errors, invariants=invariants, verdict=verdict, reason=reason, wrong=words)
 
 
 def _verdict(
@@ -85,7 +85,7 @@ def _verdict(
 
 
 def verdict_of(cell: CellResult) -> StressVerdict | None:
-    """The verdict that a cell's errors give; None where it has none to judge by."""
+    """The verdict that follows from a cell's errors; None without any."""
     if not cell.errors and not cell.invariants:
         return None
     nearest = next(iter(cell.records), None)
@@ -118,7 +118,7 @@ def _blank(case: Case, setting: str) -> Record:
 
 
 def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> list[Record]:
-    """Those that are judged, the one furthest over its limit, or nearest to it, first."""
+    """The judged records, with the furthest over its limit, or the nearest to it, first."""
     records = [record for record in checks(case, motion, blank) if Verdict(record.outcome).judged]
     return sorted(records, key=_over, reverse=True)
 

@@ -1,4 +1,4 @@
-"""What a benchmark's records say: orders, floors, fronts, the point to choose, and what the settings are worth.
+"""The analysis of a benchmark's records: orders, floors, fronts, the point to choose, and the settings' standing.
 
 Pure functions of records. Times are those of set-up and stepping, each the shortest of the repeats: a method that steps
 fast because it builds for long is not cheap.
@@ -54,7 +54,7 @@ class MethodSweep:
 
     @cached_property
     def order(self) -> float | None:
-        """The order observed; None where no three points share one."""
+        """The observed order; None unless three points agree on it."""
         return observed_order(self.numbers)
 
     @cached_property
@@ -78,7 +78,7 @@ class PointChoice:
 class SettingComparison:
     """A setting against the methods' front: ``ratio`` of its time to the cheapest method's at the setting's error.
 
-    ``best`` is held against all methods, every other setting against those of a single run.
+    ``best`` is compared with all methods, every other setting with those of a single run.
     ``rival`` is the measured point behind that price, None where no method gets there: then the ratio is None too. A
     ratio below one is a setting ahead of every method.
     """
@@ -150,7 +150,7 @@ def apart(records: Iterable[BenchRecord]) -> tuple[list[BenchRecord], list[Bench
 
 
 def on_front(records: Iterable[BenchRecord]) -> list[BenchRecord]:
-    """Those that no other beats in both time and error, by time; one quantity of one mechanism and regime is meant."""
+    """The records of one quantity that no other beats in both time and error, by time."""
     finished = [record for record in records if record.finished]
     unbeaten = pareto([_seconds(record) for record in finished], [_error(record) for record in finished])
     return sorted((record for record, keep in zip(finished, unbeaten, strict=True) if keep), key=_seconds)
@@ -165,7 +165,7 @@ def _error(record: BenchRecord) -> float:
 
 
 def choices(records: Sequence[BenchRecord], limits: Sequence[float] = WANTED) -> tuple[PointChoice, ...]:
-    """The point to choose for every error, among one engine's records of one quantity; none where nothing finished.
+    """The point to choose for every error, among one engine's records of one quantity; empty if nothing finished.
 
     A point of a sweep counts if the finer ones, down to the sweep's floor, hold the error too.
     """

@@ -1,7 +1,7 @@
-"""What each output and load costs: whole scenes beside scenes with less in them, in every engine.
+"""The cost of each output and load: whole scenes beside reduced ones, in every engine.
 
 Times are of whole runs: checking, building, stepping, reading out. All runs take turns, every second round backwards,
-so that a slow spell of the machine falls on all of them alike; every repeat is kept.
+so that a slow spell of the machine affects all of them alike; every repeat is recorded.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class SceneReduction:
     without: tuple[str, ...] = ()
 
     def of(self, linkage: Linkage) -> Linkage | None:
-        """What is left of a linkage; None where it has none of these loads."""
+        """The linkage without these loads; None if it has no such load."""
         rest = without(linkage, *self.without)
         return None if self.without and rest == linkage else rest
 

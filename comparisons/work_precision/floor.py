@@ -1,4 +1,4 @@
-"""The floor of a sweep: the smallest error it reached, and why it gets no nearer to the truth, told from the data."""
+"""The floor of a sweep: the smallest error it reached, and, from the data, why it gets no nearer to the truth."""
 
 from __future__ import annotations
 

@@ -170,7 +170,7 @@ def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
 def _warm_up(adapter: Engine, scene: Scene, step: float) -> float:
     """Run an engine that this process has not run before, twice: what the first run took more, s, as it imports.
 
-    What it raises is not told: the run that it is made for need not raise it.
+    Its exceptions are ignored: the measured run need not raise them.
     """
     if adapter.name in _WARM:
         return 0.0

@@ -1,4 +1,4 @@
-"""What a benchmark says of one mechanism under one regime, engine by engine: computed once, when needed."""
+"""The results of a benchmark for one mechanism under one regime, engine by engine."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from comparisons.work_precision.analysis import (
 )
 from comparisons.work_precision.records import Bench, BenchRecord
 
-# The quantity a place is judged by, where the user names none: the first of these that it has.
+# The quantity by which a place is judged unless the user names others: the first of these that it has.
 FOREMOST = ("Mkr", "phi")
 # Methods' names and the solver efforts that they come with.
 Efforts = tuple[tuple[str, float | None], ...]
@@ -37,7 +37,7 @@ class EngineFacts:
 
     @cached_property
     def methods(self) -> tuple[MethodSweep, ...]:
-        """Those at the effort a method comes with."""
+        """The sweeps at a method's default effort."""
         return tuple(sweep for sweep in self.sweeps if self.is_own(sweep.first))
 
     @property
@@ -47,16 +47,16 @@ class EngineFacts:
 
     @cached_property
     def choices(self) -> tuple[PointChoice, ...]:
-        """The point to choose for every error wanted; none where nothing finished."""
+        """The point to choose for every error; empty if nothing finished."""
         return choices(self.records)
 
     @cached_property
     def setting_comparisons(self) -> tuple[SettingComparison, ...]:
-        """The settings against the methods' front; the control has none."""
+        """The settings compared with the methods' front; empty for the control."""
         return () if self.is_control else compare_settings(self.records)
 
     def is_own(self, record: BenchRecord) -> bool:
-        """Whether a point is a method's at the effort it comes with."""
+        """Whether a point belongs to a method at its default effort."""
         return (record.setting, record.effort) in self.own_efforts
 
 
@@ -99,7 +99,7 @@ class PlaceFacts:
         return sorted(facts, key=lambda entry: entry.is_control)
 
     def ranked(self, quantity: str) -> list[BenchRecord]:
-        """What makes the front over all engines: all but the control's points."""
+        """The points for the front over all engines: all but the control's."""
         return [record for record in self.records if record.quantity == quantity and not record.is_control]
 
 

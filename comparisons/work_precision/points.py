@@ -1,4 +1,4 @@
-"""What a benchmark measures: which methods at which steps and solver efforts, how far each sweep goes, how often."""
+"""The points of a benchmark: methods, steps and solver efforts, the end of each sweep, the number of repeats."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LASTING = (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE, Verdict.
 
 @dataclass(frozen=True)
 class Extent:
-    """How far a benchmark goes.
+    """The extent of a benchmark.
 
     ``steps_per_turn`` of the crank's peak speed, coarse to fine; after ``FEWEST`` a sweep ends before a point that
     would take longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s,
@@ -66,7 +66,7 @@ class Point:
 
     @property
     def way(self) -> Setting | Method | None:
-        """What is run; nothing where the engine is not installed."""
+        """The setting or method to run; None if the engine is not installed."""
         return self.setting or self.method
 
     @property
@@ -102,7 +102,7 @@ class PointSweep:
         return None if self.ended else self.points[len(self.measurements)]
 
     def add(self, measurement: PointRecord | None) -> None:
-        """Note what the next point came to; None where there was no time left for it."""
+        """Record the measurement of the next point; None if there was no time left for it."""
         if measurement is None:
             self.ended = OUT_OF_TIME
         else:
@@ -126,7 +126,7 @@ class PointSweep:
         return ""
 
     def _price(self, point: Point) -> float:
-        """What a point will cost by the cheapest set-up and step so far, s: a slow spell is not the engine's."""
+        """Estimated time of a point, s, from the cheapest set-up and step so far, without slow spells."""
         pairs = zip(self.points, self.measurements, strict=False)
         rates = [
             record.seconds / done.steps_per_turn for done, record in pairs if done.steps_per_turn and record.seconds
@@ -147,7 +147,7 @@ class PointSweep:
 def planned_sweeps(
     case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent, *, efforts: bool
 ) -> list[PointSweep]:
-    """The sweeps of one engine on one case: its settings, its methods, and these at other solver efforts if asked."""
+    """The sweeps of one engine on one case: settings, methods, and on request methods at other solver ``efforts``."""
     if extent.fronts_only:
         settings = [setting for setting in settings if setting is not Setting.BEST]
         methods = [*_last(methods, extrapolated=False), *_last(methods, extrapolated=True)]

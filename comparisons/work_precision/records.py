@@ -69,12 +69,12 @@ class PointRecord(RunRecord):
 
     @property
     def is_extrapolated(self) -> bool:
-        """Whether it is no single run."""
+        """Whether several runs were extrapolated."""
         return self.runs > 1
 
     @property
     def key(self) -> str:
-        """What tells it from every other point."""
+        """The unique key of the point."""
         steps = (("step", self.step), ("effort", self.effort))
         return super().key + "".join(f", {name} {value!r}" for name, value in steps if value is not None)
 
@@ -87,12 +87,12 @@ class BenchRecord(PointRecord):
 
     @property
     def sweep(self) -> tuple[str, str, str, str, str, str, float | None, str]:
-        """What the points of one sweep share: all but the step."""
+        """The identity of a point's sweep: everything but the step."""
         return (*self.place, self.engine, self.kind, self.setting, self.effort, self.quantity)
 
     @property
     def error(self) -> QuantityRecord | None:
-        """The errors in this quantity; None where it did not finish."""
+        """The errors in this quantity; None if the run did not finish."""
         return next(
             (record for record in self.errors if record.quantity == self.quantity and record.error_max is not None),
             None,
@@ -105,7 +105,7 @@ class BenchRecord(PointRecord):
 
     @property
     def finished(self) -> bool:
-        """Whether it has an error and a time to go with it."""
+        """Whether it has both an error and a time."""
         return self.outcome == Outcome.FINISHED and self.error is not None and bool(self.repeats)
 
 
@@ -129,7 +129,7 @@ def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tup
 class MeasuredCost:
     """One reduction of a linkage in one engine.
 
-    ``solver`` is the engine, the reference's control where ``is_control``; ``about`` is what is recorded. ``seconds``
+    ``solver`` is the engine, the reference's control where ``is_control``; ``about`` describes the scene. ``seconds``
     are of every repeat, s: whole runs, of which ``stepping`` is the engine's own share.
     """
 
@@ -147,7 +147,7 @@ class MeasuredCost:
 
 
 class SavedExtent(TypedDict):
-    """How much was measured."""
+    """The extent of a benchmark."""
 
     budget: float
     repeats: int
@@ -155,14 +155,14 @@ class SavedExtent(TypedDict):
 
 
 class SavedNoise(TypedDict):
-    """How long the same work took each time, s."""
+    """Times of the same fixed work, s."""
 
     work: str
     samples: list[NonNegativeFloat]
 
 
 class SavedFirstUse(TypedDict):
-    """What an engine's first scene costs beyond its second, s."""
+    """The additional time of an engine's first scene over its second, s."""
 
     engine: str
     seconds: list[float]
@@ -176,7 +176,7 @@ class SavedMechanism(TypedDict):
 
 
 class SavedMethod(TypedDict):
-    """What an engine says of a method."""
+    """An engine's description of a method."""
 
     engine: str
     name: str
@@ -224,7 +224,7 @@ class Bench:
 
     @cached_property
     def costs(self) -> tuple[MeasuredCost, ...]:
-        """What each output and load costs; empty if not requested."""
+        """The cost of each output and load; empty if not requested."""
         return _COSTS.validate_python(self.document["costs"])
 
     @cached_property
@@ -239,5 +239,5 @@ def save(folder: Path, bench: Bench) -> None:
 
 
 def load(folder: Path) -> Bench:
-    """Read a benchmark back; no engine is imported. Raises LinkproofError where there is none, or it is damaged."""
+    """Read a benchmark back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
     return Bench(*load_study(folder, KIND, FORM, PointRecord.from_row))

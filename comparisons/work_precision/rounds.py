@@ -1,4 +1,4 @@
-"""The rounds of a benchmark: points measured one after the other in one worker process, and what they come to."""
+"""The rounds of a benchmark: points measured one after the other in one worker process, and their results."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ HANGS = 60.0
 
 
 class Rounds:
-    """What every point took in every round; no run is begun after the deadline of ``extent``.
+    """The measurements of every point in every round; no run begins after the deadline of ``extent``.
 
     The first round takes the errors, the others the time alone. What the journal has is not measured again.
     """
@@ -57,14 +57,14 @@ class Rounds:
                 pass
 
     def measurement(self, number: int, point: Point) -> PointRecord | None:
-        """What a point took in a round; None where it was not measured."""
+        """The measurement of a point in a round; None if it was not measured."""
         if not point.way:
             return self._unmeasured(point, Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
         key = _key(number, point)
         return self.study.result(key) if self.study.has(key) else None
 
     def repeats(self, point: Point, rounds: int) -> list[PointRecord]:
-        """What a point took, round by round, where it finished, on the machine that made the first."""
+        """The finished measurements of a point, round by round, on the machine of the first."""
         every = [record for number in range(rounds) if (record := self.measurement(number, point)) is not None]
         return [run for run in every if run.outcome == Outcome.FINISHED and run.host == every[0].host]
 
@@ -75,7 +75,7 @@ class Rounds:
 
     @property
     def calibrations(self) -> tuple[float, ...]:
-        """How long the fixed work took beside every run, s."""
+        """Time of the fixed work beside every run, s."""
         return tuple(float(record.details[CALIBRATION]) for record in self.study.results() if record.details)
 
     def records(self, sweep: PointSweep) -> Iterator[PointRecord]:
@@ -110,7 +110,7 @@ class Rounds:
     def _lost(
         self, lost: Lost, pickled: bytes, name: str, way: Setting | Method, steps: float | None, *_: object
     ) -> PointRecord | None:
-        """A run that gave no result; None where it was ended by our own deadline, not by the engine's fault."""
+        """The record of a run without a result; None if our own deadline ended it, not a fault of the engine."""
         if self.left() <= 0.0:
             return None
         sentences = {"outcome": lost.outcome.value, "detail": lost.reason, "host": lost.host}

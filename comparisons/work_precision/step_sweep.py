@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# An order is read between what is no longer a solution and what is no longer the step's error.
+# The order is fitted to errors below the first bound (no solution) and above the second (no step error).
 SATURATED = 0.3
 ABOVE_FLOOR = 3.0
 # Local slopes that differ from the order by less than this are the same slope, seen through scatter.
@@ -51,7 +51,7 @@ class StepSweep:
 
     @property
     def last_gain(self) -> float:
-        """Factor that the last refinement took off; 1 where there was none."""
+        """Factor by which the last refinement reduced the error; 1 without a refinement."""
         return self.errors[-2] / self.errors[-1] if len(self.errors) > 1 and self.errors[-1] > 0.0 else 1.0
 
     @property
@@ -64,7 +64,7 @@ class StepSweep:
         return next((e for s, e in zip(self.steps, self.errors, strict=True) if math.isclose(s, step)), None)
 
     def works_harder_than(self, other: StepSweep) -> bool:
-        """Whether its solver does more: by the efforts named, else by the work done per step."""
+        """Whether its solver does more: by the named efforts, else by the work per step."""
         if self.effort is not None and other.effort is not None:
             falls = falls_with_effort(self.effort_unit)
             return self.effort < other.effort if falls else self.effort > other.effort
@@ -85,7 +85,7 @@ def falls_with_effort(unit: str) -> bool:
 
 
 def observed_order(sweep: StepSweep) -> float | None:
-    """Slope of log error over log step where it is steady; None where fewer than three points share one.
+    """Slope of log error over log step where it is steady; None unless three points agree on it.
 
     The longest run of refinements counts, of equal ones the finest, whose local slopes agree with their own Theil-Sen
     slope, which an outlier does not move. Points at the floor or past it, and those so wrong that they are no solution,
@@ -122,19 +122,19 @@ def _steady_slope(steps: Array, errors: Array) -> float | None:
 
 
 def still_improves(errors: Sequence[float]) -> bool:
-    """Whether another refinement is worth its price: no longer once two in a row have not beaten what was there."""
+    """Whether another refinement is worth its price: not after two in a row without a smaller error."""
     if len(errors) < LEAST_POINTS:
         return True
     return min(errors[-2:]) * IMPROVED < min(errors[:-2])
 
 
 def pareto(costs: Sequence[float], errors: Sequence[float]) -> NDArray[np.bool_]:
-    """Which of the points (n,) no other beats: none is as cheap and as exact and better in one of the two."""
+    """Which of the points (n,) no other beats, that is, is at most as dear and as wrong, and less in one of the two."""
     order = np.lexsort((errors, costs))
     unbeaten = np.zeros(len(costs), dtype=bool)
     least, at = math.inf, math.nan
     for k in order:
-        # Sorted by cost, then error: only a smaller error, or a twin of the point kept last, is not beaten.
+        # Sorted by cost, then error: only a smaller error, or a twin of the last point on the front, is not beaten.
         if errors[k] < least or (errors[k] == least and costs[k] == at):
             unbeaten[k] = True
             least, at = errors[k], costs[k]
@@ -156,7 +156,7 @@ def sustained(errors: Sequence[float], limit: float) -> int | None:
 
 
 def price(costs: Sequence[float], errors: Sequence[float], limit: float) -> float | None:
-    """What a sweep, coarse to fine, costs where its error falls to ``limit``, by logarithms between two points.
+    """The cost at which the error of a sweep, coarse to fine, falls to ``limit``, by logarithms between two points.
 
     None where it never gets there.
     """

@@ -37,9 +37,9 @@ QUANTITIES = ("Mkr", "Jeq", "phi", "joint_force")
 
 @dataclass(frozen=True)
 class BenchRequest:
-    """What to measure; no ``methods`` means all of them.
+    """The request of a benchmark; no ``methods`` means all of them.
 
-    Solver efforts are tried on the first regime of every mechanism alone, which is enough to tell what they do.
+    Solver efforts are tried on the first regime of every mechanism alone, which is enough to show their effect.
     The ``pool`` makes one run at a time on a machine. ``with_costs`` measures what each output and load costs, too.
     ``command`` repeats it.
     """
@@ -108,13 +108,13 @@ def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Round
 
 
 def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:
-    """What each output and load costs, in the linkage with most to leave out and the engines that are installed."""
+    """The cost of each output and load, in the linkage with the most loads and the installed engines."""
     present = [name for name in engines if why_unavailable(engine(name)) is None]
     return [asdict(cost) for cost in costs.measure(costs.most_reducible(linkages), present)]
 
 
 def _first_uses(sweeps: Sequence[PointSweep], engine: str) -> tuple[float, ...]:
-    """What the first runs of an engine took beyond the second, s: one in every process that measured it."""
+    """The additional times of an engine's first runs, s: one for every process that measured it."""
     mine = (
         measurement.details
         for sweep in sweeps
@@ -125,7 +125,7 @@ def _first_uses(sweeps: Sequence[PointSweep], engine: str) -> tuple[float, ...]:
 
 
 def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
-    """What the engines say of their methods, once each."""
+    """The engines' descriptions of their methods, once each."""
     methods: dict[tuple[str, str], Mapping[str, Any]] = {}
     for case in request.cases:
         for name in request.engines:
@@ -135,7 +135,7 @@ def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
 
 
 def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
-    """The requested methods of an engine; none if it cannot be used here."""
+    """The requested methods of an engine; empty if it cannot be used here."""
     adapter = engine(name)
     if why_unavailable(adapter) is not None or not isinstance(adapter, StudiedEngine):
         return []

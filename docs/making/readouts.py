@@ -7,7 +7,7 @@ from pathlib import Path
 
 from engines.registry import engine, engine_names
 from reports.document.markdown import table
-from reports.records.readouts import readout_table
+from reports.records.origins import readout_table
 
 MARK = "<!-- below: python -m docs.making.readouts docs/engines.md -->"
 

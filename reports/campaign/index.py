@@ -32,10 +32,9 @@ from reports.document.parts import (
 from reports.document.templates import lines, sentence
 from reports.mechanism.engines import errors_fold
 from reports.records import matrix
-from reports.records.changed_figures import changed_figures
+from reports.records.differences import changed_figures
 from reports.records.environment import environment_facts, side_by_side
-from reports.records.origins import exceptions, origin_words
-from reports.records.readouts import readout_table
+from reports.records.origins import exceptions, origin_words, readout_table
 from reports.records.views import family_title, views
 
 FILE, TITLE = "index.html", "Overview"
@@ -45,7 +44,7 @@ PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving sc
 def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words, ...] = ()) -> Page:
     """The first page of what a report's folder holds: a campaign, mechanisms, studies, or some of them.
 
-    ``studies`` are pages of their own beside the mechanisms': where they are, and a sentence on what they say.
+    ``studies`` are pages beside the mechanisms': a link and a sentence for each.
     """
     trust = EngineRanking(results) if results is not None and results.records else None
     return Page(
@@ -70,14 +69,14 @@ def _heading(results: Results | None) -> str:
 
 
 def _verdict(results: Results | None, trust: EngineRanking | None) -> tuple[Part, ...]:
-    """What it all comes to; of another tool's results what their judgement says."""
+    """The verdict on the engines, or the judgement of another tool's results."""
     words = results.document.get("judgement", []) if results is not None else []
     first, *rest = words or (verdict(trust) if trust else ()) or [""]
     return (*([Paragraph(first, "verdict")] if first else []), *(Paragraph(line, "lead") for line in rest))
 
 
 def _engines(results: Results, trust: EngineRanking) -> tuple[Section, ...]:
-    """What the engines did; of another tool's results every signal."""
+    """The engines' results, or every signal of another tool's results."""
     if "judgement" in results.document:
         signals = [
             part for view in views(results) for regime in view.regimes for part in errors_fold(view, regime).parts
@@ -116,7 +115,7 @@ def _setting_words(trust: EngineRanking, setting: str) -> str:
 
 
 def _standing(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
-    """The worst of what is compared with the closed form; the checks, which need none, stand in the other table."""
+    """The worst deviation from the closed form; the checks without the closed form are in the other table."""
     records = trust.records(engine, setting)
     own = EngineRecords(tuple(record for record in records if record.quantity not in trust.checks))
     if own.worst is None:

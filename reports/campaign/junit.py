@@ -19,7 +19,7 @@ BASELINE: Final = "baseline"  # the suite of what departs from it
 def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = (), departures: Sequence[str] = ()) -> str:
     """The document: a suite per mechanism, variant and regime; the classes are engine and setting.
 
-    Skipped is what is not judged, a naive record that decides nothing beside others, and a figure not recorded.
+    Skipped are records that are not judged, naive records beside other settings, and figures without a record.
     """
     decides = {id(record) for record in deciding(records)}
     suites: dict[tuple[str, str, str], list[ElementTree.Element]] = {}

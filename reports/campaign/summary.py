@@ -17,7 +17,7 @@ from reports.document.parts import Bullets, Mono, Paragraph, Part, Section
 from reports.mechanism.engines import errors_fold
 from reports.mechanism.published import published_section
 from reports.records import matrix
-from reports.records.changed_figures import changed_figures
+from reports.records.differences import changed_figures
 from reports.records.views import views
 
 
@@ -57,7 +57,7 @@ def _errors(results: Results) -> Iterator[Section]:
 
 
 def _printed_models(results: Results) -> Iterator[Bullets]:
-    """What the engines say of models as printed, in the order of the mechanisms."""
+    """The engines' verdicts on printed models, in the order of the mechanisms."""
     every = results.document.get("errata", [])
     names = dict.fromkeys(linkage.name for linkage in results.linkages if linkage.variant == linkage.variants[0])
     lines = tuple(row["sentence"] for name in names for row in every if row["mechanism"] == name)

@@ -15,7 +15,7 @@ from reports.document.numbers import bound, error, figure
 from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
-from reports.records.changed_figures import changed_figures
+from reports.records.differences import changed_figures
 from reports.records.environment import side_by_side
 from reports.records.matrix import is_within
 from reports.records.origins import exceptions, origin_words
@@ -96,7 +96,7 @@ def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
 
 
 def _exceptions(runs: Sequence[RunRecord]) -> list[str]:
-    """What is not the engines' own, a line for each run that has any."""
+    """The values that adapters compute themselves, a line for each run with such values."""
     names = {f"{run.engine} {run.setting}": exceptions(run.every) for run in runs}
     return [f"{name}: {words}" for name, words in names.items() if words]
 
@@ -143,7 +143,7 @@ def _reasons(runs: Iterable[RunRecord]) -> list[str]:
 
 
 def _meanings(runs: Iterable[RunRecord]) -> list[str]:
-    """What the failing rows of a run mean together, each sentence once, with where."""
+    """The joint meaning of a run's failing rows, each sentence once, with its place."""
     where = grouped(
         ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := meaning(run.every))
     )

@@ -18,7 +18,7 @@ from reports.document.templates import sentence
 from reports.records.environment import side_by_side
 from reports.records.views import family
 
-# Quantities that go together; what is none of these and no check stands under OTHER.
+# Quantities that go together; any other quantity that is no check stands under OTHER.
 FAMILIES: Final = {
     "S/v/a": ("S", "v", "a"),
     "thread feed": ("thread_feed",),
@@ -41,7 +41,7 @@ class EngineRecords:
 
     @cached_property
     def judged(self) -> tuple[Record, ...]:
-        """Those that say anything of the engine."""
+        """The records that count for or against the engine."""
         return tuple(record for record in self.records if Verdict(record.outcome).judged)
 
     @property
@@ -62,7 +62,7 @@ class EngineRecords:
 
 @dataclass(frozen=True)
 class EngineRanking:
-    """What a campaign says of its engines."""
+    """The ranking of a campaign's engines."""
 
     results: Results
 
@@ -92,7 +92,7 @@ class EngineRanking:
 
     @cached_property
     def controls(self) -> frozenset[str]:
-        """Names of what is no engine: the reference's second derivation."""
+        """Names of the controls, that is, of the reference's second derivation."""
         return frozenset(record.engine for record in self.results.records if record.origin == CONTROL)
 
     @cached_property
@@ -105,7 +105,7 @@ class EngineRanking:
         return tuple(r for own in self.by_engine.get((engine, setting), {}).values() for r in own.records)
 
     def cell(self, engine: str, setting: str, name: str) -> EngineRecords:
-        """The records of an engine at a setting in a family; of none where it has none."""
+        """The records of an engine at a setting in a family; empty without any."""
         return self.by_engine.get((engine, setting), {}).get(name, EngineRecords(()))
 
     def nearest(self, setting: str, name: str) -> str:
@@ -156,7 +156,7 @@ def ratio(record: Record) -> str:
 
 
 def verdict(trust: EngineRanking, *, timed: bool = True) -> tuple[str, ...]:
-    """What is not as recorded, whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do.
+    """Departures, the engines to trust, the nearest (and if ``timed`` the quickest) one, and the naive settings.
 
     Nobody is to be trusted where the campaign has not passed.
     """
@@ -179,7 +179,7 @@ def _departed(results: Results) -> str:
 
 
 def _moved(results: Results) -> str:
-    """That linkages are not what was recorded of them, which goes before what engines make of them."""
+    """Sentences on linkages that depart from the baseline; they stand before the engines' verdict."""
     moved = [figure for figure in results.figures if figure.changed]
     return sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else ""
 
@@ -201,7 +201,7 @@ def _trust(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
 
 
 def _is_red(results: Results) -> bool:
-    """Whether the campaign has failed, in any engine, by a key figure or by what departs from the baseline."""
+    """Whether the campaign has failed, in any engine, by a key figure or by a departure from the baseline."""
     decided = deciding((*results.records, *results.invariants))
     failed = any(Verdict(record.outcome).failed or record.outcome == Verdict.SUITE_ERROR for record in decided)
     return (
@@ -228,7 +228,7 @@ def _nearest(trust: EngineRanking, engines: Sequence[str], setting: str, *, time
 
 
 def _untuned(trust: EngineRanking, engines: Sequence[str]) -> str:
-    """What the engines do at their defaults; nothing here decides."""
+    """A sentence on the engines' naive settings, which decide nothing."""
     naive = Setting.NAIVE.value
     ran = {name: [h for h in trust.by_engine.get((name, naive), {}).values() if h.judged] for name in engines}
     over = {name: max(h.error or 0.0 for h in groups) for name, groups in ran.items() if any(h.failed for h in groups)}

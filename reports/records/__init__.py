@@ -1,1 +1,1 @@
-"""What saved records say, as plain data for pages, tables and the terminal."""
+"""Saved records as plain data for pages, tables and the terminal."""

@@ -1,27 +1,31 @@
-"""What has moved between two folders, in tables."""
+"""Differences in tables: between two folders, in a folder judged anew, and of key figures from their record."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from analytic.written import change
+from comparisons.campaign.key_figures import KeyFigure
 from comparisons.folders.difference import FolderDifference, MovedRecord, Name, RunPair
 from comparisons.folders.studies import StudyDifference
+from comparisons.folders.verification import Verification
 from reports.document.numbers import ABSENT, figure, seconds
 from reports.document.numbers import error as error_words
 from reports.document.parts import Table, TableCell
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
-from reports.records.changed_figures import changed_figures
 
+CHANGED = "Key figures of the closed form, SI, that are not as recorded in the baseline."
+CHANGED_HEAD = ("mechanism", "regime", "figure", "recorded", "now", "unit", "change")
 FIGURES = "Key figures of the closed form, SI, that are not the same: recorded is the first folder's."
 TIMES = "Steps and seconds of stepping, both on the same machine."
 STEPS = "Steps; seconds are not compared, for the machines are not the same."
 
 
 def difference_printout(difference: FolderDifference) -> Printout:
-    """Tables of what has moved; the runs themselves, and what only one folder has, are details."""
+    """Tables of the differences; the runs themselves are details."""
     tables: list[Printed] = []
     for table in (_facts(difference), _linkages(difference), moved_table(difference), *_figures(difference)):
         if table.rows:
@@ -35,7 +39,7 @@ def difference_printout(difference: FolderDifference) -> Printout:
 
 
 def study_printout(difference: StudyDifference) -> Printout:
-    """A table of what has moved in a benchmark or in stability maps; what only one folder has is a detail."""
+    """A table of the differences of two benchmarks or stability maps; runs of one folder alone are details."""
     head = ("run", "quantity", "before", "after", "error before", "after", "")
     rows = [
         (move.run, move.quantity, *move.outcomes, *map(error_words, move.errors), "worse" if move.is_worse else "")
@@ -113,3 +117,34 @@ def _run(run: RunPair, difference: FolderDifference) -> Iterator[str]:
     if difference.same_machine:
         yield from map(seconds, run.seconds)
         yield figure(run.seconds[1] / run.seconds[0], 2) if run.seconds[0] else ABSENT
+
+
+def changed_figures(figures: Sequence[KeyFigure]) -> tuple[Table, ...]:
+    """A table with a row for every key figure that has changed; no table without changes."""
+    rows = tuple(_changed(figure) for figure in figures if figure.changed)
+    return (Table(CHANGED, CHANGED_HEAD, rows, align="lllrrlr"),) if rows else ()
+
+
+def _changed(figure: KeyFigure) -> tuple[str, ...]:
+    place = f"{figure.mechanism} ({figure.variant})"
+    share = ABSENT if figure.share is None else change(figure.share, ".2g")
+    recorded, now = (ABSENT if value is None else f"{value:.9g}" for value in (figure.recorded, figure.now))
+    return (place, figure.regime, figure.figure, recorded, now, figure.unit, share)
+
+
+def verification_printout(verification: Verification) -> Printout:
+    """A row for every finding, and how much was judged anew."""
+    rows = [(finding.place, finding.sentence) for finding in verification.findings]
+    table: list[Printed] = [Table("What differs.", ("where", "what"), rows, "l"), ""] if rows else []
+    return Printout(table, [*verification.notes, verification_line(verification)])
+
+
+def verification_line(verification: Verification) -> str:
+    """The counts of curves, key figures and records judged anew, and of findings."""
+    counts = Counter(record.outcome for record in (*verification.records, *verification.invariants))
+    outcomes = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+    texts = f"checksums {verification.texts}"
+    again = f"computed again: curves {verification.curves}, key figures {verification.figures}, {texts}"
+    campaign = (again, f"{counts.total()} records: {outcomes}") if counts else ()
+    differs = "nothing differs" if not verification.findings else f"differing: {len(verification.findings)}"
+    return "; ".join((*campaign, *verification.studies, differs))

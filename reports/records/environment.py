@@ -1,4 +1,4 @@
-"""Where results were made: date, machine and commit, then the versions of everything else on one line."""
+"""The environment of results: date, machine and commit, then all versions on one line."""
 
 from __future__ import annotations
 
@@ -16,5 +16,5 @@ def environment_facts(environment: Mapping[str, str], leave_out: Container[str] 
 
 
 def side_by_side(environment: Mapping[str, str]) -> str:
-    """What times are to be read with: "while 4 ran" where runs were made side by side, else nothing."""
+    """A note on times: "while 4 ran" where runs were made side by side, else empty."""
     return f"while {environment[AT_A_TIME]} ran" if AT_A_TIME in environment else ""

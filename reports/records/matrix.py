@@ -41,7 +41,7 @@ def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
 
 
 def limit_table(results: Results) -> Table:
-    """The limits these records are held against, largest first within the order of the quantities."""
+    """The limits of these records, largest first within the order of the quantities."""
     names = [name for part in columns(results) for name in part]
     groups = grouped((_limit(record, results.limits), record) for record in every_record(results))
     rows = []

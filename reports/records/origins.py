@@ -1,11 +1,16 @@
-"""Where the figures of a run come from, in words."""
+"""Where figures come from: those of a run in words, those of an engine in the table of its read-outs."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from comparisons.judging.records import CONTROL, IMPORTED, Record
 from engines.contract import Origin
+from reports.document.numbers import ABSENT
+from reports.document.parts import Table
+from reports.document.templates import plain
+
+READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
 
 
 def origin_words(records: Sequence[Record]) -> str:
@@ -22,7 +27,7 @@ def origin_words(records: Sequence[Record]) -> str:
 
 
 def exceptions(records: Sequence[Record]) -> str:
-    """What of these records is computed by the adapter, or shared with the reference; empty if nothing is."""
+    """The quantities computed by the adapter or shared with the reference, in words; empty without any."""
     families = {
         origin: _families(record.quantity for record in records if record.origin == origin)
         for origin in (Origin.COMPUTED, Origin.PARTLY)
@@ -34,3 +39,12 @@ def exceptions(records: Sequence[Record]) -> str:
 
 def _families(quantities: Iterable[str]) -> str:
     return ", ".join(dict.fromkeys(name.partition(":")[0] for name in quantities))
+
+
+def readout_table(name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
+    """The read-outs of an engine, as ``Abilities.as_dict`` has them."""
+    rows = tuple(
+        (plain(channel), names["source"], names["frame"], names["instant"], names["drive"] or ABSENT)
+        for channel, names in groups.items()
+    )
+    return Table(f"{name}: where its figures come from.", READOUTS, rows, align="l")

@@ -11,9 +11,10 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
 from comparisons.campaign.results import Results
-from comparisons.judging.deviations import near_jumps
+from comparisons.judging.jumps import near_jumps
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
 from comparisons.judging.records import CONTROL, Record
 from engines.contract import Setting
@@ -27,11 +28,16 @@ SETTINGS = tuple(setting.value for setting in Setting)
 
 @dataclass(frozen=True)
 class Regime:
-    """What the crank did; ``jumps`` are the instants at which its prescribed acceleration jumps, s."""
+    """How the crank moved, by name and in words; ``motion`` is None where it is free."""
 
     name: str
     conditions: str
-    jumps: tuple[float, ...] = ()
+    motion: CrankMotion | None = None
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the prescribed acceleration jumps, s."""
+        return self.motion.jumps if self.motion else ()
 
 
 @dataclass(frozen=True)
@@ -67,10 +73,10 @@ class View:
     @cached_property
     def regimes(self) -> tuple[Regime, ...]:
         """The regimes this mechanism ran through, those that prescribe the crank's motion first."""
-        jumps = {motion.regime: motion.jumps for motion in self.results.motions}
-        jumps |= {own.name: own.motion.jumps for own in self.linkage.regimes if isinstance(own, PrescribedRegime)}
+        motions = {motion.regime: motion for motion in self.results.motions}
+        motions |= {own.name: own.motion for own in self.linkage.regimes if isinstance(own, PrescribedRegime)}
         conditions = {record.regime: record.conditions for record in self.records}
-        return tuple(Regime(name, words, jumps.get(name, ())) for name, words in conditions.items())
+        return tuple(Regime(name, words, motions.get(name)) for name, words in conditions.items())
 
     def of(self, regime: Regime) -> tuple[Record, ...]:
         """Records and invariants of a regime."""
@@ -88,11 +94,11 @@ class View:
 
     @cached_property
     def invariants(self) -> frozenset[str]:
-        """Names of what is checked without the closed form."""
+        """Names of the checks without the closed form."""
         return frozenset(record.quantity for record in self.results.invariants)
 
     def title(self, quantity: str) -> str:
-        """What a quantity or an invariant is, in words, with its symbol."""
+        """The title of a quantity or an invariant, with its symbol."""
         words = LINEAR_TITLES.get(quantity, "") if self.linkage.is_linear else ""
         symbol = short_title(quantity) if quantity in QUANTITIES and "_" not in quantity else ""
         return " ".join(filter(None, (symbol, words or title(quantity))))
@@ -117,8 +123,8 @@ class View:
     def _trace(self, regime: Regime, record: Record) -> Trace:
         time, angle, observed, reference = self.results.curve(record.run, record.quantity)
         error = np.abs(observed - reference) / (record.peak or 1.0)
-        if regime.jumps and holds_acceleration(record.quantity):
-            error = np.where(near_jumps(time, regime.jumps), np.nan, error)
+        if regime.motion and holds_acceleration(record.quantity):
+            error = np.where(near_jumps(time, regime.motion), np.nan, error)
         return Trace(record, time, angle, observed, reference, error)
 
 
@@ -144,18 +150,18 @@ def family_title(quantity: str) -> str:
 
 
 def title(quantity: str) -> str:
-    """What a quantity is, in words."""
+    """The name of a quantity in words."""
     known = QUANTITIES.get(quantity)
     return known.title if known else quantity if "=" in quantity else worded(quantity)
 
 
 def short_title(quantity: str) -> str:
-    """A quantity's symbol, or a few words where it has none."""
+    """A quantity's symbol, or a few words if it has no symbol."""
     return SYMBOLS.get(quantity, worded(quantity).replace("joint force", "force"))
 
 
 def holds_acceleration(quantity: str) -> bool:
-    """Whether a quantity jumps with the crank's acceleration; those that are no row of the table are forces, and do."""
+    """Whether a quantity jumps with the crank's acceleration; quantities outside the table are forces, and do."""
     known = QUANTITIES.get(quantity)
     return known.holds_acceleration if known else True
 

@@ -1,4 +1,4 @@
-"""How a stress test is shown: signs of verdicts, values of axes, borders, errors beside their limits."""
+"""The display of a stress test: signs of verdicts, values of axes, borders, errors beside their limits."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SILENT = (StressVerdict.CAUGHT, StressVerdict.MISSED)
 
 
 class StressSign(NamedTuple):
-    """How a verdict is shown, as ``signs.toml`` has it, and what it means."""
+    """The sign of a verdict, from ``signs.toml``, and its meaning."""
 
     symbol: str
     fill: str
@@ -52,11 +52,11 @@ def border_words(border: Border) -> str:
 
 
 def against(record: QuantityRecord | None, name: Callable[[str], str] = str) -> str:
-    """An error and its limit, both over the peak, by the name of what it is of; "" where nothing was found."""
+    """An error and its limit, both over the peak, with the name of its quantity; empty without a record."""
     return "" if record is None else f"{name(record.quantity)} {error(record.error_max)}, limit {bound(record.limit)}"
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:
-    """The verdicts worth a column: all that occur, and that none was missed."""
+    """The verdicts with a column: all that occur, and always "missed"."""
     count = stress.count()
     return tuple(verdict for verdict in StressVerdict if count[verdict] or verdict in SILENT)

@@ -16,7 +16,7 @@ from reports.document.templates import plain, worded
 from reports.stress.facts import SIGNS, against, border_words, value_words
 
 WHITE = "#fdfdfd"  # ink of a sign that looks the same in the dark
-FLAGGED = "Flagged: "  # stands in a reason between what is wrong and what the checks said
+FLAGGED = "Flagged: "  # separates the fault from the checks' messages in a reason
 
 
 def map_data(stress: Stress, axis: str) -> dict[str, Any]:
@@ -35,7 +35,7 @@ def map_data(stress: Stress, axis: str) -> dict[str, Any]:
 
 
 def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]:
-    """The cells of one engine and usage, None where none was made; a border stands left of each of ``bars``."""
+    """The cells of one engine and usage, None without a run; a border stands left of each of ``bars``."""
     cells = {result.cell.value: _cell(result) for result in stress.lines[line]}
     borders = stress.line_borders.get(line, ())
     return {
@@ -62,7 +62,7 @@ def border_place(border: Border, values: Sequence[float]) -> int:
 
 
 def story(result: CellResult) -> dict[str, str]:
-    """What came of a cell and of what it rests on, as name and words; what there is nothing of is left out."""
+    """The result of a cell and its reasons, as name and words, without empty ones."""
     wrong, _, flagged = result.reason.partition(FLAGGED)
     parts = {
         "Wrong" if result.wrong else "Reason": wrong.rstrip(". "),

@@ -1,4 +1,4 @@
-"""Where each engine fails: the summary and the tables of a stress test, for pages and the terminal."""
+"""The summary and the tables of a stress test, for pages and the terminal."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RANKED = "tuned"  # the setting by which engines are ranked
 
 
 def summary(stress: Stress, macro: str) -> str:
-    """What a test comes to, in the words of one macro: what was run, wrong motions flagged and missed, false alarms."""
+    """A summary in the words of one macro: the runs, wrong motions flagged and missed, false alarms."""
     count = stress.count()
     caught, missed, alarms = (count[verdict] for verdict in (*SILENT, StressVerdict.ALARM))
     extent = {"cells": len(stress.results), "axes": len(stress.axes), "quick": stress.document["quick"]}
@@ -45,7 +45,7 @@ def ranking(stress: Stress) -> str:
 
 
 def verdict_facts(stress: Stress) -> Facts:
-    """How many cells came to each verdict, and what it means; that none is missed is the claim."""
+    """How many cells came to each verdict, and its meaning; the claim is 0 for "missed"."""
     count = stress.count()
     return Facts(
         tuple(

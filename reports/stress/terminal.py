@@ -12,7 +12,7 @@ from reports.stress.tables import LOUD, border_table, count_table, summary
 
 
 def printout(stress: Stress) -> Printout:
-    """Counts, borders, what was missed or raised for nothing, then what it all comes to; each cell if verbose."""
+    """Counts, borders, missed motions and false alarms, then the summary; each cell if verbose."""
     key = "  ".join(f"{SIGNS[verdict].symbol} {verdict.value}" for verdict in shown_verdicts(stress))
     parts: list[Printed] = [count_table(stress, str), Paragraph(key, colour="dim"), ""]
     parts += [border_table(stress, str), ""] if stress.borders else []
@@ -32,6 +32,6 @@ def _incident(result: CellResult) -> Paragraph:
 
 
 def cell_details(result: CellResult) -> str:
-    """All that is known of one cell, a line to a fact."""
+    """The details of one cell, a line to a fact."""
     facts = (f"{name}: {words}" for name, words in story(result).items())
     return "\n  ".join([f"{result.cell.key}: {result.verdict.value}", *facts])

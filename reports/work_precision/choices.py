@@ -1,4 +1,4 @@
-"""What to use for an error: the cheapest engine, a table over all mechanisms, one by mechanism."""
+"""The cheapest way to an error: the engine, a table over all mechanisms, one by mechanism."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _span(pairs: Sequence[EnginePoint]) -> str:
 
 
 def section(regimes: Regimes, note: str) -> Section:
-    """What to use for an error: over all mechanisms, then each of them in a fold; ``note`` is in small print."""
+    """The section on the cheapest way to an error: all mechanisms, then each in a fold; ``note`` is in small print."""
     each = {f"{place.mechanism}, {name}": (place,) for name, places in regimes.items() for place in places}
     whole = _table(sentence("bench_use", judged=judged_by(regimes)), "Regime", regimes)
     folds = (Fold("By mechanism", (_table("Each mechanism by itself.", "Mechanism", each),)),)

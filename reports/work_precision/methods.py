@@ -1,4 +1,4 @@
-"""The settings held against the methods of their engine, and the methods' orders and floors."""
+"""The settings compared with the methods of their engine, and the methods' orders and floors."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def page(bench: Bench) -> Page:
 
 
 def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
-    """What gave nothing: each reason once, with the places it was given in."""
+    """Runs without a result: each reason once, with its places."""
     groups = grouped(
         (f"{label_of(facts)}, {reason}", f"{place.mechanism} in {place.regime}")
         for place in every
@@ -55,7 +55,7 @@ def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
 
 
 def _measured(bench: Bench) -> Section:
-    """How it was measured, in sentences, and everything that decides a figure or a time."""
+    """The conditions of the measurement, in sentences."""
     document, repeats = bench.document, sum(len(point.repeats) for point in bench.points)
     work, share = document["noise"]["work"], noise_share(bench)
     sentences = lines("measurement", extent=document["extent"], noise=bench.noise, work=work, share=share)

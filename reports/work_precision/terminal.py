@@ -81,7 +81,7 @@ def _methods(place: PlaceFacts, quantity: str) -> Table:
 
 
 def _choices(place: PlaceFacts, quantity: str) -> Table:
-    """What to use for an error: a row for all errors that one point of an engine serves."""
+    """The cheapest way to an error: a row for all errors that one point of an engine serves."""
     rows = []
     for facts in place.engines(quantity):
         for choice, part in groupby(zip(facts.choices, WANTED, strict=False), key=lambda pair: pair[0]):

@@ -16,9 +16,9 @@ LEAST_NOISE = 0.05
 
 
 def comparison_words(comparison: SettingComparison, facts: EngineFacts, noise: float) -> str:
-    """How far off the methods' front a setting is, as the end of a sentence.
+    """A setting's distance from the methods' front, as the end of a sentence.
 
-    ``best`` is held against all methods, the others against those of a single run; a share ``noise`` of its time is
+    ``best`` is compared with all methods, the others with those of a single run; a share ``noise`` of its time is
     nothing.
     """
     record, ratio, whole = comparison.record, comparison.ratio, comparison.record.setting == Setting.BEST
@@ -39,7 +39,7 @@ def way_words(facts: EngineFacts, record: BenchRecord) -> str:
 
 
 def way(facts: EngineFacts, record: BenchRecord) -> str:
-    """How a point was run, without its step: a setting, or a method with any effort that is not its own.
+    """The name of a point's setting or method, with an effort other than the default, without its step.
 
     Of several runs extrapolated it ends in "x3", with which the name of a method may end already.
     """

@@ -1,4 +1,4 @@
-"""Jobs and engines that do what no job or engine should, for tests of what that costs. Imports little: workers do."""
+"""Jobs and engines that fail in every way, for tests of the workers. Imports little, since workers import it."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from comparisons.runs.worker_pool import DEFAULT_BOUNDS
 from comparisons.runs.workers import run_jobs
 from engines.contract import Abilities, Outcome, Run
 
-LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits for what has to come
+LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits at most
 
 
 def job(kind, value=None):
-    """Do what its kind says; 'fine' returns the value."""
-    return JOBS[kind](value)
+    """Call the function of this module named ``kind``; 'fine' returns the value."""
+    return globals()[kind](value)
 
 
 def fine(value):
@@ -134,10 +134,6 @@ def unreadable(_):
     return Unreadable()
 
 
-def large(value):
-    return b"\x01" * value
-
-
 def hang_up(_):
     os.closerange(3, 256)
     time.sleep(LONG)
@@ -194,47 +190,6 @@ def work_within(path):
     """Have workers of this process do a job, and leave the process number of their server in a file."""
     list(run_jobs(job, [("fine",)], processes=1))
     Path(path).write_text(str(forkserver._forkserver._forkserver_pid))
-
-
-JOBS = {
-    function.__name__: function
-    for function in (
-        fine,
-        slow,
-        abort,
-        leave_at_once,
-        leave,
-        sleep,
-        spin,
-        swell,
-        swell_in_c,
-        write,
-        crash,
-        fail,
-        unsendable,
-        unreadable,
-        large,
-        hang_up,
-        interrupt_itself,
-        sign,
-        sign_and_sleep,
-        fork_and_sleep,
-        escape_and_sleep,
-        spoil,
-        clocked,
-    )
-}
-
-
-class Counting:
-    """A function that counts its calls."""
-
-    def __init__(self):
-        self.calls = 0
-
-    def __call__(self):
-        self.calls += 1
-        return self.calls
 
 
 class _Faulty:

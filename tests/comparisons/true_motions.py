@@ -1,4 +1,4 @@
-"""What an engine without any error returns for a case, all samples at once, and the same with one thing wrong."""
+"""The history of an engine without any error, all samples at once, and the same with one fault."""
 
 import dataclasses
 
@@ -6,6 +6,8 @@ import numpy as np
 
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
 from comparisons.stress.cell_result import Cell, blank_result
 from comparisons.stress.verdict import judged
 from engines.contract import History, Outcome, Run, Signal
@@ -15,34 +17,51 @@ EVERYTHING = frozenset(Channel)
 CELL = Cell("axis", "row", 1.0, "engine", "tuned")
 
 
-def true_history(case, count=1201, mechanism=None, lag=0.0):
-    """The history of a case at ``count`` instants; by another mechanism, or with the crank behind by ``lag`` rad."""
+def true_history(case, count=1201, mechanism=None, lag=0.0, shift=0.0):
+    """The history of a case at ``count`` instants.
+
+    By another ``mechanism``, with the crank behind by ``lag`` rad, or with velocities ``shift`` steps later than the
+    rest, as a leapfrog method has them.
+    """
     mechanism = mechanism or case.mechanism
     time = np.linspace(0.0, case.motion.duration, count)
-    angle, speed = case.motion.angle(time) - lag, case.motion.speed(time)
-    acceleration = case.motion.acceleration(time)
-    sweep = mechanism.sweep(angle)
-    states = np.stack(
-        [_states(sweep, body.name, speed, acceleration) for body in case.scene(EVERYTHING).bodies], axis=2
-    )
+    later = np.clip(time[:-1] + shift * time[1], 0.0, case.motion.duration) if shift else time
+    speed, acceleration = case.motion.speed(time), case.motion.acceleration(time)
+    sweep = mechanism.sweep(case.motion.angle(time) - lag)
+    moving = mechanism.sweep(case.motion.angle(later) - lag) if shift else sweep
+    names = [body.name for body in case.scene(EVERYTHING).bodies]
     torque = reduced.drive_torque(sweep, speed, acceleration)
     if isinstance(case.drive, Free):
         torque = np.full(count, case.drive.torque)
     forces = joint_forces(sweep, speed, acceleration)
     return History(
-        *(Signal(time, part) for part in states),
+        position=Signal(time, np.stack([_position(sweep, name, time) for name in names], axis=1)),
+        velocity=Signal(later, np.stack([_rates(moving, name, case.motion.speed(later)) for name in names], axis=1)),
+        acceleration=Signal(time, np.stack([_rates(sweep, name, acceleration, speed**2) for name in names], axis=1)),
         torque=Signal(time, torque),
         joint_force={name: Signal(time, np.array(force.T)) for name, force in forces.items()},
     )
 
 
-def _states(sweep, name, speed, acceleration):
-    """Position, velocity and acceleration of one body, (3, n, 3)."""
-    full = 0.0 * speed
-    place = np.stack([part + full for part in (*sweep.centre(name), np.unwrap(sweep.angles(name) + full))])
-    first = np.stack([part + full for part in (*sweep.centre(name, 1), sweep.rates(name)[2])])
-    second = np.stack([part + full for part in (*sweep.centre(name, 2), sweep.accelerations(name)[2])])
-    return np.stack([place, first * speed, second * speed**2 + first * acceleration]).transpose(0, 2, 1)
+def perfect_motion(mechanism, motion, samples=1401, shift=0.0):
+    """The true motion of a linkage under a motion of its crank, as an engine without any error returns it."""
+    case = Case(mechanism, motion)
+    return ObservedMotion(case.scene(EVERYTHING), true_history(case, samples, shift=shift))
+
+
+def _position(sweep, name, time):
+    """Position and angle of one body, (n, 3)."""
+    full = 0.0 * time
+    return np.stack([part + full for part in (*sweep.centre(name), np.unwrap(sweep.angles(name) + full))], axis=1)
+
+
+def _rates(sweep, name, rate, squared=None):
+    """Velocity of one body at the crank's speed ``rate``, or acceleration at its acceleration and speed squared."""
+    first = [part * rate for part in (*sweep.centre(name, 1), sweep.rates(name)[2])]
+    if squared is not None:
+        second = (*sweep.centre(name, 2), sweep.accelerations(name)[2])
+        first = [part + other * squared for part, other in zip(first, second, strict=True)]
+    return np.stack(first, axis=1)
 
 
 def judgement(case, history, setting="tuned"):

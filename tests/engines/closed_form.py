@@ -10,7 +10,7 @@ import pytest
 from analytic.description.crank_motion import CrankMotion
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
-from comparisons.judging.deviations import near_jumps
+from comparisons.judging.jumps import near_jumps
 from comparisons.reference.case import Truth
 from comparisons.reference.start_state import scene
 from engines.contract import Engine, History, Outcome, Setting
@@ -87,7 +87,7 @@ def torque_error(history: History, linkage: Mechanism, motion: CrankMotion, afte
     """Error of the drive's torque after an instant, s, away from jumps of the acceleration."""
     assert history.torque is not None
     time = history.torque.time
-    smooth = ~near_jumps(time, motion.jumps) & (time > after)
+    smooth = ~near_jumps(time, motion) & (time > after)
     return error_of(history.torque.values, Truth(linkage, motion, time).torque, smooth)
 
 
@@ -100,7 +100,7 @@ def errors_of(history: History, linkage: Mechanism, motion: CrankMotion) -> dict
     errors = {"torque": torque_error(history, linkage, motion)}
     for order, name in enumerate(STATES):
         signal = getattr(history, name)
-        smooth, true = ~near_jumps(signal.time, motion.jumps), true_motion(linkage, motion, signal.time)[order]
+        smooth, true = ~near_jumps(signal.time, motion), true_motion(linkage, motion, signal.time)[order]
         errors[name] = error_of(signal.values[..., :2], true[..., :2], smooth)
         errors[f"angular {name}"] = error_of(signal.values[:, turning, 2], true[:, turning, 2], smooth)
     forces = Truth(linkage, motion, history.torque.time).joint_forces
@@ -109,6 +109,6 @@ def errors_of(history: History, linkage: Mechanism, motion: CrankMotion) -> dict
     for joint, signal in history.joint_force.items():
         true = Truth(linkage, motion, signal.time).joint_forces[joint].T
         true = np.hypot(*true.T) if signal.values.ndim == 1 else true  # an engine may give magnitudes alone
-        smooth = ~near_jumps(signal.time, motion.jumps)
+        smooth = ~near_jumps(signal.time, motion)
         errors[joint] = float(np.abs(signal.values - true)[smooth].max() / max(faint, float(np.abs(true).max())))
     return errors

@@ -15,7 +15,8 @@ from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import Results, document
 from comparisons.datasheet.building import usual_sheet
 from comparisons.datasheet.sheet import Sheet
-from comparisons.judging.deviations import Deviation, near_jumps
+from comparisons.judging.deviations import Deviation
+from comparisons.judging.jumps import near_jumps
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.judging.records import Record, RunRecord, Verdict, run_record
 from comparisons.judging.verdicts import judge
@@ -123,7 +124,7 @@ def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
     peak = float(np.max(np.abs(reference)))
     kept = np.ones(len(time), dtype=bool)
     if QUANTITIES[name].holds_acceleration:
-        kept = ~near_jumps(time, case.motion.jumps)
+        kept = ~near_jumps(time, case.motion)
     ripple = size * peak * np.sin(37.0 * case.motion.angle(time)) * (0.3 + 0.7 * time / time[-1])
     relative = np.abs(ripple[kept]) / peak
     return Deviation(

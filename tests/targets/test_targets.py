@@ -13,7 +13,7 @@ from comparisons.judging.records import run_record
 from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.saved import Stress
 from engines.contract import Setting
-from tests.comparisons.judging.test_baseline import RECORD
+from tests.comparisons.judging.test_judgement import RECORD
 from tests.comparisons.stress.test_border import result
 from tests.targets import random_linkages, speed, studies, targets
 from tests.targets.long_run import LEAST, LongRun, long_run

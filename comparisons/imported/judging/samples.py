@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from comparisons.faults.simulation import ChangedMotion, Simulation, at_jumps, holds_acceleration, near_jump
+from comparisons.faults.simulation import ChangedMotion, Simulation, holds_acceleration
 from comparisons.imported.columns import ImportedSignal
 from comparisons.imported.judging.crank_column import SPREAD, ColumnMotion
+from comparisons.judging.jumps import near_jump, near_jumps
 from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
@@ -40,7 +41,9 @@ def floor(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array])
     early, late = (model.predicted([_moved(sample, sign) for sample in samples]) for sign in (-1.0, 1.0))
     for number, signal in enumerate(samples):
         by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
-        apart = [np.where(at_jumps(signal.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others]
+        apart = [
+            np.where(near_jumps(signal.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others
+        ]
         by_angle = _near_largest(apart, model.motion) if apart else 0.0
         floors.append(signal.rounding + np.where(signal.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
     return floors

@@ -40,7 +40,7 @@ def check_scheduler(scheduler: object) -> None:
 
 @contextmanager
 def opened(scheduler: object, otherwise: P, *, alone: bool = False) -> Iterator[Pool | P]:
-    """The workers of a scheduler, by its address, "local:N" or a client, as a pool; ``otherwise`` if there is none.
+    """The pool of a scheduler's workers, by its address, "local:N" or a client; ``otherwise`` without a scheduler.
 
     ``alone`` is as in ``ClusterPool``. Raises LinkproofError if no job can run there.
     """

@@ -1,4 +1,4 @@
-"""What runs inside a Dask worker: every job in a process of its own, which is used again for the next one."""
+"""Code inside a Dask worker: it runs every job in a separate process, which serves the next job too."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class DaskMachine:
 
 
 def this_machine() -> DaskMachine:
-    """The machine of this process, and what is installed for it."""
+    """The machine of this process and the versions of its software."""
     others = plugins()
     facts = environment([name for name in engine_names() if name not in others]) | others
     facts |= {name: version(name) for name in DASK} | {"linkproof's files": sources()}

@@ -126,11 +126,11 @@ class ClusterPool:
 
     def preferred_worker(self, place: Hashable) -> str:
         """The worker for the jobs of a place: on the machine of the earlier ones, else on that with fewest places."""
-        there = {machine.host: address for address, machine in self.machines.items()}
-        if self._preferred.get(place) not in there:
+        addresses = {machine.host: address for address, machine in self.machines.items()}
+        if self._preferred.get(place) not in addresses:
             places = Counter(self._preferred.values())
-            self._preferred[place] = min(there, key=lambda host: places[host])
-        return there[self._preferred[place]]
+            self._preferred[place] = min(addresses, key=lambda host: places[host])
+        return addresses[self._preferred[place]]
 
     def _ask(self, address: str) -> futures.Future[object]:
         """Ask a worker for its machine; not by ``submit``, which waits for ever for a worker that dies meanwhile."""
@@ -180,7 +180,7 @@ class ClusterPool:
         return ""
 
     def _answer(self, question: Callable[..., Any], *args: Any, **words: Any) -> Any:  # noqa: ANN401
-        """The answer of the scheduler; raises PoolLostError if it gives none in time."""
+        """The answer of the scheduler; raises PoolLostError if it does not answer in time."""
         try:
             return self.client.sync(question, *args, callback_timeout=STARTUP_TIMEOUT, **words)
         except Exception as error:  # the end of a connection has many names

@@ -20,7 +20,7 @@ from reports.command_line.destination import Destination, write_out
 from reports.document.parts import Paragraph
 from reports.document.terminal import Printed
 from reports.records.engine_checks import printout
-from reports.records.readouts import readout_table
+from reports.records.origins import readout_table
 from reports.requests import FAILED, PASSED
 from reports.requests.campaign import request
 from reports.requests.engine_checks import engine_findings

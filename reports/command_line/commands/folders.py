@@ -17,8 +17,7 @@ from comparisons.folders.verification import verify as verify_folder
 from reports.command_line.commands.compare import report as report_saved
 from reports.command_line.destination import Destination
 from reports.document.terminal import show
-from reports.records.differences import difference_printout, study_printout
-from reports.records.findings import verification_as_dict, verification_printout
+from reports.records.differences import difference_printout, study_printout, verification_printout
 from reports.requests import FAILED, PASSED
 
 
@@ -27,7 +26,7 @@ def verify(saved: Path, limits: Path | None, destination: Destination) -> int:
     destination.check("")
     _refuse_merged(saved)
     verification = verify_folder(saved, limits)
-    destination.write_json(verification_as_dict(verification))
+    destination.write_json(asdict(verification))
     destination.print_out(verification_printout(verification))
     return FAILED if verification.findings else PASSED
 

@@ -1,4 +1,4 @@
-"""A project is found upwards from a linkage and read; what is wrong in it is said in one sentence."""
+"""A project file is searched upwards from a linkage and read; a wrong one is refused in one sentence."""
 
 import re
 from pathlib import Path
@@ -31,7 +31,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_a_project_says_what_is_compared_and_by_what(folder):
+def test_a_project_sets_linkages_engines_limits_and_bounds(folder):
     (folder / "linkproof.toml").write_text(WHOLE)
     found = find_project(folder / "linkages" / "a.toml")
     assert found is not None
@@ -58,25 +58,19 @@ def test_without_a_file_there_is_no_project(folder):
         ("engine = []", "unknown key of .*'engine'.*engines"),
         ("engines = 'exudyn'", "engines: expected a list of words"),
         ("time_limit = 0", "time_limit: expected a positive finite number"),
-        ("memory_limit = 'much'", "memory_limit: expected a positive finite number"),
         ("baseline = ''", "baseline: expected the name of a file"),
         ("allow_new = 1", "allow_new: expected true or false, got 1"),
         ("linkages = ['*.tml']", "got none that match"),
         ("linkages = ['/etc/*.toml']", "linkages: expected a place beneath its folder, got '/etc"),
-        ("linkages = ['../*.toml']", "linkages: expected a place beneath its folder"),
         ("linkages = ['**/../**/*.toml']", "linkages: expected a place beneath its folder"),
-        ("linkages = ['away/*.toml']", "linkages: expected a place beneath its folder, got 'away/"),
         ("linkages = ['*/*.toml']", "linkages: expected a place beneath its folder, got 'away/outside.toml'"),
         ("linkages = ['leads.toml']", "linkages: expected a place beneath its folder"),
         ('linkages = ["\\u0000"]', "linkages: expected a place beneath its folder"),
-        ("baseline = '../outside.json'", "baseline: expected a place beneath its folder, got '../outside.json'"),
-        ("baseline = '/outside.json'", "baseline: expected a place beneath its folder"),
         ("baseline = 'away/outside.json'", "baseline: expected a place beneath its folder"),
-        ("baseline = 'leads.toml'", "baseline: expected a place beneath its folder"),
         ("limit = []", "expected tables"),
     ],
 )
-def test_what_is_wrong_is_said(folder, tmp_path_factory, text, words):
+def test_a_wrong_project_is_refused(folder, tmp_path_factory, text, words):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (elsewhere / "outside.toml").write_text("")
     (folder / "away").symlink_to(elsewhere)

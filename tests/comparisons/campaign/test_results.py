@@ -1,4 +1,4 @@
-"""A saved campaign comes back whole, with no engine in sight."""
+"""A saved campaign is read back whole, without an engine; a damaged document is refused by the key at fault."""
 
 import shutil
 import subprocess
@@ -18,64 +18,58 @@ from comparisons.campaign.results import described, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.datasheet.building import bare_sheet
 from comparisons.datasheet.saved import save_sheets
-from comparisons.runs.study_folder import to_json
-from engines.contract import Outcome, Run, Setting
-from tests.comparisons.perfect_engine import perfect_motion
+from engines.contract import Outcome, Run
+from tests.comparisons.true_motions import perfect_motion
 
 JUKI, MOTION = load("juki-mf7923d", "as-printed"), crank_motion("run-up", clockwise=True, start_angle=0.3)
+REQUEST = CampaignRequest((JUKI,), (MOTION,), "as tested", ("direct",))
 
 
-def _compared(request, run):
-    """What a campaign makes of this run of an engine."""
+def _compared(run):
+    """The record of this run of an engine."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(campaign, "run_engine", lambda *_: run)
-        return list(campaign.compare(request))
+        (result,) = campaign.compare(REQUEST)
+    return result
 
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
-    request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("direct",))
     motion = perfect_motion(Mechanism(JUKI), MOTION, 701)
-    run = Run(Outcome.FINISHED, history=motion.history, details={"step": 1e-3})
-    (result,) = _compared(request, run)
+    result = _compared(Run(Outcome.FINISHED, history=motion.history, details={"step": 1e-3}))
     folder = tmp_path_factory.mktemp("saved")
-    save(folder, document(request, "linkproof compare juki-mf7923d"), [result], [bare_sheet(JUKI, "")])
+    save(folder, document(REQUEST, "linkproof compare juki-mf7923d"), [result], [bare_sheet(JUKI, "")])
     return folder, result
 
 
-def test_curves_come_back_to_the_last_bit(saved):
-    folder, result = saved
-    results = load_results(folder)
-    assert len(result.curves) > 8
-    for name, curve in result.curves.items():
-        np.testing.assert_array_equal(results.curve(result.run, name), curve)
+@pytest.fixture
+def copy(saved, tmp_path):
+    return shutil.copytree(saved[0], tmp_path / "copy")
 
 
-def test_records_linkages_and_motions_come_back(saved):
+def test_records_curves_linkages_and_motions_come_back_to_the_last_bit(saved):
     folder, result = saved
     results = load_results(folder)
     assert results.runs == (result,)
     assert (results.records, results.invariants) == (result.records, result.checks)
-    assert results.linkages == (JUKI,)
-    assert results.motions == (MOTION,)
+    assert len(result.curves) > 8
+    for name, curve in result.curves.items():
+        np.testing.assert_array_equal(results.curve(result.run, name), curve)
+    assert (results.linkages, results.motions) == ((JUKI,), (MOTION,))
     assert results.document["environment"]["numpy"] == np.__version__
     assert sorted(path.name for path in folder.iterdir()) == ["compare", "mechanisms.json"]
 
 
-def test_a_judgement_takes_the_place_of_a_campaign(saved, tmp_path):
-    folder, result = saved
-    shutil.copytree(folder, tmp_path / "copy")
-    save(tmp_path / "copy", {**load_results(folder).document, "judgement": ["right"]}, [result])
-    assert sorted(path.name for path in (tmp_path / "copy").iterdir()) == ["judge", "mechanisms.json"]
-    assert load_results(tmp_path / "copy", with_sheets=False).document["judgement"] == ["right"]
+def test_a_judgement_takes_the_place_of_a_campaign(saved, copy):
+    save(copy, {**load_results(copy).document, "judgement": ["right"]}, [saved[1]])
+    assert sorted(path.name for path in copy.iterdir()) == ["judge", "mechanisms.json"]
+    assert load_results(copy, with_sheets=False).document["judgement"] == ["right"]
 
 
-def test_sheets_of_another_campaign_are_refused(saved, tmp_path):
-    folder, _ = saved
-    shutil.copytree(folder, tmp_path / "copy")
-    save_sheets(tmp_path / "copy", [bare_sheet(load("fork-takeup"), "")])
+def test_sheets_of_another_campaign_are_refused(copy):
+    save_sheets(copy, [bare_sheet(load("fork-takeup"), "")])
     with pytest.raises(LinkproofError, match=r"mechanisms\.json.*no juki-mf7923d"):
-        load_results(tmp_path / "copy")
+        load_results(copy)
 
 
 @pytest.mark.parametrize(
@@ -111,15 +105,9 @@ def test_loading_imports_no_engine(saved):
     assert done.stdout.strip() == "[]"
 
 
-def test_json_never_holds_nan():
-    with pytest.raises(ValueError, match="Out of range float"):
-        to_json({"records": [float("nan")]})
-
-
 def test_a_campaign_of_failures_can_be_saved(tmp_path):
-    request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("direct",), (Setting.NAIVE,))
-    (failed,) = _compared(request, Run(Outcome.DIVERGED, "ran away"))
-    save(tmp_path, document(request, "linkproof compare"), [failed], [bare_sheet(JUKI, "")])
+    failed = _compared(Run(Outcome.DIVERGED, "ran away"))
+    save(tmp_path, document(REQUEST, "linkproof compare"), [failed], [bare_sheet(JUKI, "")])
     assert load_results(tmp_path).records == failed.records
 
 

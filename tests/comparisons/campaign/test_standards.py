@@ -1,4 +1,4 @@
-"""What results are held against: a project's words, files that go before it, and a baseline recorded and compared."""
+"""The standard of a campaign: a project's limits, files with precedence over them, and its baseline."""
 
 import json
 from dataclasses import replace
@@ -10,7 +10,7 @@ from analytic.description.loading import read
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.campaign.project import read_project
-from comparisons.campaign.standards import checksum, judged_campaign, places, standard
+from comparisons.campaign.standards import judged_campaign, places, standard
 from comparisons.judging.baseline import read_baseline
 from comparisons.judging.departures import departures
 from comparisons.judging.limits import shipped_limits
@@ -58,7 +58,7 @@ def test_places_are_paths_from_the_project_or_from_the_baseline(folder):
     assert places([read("juki-mf7923d")], folder)["juki-mf7923d"].path == "juki-mf7923d"
 
 
-def test_a_baseline_that_is_named_and_not_there_is_a_mistake(folder):
+def test_a_named_baseline_that_does_not_exist_is_refused(folder):
     with pytest.raises(LinkproofError, match=r"expected a baseline at '.*nix.json', got no such file: .*--record-base"):
         standard([], baseline=folder / "nix.json")
 
@@ -78,9 +78,11 @@ def _campaign(folder, record_into=None):
     return judged_campaign(request, results, standard(files, project), record_into)
 
 
-def test_a_campaign_is_recorded_and_then_held_to_it(folder):
+def test_a_campaign_is_recorded_and_then_compared_with_its_record(folder):
     file = read_project(folder / "linkproof.toml").baseline
     first = _campaign(folder)
+    assert first.as_dict["limits"][0]["value"] == 0.25
+    assert all(one.recorded is None and one.now is not None and one.sentence for one in first.figures)
     assert first.notes == ("the baseline is empty: --record-baseline writes it",)
     recorded = _campaign(folder, file)
     assert recorded.notes == ()
@@ -102,7 +104,7 @@ def test_a_mass_changed_by_a_hundredth_is_seen_in_its_own_file_alone(folder):
     assert note == "b/press.toml has changed since its baseline was recorded"
 
 
-def test_what_the_baseline_does_not_know_is_said(folder):
+def test_a_linkage_without_a_record_is_a_departure(folder):
     file = folder / "held.json"
     _campaign(folder, file)
     files = _files(folder)
@@ -114,19 +116,7 @@ def test_what_the_baseline_does_not_know_is_said(folder):
     assert one.sentence.startswith("a/press.toml (as-printed), run-up: c, gravity on is not in the baseline: --record")
 
 
-def test_a_document_holds_limits_figures_and_notes(folder):
-    told = _campaign(folder).as_dict
-    assert told["limits"][0]["value"] == 0.25
-    assert len(told["limits"]) == 1 + len(shipped_limits().rows)
-    assert all(one.recorded is None and one.now is not None and one.sentence for one in told["figures"])
-    assert told["notes"]
-
-
-def test_checksums_tell_texts_apart():
-    assert checksum("mass = 1") == checksum("mass = 1") != checksum("mass = 2")
-
-
-def test_a_recorded_linkage_whose_file_is_gone_is_said_until_it_is_recorded_anew(folder):
+def test_a_recorded_linkage_without_its_file_is_a_departure_until_it_is_recorded_anew(folder):
     file = folder / "held.json"
     _campaign(folder, file)
     (folder / "b" / "press.toml").unlink()

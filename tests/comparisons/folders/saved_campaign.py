@@ -15,7 +15,7 @@ from comparisons.judging.limits import shipped_limits
 from comparisons.judging.records import RunRecord
 from comparisons.judging.verdicts import Standard
 from engines.contract import Outcome, Run
-from tests.comparisons.perfect_engine import perfect_motion
+from tests.comparisons.true_motions import perfect_motion
 
 MOTION = crank_motion("run-up", start_angle=0.3)
 

@@ -57,7 +57,7 @@ def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
     assert torque.worst_time == pytest.approx(TIME[100])
     assert torque.worst_angle == pytest.approx(float(linear.angle(TIME[100])))
     assert torque.value_there - torque.truth_there == pytest.approx(0.5 * torque.scale, rel=0.02)
-    assert torque.left_out == 5  # two at the start of the ramp, three about its end
+    assert torque.left_out == 2  # one at the start of the ramp, one at its end
     assert stroke.left_out == 0
 
 

@@ -1,4 +1,4 @@
-"""The invariants never fail a true motion, and whatever is done to one they notice, without any closed form."""
+"""The invariants pass every true motion and detect every fault in one, without the closed form."""
 
 import dataclasses
 import math
@@ -16,7 +16,6 @@ from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants import invariants
 from comparisons.invariants.checks import _check, checks
-from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import energy_balance
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import limit
@@ -24,18 +23,16 @@ from comparisons.judging.records import Verdict, blank_record
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.cell_result import StressVerdict
-from comparisons.stress.scenes import LINKAGES, Conditions, case, reversal
-from comparisons.stress.verdict import ALARMS
+from comparisons.stress.scenes import Conditions, case, reversal
 from engines.contract import Signal
 from engines.scene import Channel
 from tests.analytic.linkages import mechanism as sample
-from tests.comparisons.perfect_engine import perfect_motion
-from tests.comparisons.true_motions import EVERYTHING, cut, judgement, true_history, with_signal
+from tests.comparisons.true_motions import EVERYTHING, cut, judgement, perfect_motion, true_history, with_signal
 
 TESTED = sorted(str(path) for path in (Path(__file__).parents[2] / "linkages").glob("*.toml"))
 TURNING = [*catalogue(), *(path for path in TESTED if "parallelogram" not in path)]
 JUKI = "juki-mf7923d"
-KINEMATICS = [channel.value for channel in LEVELS]
+SOME = [JUKI, *(pytest.param(name, marks=pytest.mark.nightly) for name in ("rimoldi-164", "slotted-takeup"))]
 
 
 @cache
@@ -61,20 +58,20 @@ def released(name, turns=5.0, *, speed=100.0, damping=0.0, torque=0.0, start_ang
 # -- a true motion -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", TURNING)
+@pytest.mark.parametrize("name", [JUKI, *(pytest.param(name, marks=pytest.mark.nightly) for name in TURNING[1:])])
 def test_a_true_motion_raises_no_alarm(name):
     one = driven(name)
     found = judgement(one, true_history(one, 2401))
     assert (found.verdict, found.alarms) == (StressVerdict.WITHIN, ())
 
 
-@settings(max_examples=25)
+@settings(max_examples=6)
 @given(
     name=st.sampled_from(TURNING),
     regime=st.sampled_from(REGIMES),
     speed=st.floats(1.0, 1e4),
     start_angle=st.floats(-3.0, 3.0),
-    count=st.integers(900, 3000),
+    count=st.integers(900, 1500),
 )
 def test_no_speed_ramp_or_start_raises_one(name, regime, speed, start_angle, count):
     motion = crank_motion(regime, speed=speed, start_angle=start_angle, ramp_time=60.0 / speed, hold_time=10.0 / speed)
@@ -82,8 +79,8 @@ def test_no_speed_ramp_or_start_raises_one(name, regime, speed, start_angle, cou
     assert judgement(one, true_history(one, count)).alarms == ()
 
 
-@pytest.mark.parametrize("count", [25, 60, 150])
-def test_coarse_samples_of_a_true_motion_are_not_held_against_it(count):
+@pytest.mark.parametrize("count", [25, 150])
+def test_coarse_samples_of_a_true_motion_raise_none(count):
     one = driven(JUKI)
     assert judgement(one, true_history(one, count)).alarms == ()
 
@@ -93,15 +90,14 @@ def test_a_reversal_raises_none():
     assert judgement(one, true_history(one)).alarms == ()
 
 
-@pytest.mark.parametrize("excess", [1e-2, 1e-4, 1e-6, 1e-8])
-@pytest.mark.parametrize("count", [301, 1201])
+@pytest.mark.parametrize(("excess", "count"), [(1e-2, 301), (1e-6, 301), (1e-8, 1201)])
 def test_a_peak_between_two_samples_raises_none(excess, count):
     conditions = Conditions("slider-crank", link="rod", point="D", at=(0.05, 0.0), slope=(0.05, 0.0), excess=excess)
     one = case(conditions)
     assert judgement(one, true_history(one, count)).alarms == ()
 
 
-@pytest.mark.parametrize(("damping", "torque"), [(0.0, 0.0), (1e-4, 0.01), (5e-3, 0.2), (0.5, 2.0)])
+@pytest.mark.parametrize(("damping", "torque"), [(0.0, 0.0), (0.5, 2.0)])
 def test_a_released_crank_raises_none(damping, torque):
     one = released(JUKI, damping=damping, torque=torque)
     assert judgement(one, true_history(one, 1501)).alarms == ()
@@ -137,7 +133,7 @@ def _bump(values, at):
     return off
 
 
-@pytest.mark.parametrize("name", [JUKI, "rimoldi-164", "slotted-takeup"])
+@pytest.mark.parametrize("name", SOME)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_in_one_signal_is_caught(name, fault):
     signal, change = FAULTS[fault]
@@ -147,7 +143,7 @@ def test_a_fault_in_one_signal_is_caught(name, fault):
     assert found.verdict is not StressVerdict.MISSED
 
 
-@settings(max_examples=25)
+@settings(max_examples=6)
 @given(
     name=st.sampled_from(TURNING),
     signal=st.sampled_from(["velocity", "acceleration", "torque"]),
@@ -158,7 +154,7 @@ def test_whatever_is_scaled_is_caught(name, signal, scale):
     assert judgement(one, with_signal(true_history(one, 601), signal, lambda values, _: scale * values)).alarms
 
 
-@settings(max_examples=25)
+@settings(max_examples=6)
 @given(name=st.sampled_from(TURNING), lag=st.floats(0.011, 3.0), ahead=st.booleans())
 def test_a_crank_off_its_drive_is_caught(name, lag, ahead):
     one = driven(name)
@@ -167,7 +163,7 @@ def test_a_crank_off_its_drive_is_caught(name, lag, ahead):
     assert "crank_phase" in found.alarms
 
 
-@pytest.mark.parametrize("name", [JUKI, "rimoldi-164", "slotted-takeup"])
+@pytest.mark.parametrize("name", SOME)
 @pytest.mark.parametrize("scale", [0.98, 1.02])
 def test_a_wrong_force_in_any_one_joint_is_caught(name, scale):
     one = driven(name)
@@ -208,7 +204,11 @@ def spike(name, degrees, clockwise=False):
     return Case(Mechanism(load(str(path))), motion)
 
 
-SPIKES = [("near-toggle", 78.8), ("random-218", 78.79541471699513), ("random-315", 31.065246489508237, True)]
+SPIKES = [
+    pytest.param(("near-toggle", 78.8), id="near-toggle"),
+    pytest.param(("random-218", 78.79541471699513), id="random-218", marks=pytest.mark.nightly),
+    pytest.param(("random-315", 31.065246489508237, True), id="random-315", marks=pytest.mark.nightly),
+]
 
 
 def records(one, history):
@@ -216,8 +216,8 @@ def records(one, history):
     return {record.quantity: record for record in found}
 
 
-@pytest.mark.parametrize("where", SPIKES, ids=lambda where: where[0])
-def test_a_spike_raises_no_alarm_and_its_energy_is_not_said_to_balance(where):
+@pytest.mark.parametrize("where", SPIKES)
+def test_a_spike_raises_no_alarm_and_its_energy_balance_is_undefined(where):
     one = spike(*where)
     found = records(one, true_history(one, 1401))
     energy = found.pop("energy_balance")
@@ -227,7 +227,7 @@ def test_a_spike_raises_no_alarm_and_its_energy_is_not_said_to_balance(where):
 
 
 @pytest.mark.parametrize("signal", ["torque", "velocity", "acceleration"])
-@pytest.mark.parametrize("where", SPIKES, ids=lambda where: where[0])
+@pytest.mark.parametrize("where", SPIKES)
 def test_a_fault_within_a_spike_is_caught(where, signal):
     one = spike(*where)
     history = true_history(one, 1401)
@@ -258,12 +258,6 @@ def test_an_energy_balance_shows_its_error_estimate_where_that_is_larger():
     assert record.outcome == Verdict.PASSED
     assert record.error_max * record.peak == pytest.approx(np.max(balance.error_estimate))
     assert np.all(np.abs(balance.gained) <= balance.error_estimate + 1e-12 * record.peak)
-
-
-def test_energy_out_of_nothing_is_over_the_limit_by_more_than_its_error_estimate():
-    one = driven(JUKI)
-    found = records(one, with_signal(true_history(one, 1401), "torque", lambda values, _: 1.03 * values))
-    assert found["energy_balance"].outcome == Verdict.OVER_LIMIT
 
 
 def test_an_invariant_without_a_sample_is_undefined():
@@ -357,11 +351,6 @@ def test_samples_half_a_turn_apart_are_not_the_motion():
     assert "crank_phase" in found.alarms
 
 
-def test_a_missing_sample_at_either_end_is_not_held_against_an_engine():
-    one = driven(JUKI)
-    assert judgement(one, cut(true_history(one), lambda t: (t > 0.0) & (t < t[-1]))).alarms == ()
-
-
 # -- a released crank --------------------------------------------------------------------------------------------------
 
 
@@ -373,10 +362,10 @@ def test_the_angle_turned_before_the_first_acceleration_is_not_the_engines_error
     assert np.max(invariants.crank_phase(seen).values) < 1e-12
 
 
-@pytest.mark.parametrize("turns", [30, 100])
-def test_tiny_dissipation_is_caught_over_many_turns(turns):
+def test_tiny_dissipation_is_caught_over_many_turns():
     """It takes less than the energy's own limit, and still puts the crank some hundredths of a radian behind."""
-    one, lossy = released(JUKI, turns), released(JUKI, turns, damping=2e-9 * (100 / turns) ** 2)
+    turns = 30
+    one, lossy = released(JUKI, turns), released(JUKI, turns, damping=2.2e-8)
     history = true_history(dataclasses.replace(lossy, mechanism=one.mechanism), 100 * turns)
     found = judgement(one, history)
     assert found.verdict is StressVerdict.CAUGHT
@@ -430,14 +419,10 @@ def test_a_speed_its_acceleration_does_not_make_is_caught():
 # -- single ones -------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module", params=[JUKI, "rimoldi-164"])
-def motion(request):
-    one = driven(request.param)
+@pytest.fixture(scope="module")
+def motion():
+    one = driven(JUKI)
     return ObservedMotion(one.scene(EVERYTHING), true_history(one, 2801))
-
-
-def test_joints_are_closed(motion):
-    assert invariants.joint_gaps(motion).values.max() < 1e-15
 
 
 def test_a_body_out_of_place_opens_its_joints_and_no_others(motion):
@@ -458,11 +443,6 @@ def _at(values, sample, body):
     return off
 
 
-def test_energy_is_balanced(motion):
-    peak = motion.kinetic_energy(motion.history.velocity.time).max()
-    assert np.abs(energy_balance(Inspection(motion)).gained).max() < 1e-6 * peak
-
-
 def test_both_routes_to_the_torque_agree_at_standstill_too(motion):
     by_power = Inspection(motion).torque_required()
     torque = motion.history.torque
@@ -477,13 +457,7 @@ def test_energy_is_balanced_across_acceleration_jumps():
     assert np.abs(energy_balance(Inspection(seen)).gained).max() < 1e-6 * peak
 
 
-def test_the_stress_maps_own_linkages_are_all_tried():
-    assert {path.stem for path in LINKAGES.glob("*.toml")} >= {"slider-crank", "parallel-cranks"}
-    assert set(ALARMS) >= {"closure", "assembly_mode", "crank_phase", "force_balance"}
-    assert KINEMATICS == ["position", "velocity", "acceleration"]
-
-
-def test_where_a_change_point_is_passed_no_joint_force_is_held_against_a_balance():
+def test_the_force_balance_is_undefined_where_a_change_point_is_passed():
     one = _unequal(0.0)
     motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one))
     records = {record.quantity: record for record in checks(one, motion, blank_record(one, "tuned"))}
@@ -492,7 +466,7 @@ def test_where_a_change_point_is_passed_no_joint_force_is_held_against_a_balance
     assert records["assembly_mode"].outcome == Verdict.PASSED
 
 
-@pytest.mark.parametrize("beside", [0.0, 1e-9, 1e-5, 1e-4])  # rad from the change point to the nearest sample
+@pytest.mark.parametrize("beside", [0.0, 1e-5])  # rad from the change point to the nearest sample
 def test_the_smooth_way_through_change_points_raises_no_alarm(beside):
     motion = CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0 + beside, 60.0)),))
     one = Case(sample("parallelogram"), motion)

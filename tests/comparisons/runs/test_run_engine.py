@@ -1,11 +1,57 @@
-"""Gaps between samples are told from steps that change with the parts of a motion, and from samples lacking there."""
+"""A run and its facts: the contract of its samples, gaps between them, clocks, the machine."""
+
+import gc
+import platform
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import CrankMotion, Segment
-from comparisons.runs.gaps import gap
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.runs import environment
+from comparisons.runs.failures import AdapterError
+from comparisons.runs.run_engine import gap, readable
+from comparisons.runs.timing import Noise, calibrate, no_collection, timed
+from engines.contract import Outcome, Run, Signal
 from engines.scene import Free, Prescribed
+from tests.comparisons.true_motions import perfect_motion
+
+
+def test_noise_is_relative_to_the_shortest():
+    noise = Noise((2.0, 1.0, 1.1, 1.2, 1.1, 1.0, 1.1, 1.3, 1.1, 1.1, 1.1))
+    assert noise.least == 1.0
+    assert noise.median_excess == pytest.approx(0.1)
+    assert noise.spread == pytest.approx(0.3)
+    nothing = Noise(())
+    assert (nothing.least, nothing.median_excess, nothing.spread) == (0.0, 0.0, 0.0)
+
+
+def test_work_is_timed_with_the_collector_off_and_the_collector_comes_back():
+    assert gc.isenabled()
+    collecting, seconds = timed(gc.isenabled)
+    assert (collecting, gc.isenabled()) == (False, True)
+    assert seconds > 0.0
+    assert calibrate() > 0.0
+    gc.disable()
+    try:
+        with no_collection():
+            pass
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def test_versions_machine_and_commit_without_absent_packages(monkeypatch):
+    monkeypatch.setattr(environment, "PACKAGES", ("numpy", "no-such-engine"))
+    facts = environment.environment()
+    assert facts["python"] == platform.python_version()
+    assert {"date", "machine", "commit", "numpy"} <= set(facts)
+    assert "no-such-engine" not in facts
+    assert all(facts.values())
+
 
 END = 1.0
 PARTS = Prescribed(CrankMotion("parts", (Segment(0.0, 0.6, (0.0, 1.0)), Segment(0.6, END, (0.6, 1.0)))))
@@ -42,3 +88,49 @@ def without(time, *places):
 )  # fmt: skip
 def test_a_gap_is_longer_than_a_few_of_the_steps_around_it(time, drive, hole):
     assert gap(time, drive) == hole
+
+
+MOTION = perfect_motion(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic"), 29)
+RUN = Run(Outcome.FINISHED, history=MOTION.history, seconds=0.5, steps=28)
+
+
+def moved(change):
+    """The run with other times and values of its positions."""
+    position = MOTION.history.position
+    return replace(RUN, history=replace(MOTION.history, position=Signal(*change(position.time, position.values))))
+
+
+@pytest.mark.parametrize(
+    ("run", "words"),
+    [
+        (None, "a Run, got a NoneType"),
+        (replace(RUN, outcome="weird"), "an Outcome, got a str"),
+        (replace(RUN, reason=3), "a reason as text, got 3"),
+        (replace(RUN, seconds=-5.0), "seconds that are finite and not negative, got -5.0"),
+        (replace(RUN, setup_seconds=float("inf")), "setup_seconds that are finite and not negative, got inf"),
+        (replace(RUN, steps=10**30), "steps as a number from 0 on"),
+        (replace(RUN, passes=[1e-3]), "passes as steps in s, got a list"),
+        (replace(RUN, details={"o": object()}), "texts and finite numbers, got a object"),
+        (replace(RUN, history=None), "a History of a run that finished, got a NoneType"),
+        (moved(lambda time, values: (time, values[:, :2])), r"got \(29, 2, 3\) in position"),
+        (moved(lambda time, values: (time, values + 1j)), "arrays of real numbers"),
+        (moved(lambda time, values: (-time, values)), "finite and never decrease"),
+        (moved(lambda time, values: (np.where(time > 0.1, np.nan, time), values)), "finite and never decrease"),
+    ],
+)
+def test_a_run_that_violates_the_contract_is_an_error_of_its_adapter(run, words):
+    with pytest.raises(AdapterError, match=rf"^the adapter of e returned a run .* expected .*{words}"):
+        readable(run, MOTION.scene, "e")
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda time, values: (time, 1e300 * values), r"position is beyond 1e\+100 from 0 s on"),
+        (lambda time, values: (time[:4], values[:4]), "position has 4 samples, too few to read between"),
+    ],
+)
+def test_a_finished_run_that_cannot_be_read_has_diverged(change, reason):
+    run = readable(moved(change), MOTION.scene, "e")
+    assert run.outcome is Outcome.DIVERGED
+    assert re.match(reason, run.reason)

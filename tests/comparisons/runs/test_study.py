@@ -23,11 +23,6 @@ def failing(*_):
     pytest.fail("a task was made again")
 
 
-def test_results_come_in_the_order_of_the_tasks():
-    assert list(study().in_order(TASKS)) == [1, 3, 2]
-    assert list(study(pool=LocalPool(2)).in_order(TASKS)) == [1, 3, 2]
-
-
 def test_several_processes_begin_with_the_heaviest(monkeypatch):
     begun = []
 
@@ -41,17 +36,12 @@ def test_several_processes_begin_with_the_heaviest(monkeypatch):
     assert begun == [3, 2, 1]
 
 
-def test_a_task_asked_for_twice_is_made_once():
+def test_a_task_requested_twice_is_made_once():
     made = []
     twice = study(function=lambda kind, value: made.append(value) or value)
     assert list(twice.in_order([*TASKS, TASKS[0]])) == [1, 3, 2, 1]
     assert [task.key for task in twice.make(TASKS)] == []
     assert sorted(made) == [1, 2, 3]
-
-
-def test_a_lost_task_has_the_result_of_what_went_wrong():
-    (found,) = study().in_order([Task("t", ("fail", None))])
-    assert found == "fail None: suite-error"
 
 
 def test_a_lost_task_may_count_as_never_begun():
@@ -60,7 +50,7 @@ def test_a_lost_task_may_count_as_never_begun():
     assert list(dropping.results()) == [1]
 
 
-def test_what_a_journal_holds_is_not_made_again(tmp_path):
+def test_tasks_in_the_journal_are_not_made_again(tmp_path):
     journal = Journal(tmp_path, "as tested")
     first = study(journal=journal)
     next(first.make(TASKS))
@@ -70,14 +60,6 @@ def test_what_a_journal_holds_is_not_made_again(tmp_path):
     assert list(again.in_order(TASKS)) == [1, 3, 2]
     assert heard == [("label 3", 1, 3), ("label 3", 2, 3), ("label 2", 2, 3), ("label 2", 3, 3)]
     assert list(study(journal=journal, function=failing).in_order(TASKS)) == [1, 3, 2]
-
-
-def test_tasks_expected_count_before_they_are_begun():
-    heard = []
-    expecting = study(announce=lambda *words: heard.append(words[1:]))
-    expecting.expect(TASKS)
-    list(expecting.make(TASKS[:1]))
-    assert heard == [(0, 3), (1, 3)]
 
 
 def test_closing_a_study_ends_its_workers(monkeypatch):

@@ -1,4 +1,4 @@
-"""A job in a worker costs itself and nothing else, whatever it does."""
+"""A job in a worker can fail, hang, crash or use up memory, and no other job is lost."""
 
 import multiprocessing
 import os
@@ -6,21 +6,18 @@ import signal
 import subprocess
 import sys
 from contextlib import closing
-from functools import partial
 from itertools import count, islice
 from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from comparisons.runs import worker_pool
 from comparisons.runs.failures import GIB, SHOW_OUTPUT, Failure, Lost
 from comparisons.runs.worker_pool import WorkerPool
 from comparisons.runs.workers import Bounds, LastingPool, run_jobs
-from tests.comparisons.faults import PATIENCE, Clock, Counting, job, large, wait_for, work_within
+from tests.comparisons.faults import PATIENCE, Clock, job, wait_for, work_within
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
 BOUNDS = Bounds(memory=GIB // 16)
@@ -29,8 +26,6 @@ FATES = [
     ("abort", None, Failure.CRASHED, "died by signal 6 (SIGABRT)"),
     ("crash", None, Failure.CRASHED, "died by signal 11 (SIGSEGV)"),
     ("leave_at_once", 3, Failure.CRASHED, "exited with code 3"),
-    ("leave_at_once", 0, Failure.CRASHED, "exited with code 0"),
-    ("leave", 3, Failure.CRASHED, "exited with code 3"),
     ("leave", None, Failure.CRASHED, "exited with code 0"),
     ("leave", "words", Failure.CRASHED, "exited with code 1"),
     ("swell", None, Failure.CRASHED, "needed more than 0.0625 GiB of memory"),
@@ -76,9 +71,8 @@ def test_every_fault_costs_its_own_job_and_prints_nothing(capfd, monkeypatch):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("kind", ["sleep", "spin"])
-def test_a_job_over_its_time_costs_itself_alone(clock, kind):
-    jobs = [("fine", 1), (kind, None), ("fine", 2)]
+def test_a_job_over_its_time_costs_itself_alone(clock):
+    jobs = [("fine", 1), ("spin", None), ("fine", 2)]
     results = dict(run_jobs(job, jobs, processes=1, begun=lambda number: number == 1 and clock.put_forward()))
     assert results == {0: 1, 1: Lost(Failure.TIMED_OUT, "took longer than 600 s"), 2: 2}
 
@@ -89,21 +83,8 @@ def test_a_job_that_hangs_up_costs_itself_alone(monkeypatch):
     assert results == {0: 1, 1: Lost(Failure.CRASHED, "closed its connection without ending"), 2: 2}
 
 
-@settings(max_examples=15)
-@given(st.lists(st.sampled_from(["fine", "abort", "fail", "leave_at_once", "write"]), max_size=12))
-def test_any_sequence_of_fates_gives_every_job_its_own(kinds):
-    outcomes = {"abort": Failure.CRASHED, "fail": Failure.SUITE_ERROR, "leave_at_once": Failure.CRASHED}
-    results = dict(run_jobs(job, [(kind, number % 256) for number, kind in enumerate(kinds)], processes=2))
-    assert sorted(results) == list(range(len(kinds)))
-    for number, kind in enumerate(kinds):
-        found = results[number]
-        assert (found.outcome if isinstance(found, Lost) else found) == outcomes.get(kind, number)
-        if kind == "leave_at_once":
-            assert found.reason == f"exited with code {number}"
-
-
-def test_hundreds_that_abort_at_once_are_each_told_from_those_that_do_not():
-    jobs = [("abort" if number % 2 else "fine", number) for number in range(200)]
+def test_many_that_abort_at_once_cost_no_other():
+    jobs = [("abort" if number % 2 else "fine", number) for number in range(40)]
     for number, found in run_jobs(job, jobs, processes=2):
         assert isinstance(found, Lost) if number % 2 else found == number
 
@@ -133,17 +114,11 @@ def test_results_come_as_they_complete_and_jobs_begin_in_order(tmp_path):
     assert begun == [0, 1, 2]
 
 
-def test_a_hundred_megabytes_come_back_whole():
-    ((_, result),) = run_jobs(large, [(100_000_000,)])
-    assert result == b"\x01" * 100_000_000
-
-
-@pytest.mark.parametrize("shown", ["", "1"])
-def test_output_is_shown_where_it_is_asked_for(shown):
+def test_output_is_shown_on_request():
     words = "from tests.comparisons.faults import job; list(run_jobs(job, [('write', None)]))"
     command = [sys.executable, "-c", f"from comparisons.runs.workers import run_jobs; {words}"]
-    done = subprocess.run(command, env={**ENVIRONMENT, SHOW_OUTPUT: shown}, capture_output=True, check=True)
-    assert (b"noise" in done.stdout, b"noise" in done.stderr) == (bool(shown), bool(shown))
+    done = subprocess.run(command, env={**ENVIRONMENT, SHOW_OUTPUT: "1"}, capture_output=True, check=True)
+    assert (b"noise" in done.stdout, b"noise" in done.stderr) == (True, True)
 
 
 def test_workers_import_what_their_parent_does_and_nothing_from_the_working_folder(tmp_path):
@@ -165,16 +140,6 @@ def test_jobs_are_taken_when_workers_need_them():
     assert all(number == value for number, value in islice(results, 10))
     results.close()
     assert next(taken) <= 10 + 3 * 2
-
-
-def test_no_job_starts_no_worker():
-    assert list(run_jobs(job, [])) == []
-
-
-def test_a_function_is_sent_once_and_the_callers_stays_as_it_was():
-    counting = Counting()
-    assert [found for _, found in run_jobs(partial(counting), [()] * 3, processes=1)] == [1, 2, 3]
-    assert counting.calls == 0
 
 
 def test_a_worker_that_has_ended_between_two_jobs_costs_none():
@@ -200,13 +165,12 @@ def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
         list(run_jobs(job, [("interrupt_itself", None)], processes=0))
 
 
-@pytest.mark.parametrize("processes", [1, 2])
-def test_a_lasting_worker_serves_list_after_list_until_one_is_left(tmp_path, processes):
+def test_a_lasting_worker_serves_list_after_list_until_one_is_interrupted(tmp_path):
     def signed(pool, name):
         assert list(pool.run(job, [("sign", str(tmp_path / name))], BOUNDS)) == [(0, None)]
         return int((tmp_path / name).read_text())
 
-    with closing(LastingPool(processes)) as pool:
+    with closing(LastingPool(1)) as pool:
         first = signed(pool, "first")
         assert first == signed(pool, "second") != os.getpid()
         assert runs(first)
@@ -227,15 +191,6 @@ def test_a_late_question_does_not_make_a_job_late(clock):
         assert wait_for(lambda: all(one.channel.poll() for one in workers.workers if one.job is not None))
         clock.put_forward()
         assert not isinstance(next(results)[1], Lost)
-
-
-def test_closing_stops_workers_at_once(tmp_path):
-    path = tmp_path / "process"
-    results = run_jobs(job, [("fine", None), ("sign_and_sleep", str(path))], processes=2)
-    next(results)
-    assert wait_for(lambda: written(path))
-    results.close()
-    assert not runs(int(path.read_text()))
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
@@ -272,8 +227,16 @@ list(run_jobs(job, zip(kinds, sys.argv[1:]), processes=3))
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
-@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("send", [os.kill, os.killpg])
+@pytest.mark.parametrize(
+    ("send", "by"),
+    [
+        (os.kill, signal.SIGKILL),
+        *(
+            pytest.param(send, by, marks=pytest.mark.nightly)
+            for send, by in [(os.killpg, signal.SIGKILL), (os.kill, signal.SIGINT), (os.killpg, signal.SIGTERM)]
+        ),
+    ],
+)
 def test_nothing_that_runs_outlives_the_command_and_no_temporary_file(tmp_path, short_folder, send, by):
     paths, temporary = [tmp_path / name for name in ("one", "two", "three")], short_folder
     command, environment = [sys.executable, "-c", PARENT, *map(str, paths)], {**ENVIRONMENT, "TMPDIR": str(temporary)}

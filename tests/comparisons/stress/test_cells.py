@@ -1,4 +1,4 @@
-"""A cell by its words, made in any engine, told as JSON and back; a map of cells made, kept, resumed and narrowed."""
+"""A cell by its key, run in any engine, as JSON and back; a map of cells, its journal and its borders."""
 
 import contextlib
 import dataclasses
@@ -17,7 +17,7 @@ from comparisons.stress import cells as stress
 from comparisons.stress.axes import axes
 from comparisons.stress.campaign import StressRequest, make_cells
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
-from comparisons.stress.cells import cells, find_cell, lost, made, usages
+from comparisons.stress.cells import find_cell, lost, made, usages
 from comparisons.stress.scenes import case
 from engines.contract import Abilities, Method, Outcome, Run
 from tests.comparisons.faults import PATIENCE
@@ -88,11 +88,6 @@ def with_engine(monkeypatch):
 COUPLER = Cell("mass", "four-bar, coupler", 100.0, "perfect", "tuned")
 
 
-def test_a_cells_words_are_its_name():
-    assert COUPLER.key == "mass/four-bar, coupler/100/perfect/tuned"
-    assert COUPLER.line == ("mass", "four-bar, coupler", "perfect", "tuned")
-
-
 @pytest.mark.parametrize(
     ("key", "error", "words"),
     [
@@ -107,27 +102,6 @@ def test_a_cell_that_does_not_exist_is_refused(with_engine, key, error, words):
     with_engine(Perfect())
     with pytest.raises(error, match=words):
         find_cell(key)
-
-
-def test_a_cell_is_found_by_its_words_at_any_value(with_engine):
-    with_engine(Perfect())
-    assert find_cell(COUPLER.key) == COUPLER
-    assert find_cell("mass/four-bar, coupler/123.4/perfect/best" if "best" in axes()["mass"].settings else COUPLER.key)
-
-
-def test_usages_are_settings_or_the_methods_an_engine_has():
-    assert usages(axes()["mass"], Perfect()) == list(axes()["mass"].settings)
-    assert usages(axes()["speed"], Perfect()) == ["defaults", "centred"]
-    assert usages(axes()["iterations"], Perfect()) == ["centred"]
-    assert usages(axes()["tolerance"], Perfect()) == []
-
-
-def test_cells_are_every_value_of_every_row_and_usage(with_engine):
-    with_engine(Perfect())
-    axis = axes()["mass"]
-    found = cells([axis], ["perfect"], quick=False)
-    assert len({cell.key for cell in found}) == len(found) == len(axis.rows) * len(axis.values) * len(axis.settings)
-    assert {cell.usage for cell in cells([axis], ["perfect"], ["tuned"], quick=True)} == {"tuned"}
 
 
 def test_the_truth_is_within_limit_at_any_mass(with_engine):
@@ -151,15 +125,6 @@ def test_a_method_is_run_at_its_step_with_its_effort(with_engine):
     assert engine.asked[1] == ("method", "centred", 30.0, pytest.approx(0.06 / 100.0))
 
 
-def test_an_engine_that_is_not_there_is_told_as_such(with_engine):
-    class Absent(Perfect):
-        def version(self):
-            return None
-
-    with_engine(Absent())
-    assert made(COUPLER).verdict is StressVerdict.UNAVAILABLE
-
-
 @pytest.mark.parametrize("engine", [Perfect(), Liar()])
 def test_json_holds_all_of_a_cell(with_engine, engine):
     with_engine(engine)
@@ -180,7 +145,7 @@ def request(**changes):
     return StressRequest((axis,), ("perfect",), ("tuned",), pool=LocalPool(0), **changes)
 
 
-def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_engine):
+def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_engine):
     with_engine(Liar())
     heard = []
     found = campaign.stress(request(), lambda *words: heard.append(words))
@@ -198,13 +163,7 @@ def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_e
     assert heard[-1][1] == heard[-1][2] == len(found.cells)
 
 
-def test_one_that_is_let_pass_is_counted_as_missed(with_engine, monkeypatch):
-    with_engine(Liar())
-    monkeypatch.setattr(stress, "judged", lambda blank, *_: dataclasses.replace(blank, verdict=StressVerdict.MISSED))
-    assert len(campaign.stress(request(quick=True)).of(StressVerdict.MISSED)) == len(axes()["mass"].quick)
-
-
-def test_what_the_journal_has_is_not_made_again(with_engine, tmp_path):
+def test_cells_in_the_journal_are_not_run_again(with_engine, tmp_path):
     engine = with_engine(Liar())
     journal = Journal(tmp_path, "as asked")
     first = campaign.stress(request(), journal=journal)
@@ -261,3 +220,10 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
     (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")], PATIENCE)
     assert found.verdict is StressVerdict.WITHIN
+
+
+def test_usages_are_settings_or_the_methods_an_engine_has():
+    assert usages(axes()["mass"], Perfect()) == list(axes()["mass"].settings)
+    assert usages(axes()["speed"], Perfect()) == ["defaults", "centred"]
+    assert usages(axes()["iterations"], Perfect()) == ["centred"]
+    assert usages(axes()["tolerance"], Perfect()) == []

@@ -1,4 +1,4 @@
-"""A saved stress test is read back as it was, in the order of the table of axes; what is none is refused."""
+"""A saved stress test is read back in the order of the table of axes; any other file is refused."""
 
 import pytest
 

@@ -8,7 +8,6 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
-from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
 from comparisons.runs.failures import Failure, Lost
@@ -19,9 +18,9 @@ from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import method_sweeps
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.points import OUT_OF_TIME, Extent, planned_sweeps
-from comparisons.work_precision.records import METHOD, SETTING
+from comparisons.work_precision.records import SETTING
 from comparisons.work_precision.study import BenchRequest, bench
-from engines.contract import Outcome, Run, Setting
+from engines.contract import Setting
 from tests.comparisons.bench_engine import METHODS, KnownEngine
 from tests.comparisons.faults import PATIENCE
 
@@ -76,15 +75,6 @@ def test_orders_and_causes_of_the_known_engine_are_found(measured):
     assert causes["wrong", None] is Cause.MODEL
 
 
-def test_errors_are_those_the_engine_has(whole):
-    measured, known = whole
-    methods = {method.name: method for method in known.methods(None)}
-    for one in measured.records:
-        if one.kind == METHOD and one.finished:
-            method = dataclasses.replace(methods[one.setting], effort=one.effort)
-            assert one.error_max == pytest.approx(known.error(method, one.step), rel=1e-3, abs=1e-14)
-
-
 def test_every_point_is_repeated_round_after_round(measured, runs):
     counts = Counter(run for run in runs if isinstance(run, tuple) and run[0] != "broken")
     warm = runs[0]
@@ -94,16 +84,6 @@ def test_every_point_is_repeated_round_after_round(measured, runs):
     finished = [one for one in measured.records if one.finished]
     assert all(len(one.repeats) == 3 and one.seconds == min(one.repeats) for one in finished)
     assert len(measured.noise.samples) >= len(finished) * 3
-
-
-def test_the_runs_that_warm_up_are_in_no_record_and_tell_what_a_first_use_costs(measured, runs):
-    assert runs[0][:2] == ("first", None)
-    assert runs[1] == runs[0]
-    (uses,) = measured.document["first_use"]
-    assert uses["engine"] == "known"
-    assert all(seconds > 0.0 for seconds in uses["seconds"])
-    steps = {one.step for one in measured.records if one.setting == "first"}
-    assert runs[0][2] not in steps
 
 
 def test_settings_stand_beside_methods(measured):
@@ -141,7 +121,7 @@ def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
     assert found["tuned"].finished
 
 
-def test_what_an_interrupted_benchmark_has_is_not_measured_again(known, tmp_path):
+def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_path):
     def interrupting(label, done, total):
         if done == 20:
             raise KeyboardInterrupt
@@ -179,20 +159,6 @@ def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkey
     assert found.document["methods"] == []
 
 
-def test_an_engine_that_cannot_hold_a_scene_says_so(known, monkeypatch):
-    refused = Run(Outcome.UNSUPPORTED, "cannot hold springs")
-    monkeypatch.setattr(known, "run", lambda scene, setting: refused)
-    monkeypatch.setattr(known, "run_method", lambda scene, method, step: refused)
-    found = bench(REQUEST).records
-    assert {(one.outcome, one.detail) for one in found} == {("unsupported", "cannot hold springs")}
-
-
-def test_unknown_engines_are_refused_before_any_run(known):
-    with pytest.raises(UnknownNameError, match="known"):
-        bench(dataclasses.replace(REQUEST, engines=("known", "knwon")))
-    assert known.runs == []
-
-
 def test_other_efforts_are_tried_on_the_first_regime_alone(known):
     second = Case(CASE.mechanism, crank_motion("run-up"))
     short = dataclasses.replace(EXTENT, steps_per_turn=(12.0, 24.0, 48.0), repeats=1)
@@ -221,13 +187,6 @@ def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that
     assert "known raised TypeError: a slip (tests/comparisons/work_precision/test_study.py" in found[3].detail
 
 
-def test_methods_can_be_asked_for_by_name(known):
-    only = dataclasses.replace(REQUEST, methods=("first",), settings=())
-    found = bench(only)
-    assert {one.setting for one in found.records} == {"first"}
-    assert [told["name"] for told in found.document["methods"]] == ["first"]
-
-
 def _cases(*names):
     return tuple(dataclasses.replace(CASE, mechanism=Mechanism(load(name))) for name in names)
 
@@ -254,10 +213,3 @@ def test_a_turn_that_takes_longer_than_there_is_time_for_is_not_begun(known, mon
     assert [(one.outcome, one.detail) for one in found if one.mechanism != "fork-takeup"] == [
         ("timed-out", OUT_OF_TIME)
     ]
-
-
-def test_steps_are_taken_by_all_sweeps_of_a_case_in_turn_coarse_ones_first(runs):
-    """So that a slow spell of the machine hits all alike."""
-    begun = [run for run in dict.fromkeys(runs[2:]) if not isinstance(run, Setting) and run[0] in ("first", "wrong")]
-    assert [run[0] for run in begun[:6]] == ["first", "wrong"] * 3
-    assert [run[2] for run in begun] == sorted((run[2] for run in begun), reverse=True)

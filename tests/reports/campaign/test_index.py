@@ -1,11 +1,8 @@
 """The first page: the verdict before all else, one row an engine, a card a mechanism, folds for the rest."""
 
-from dataclasses import asdict, replace
-
 import pytest
 
 from analytic.description.loading import load
-from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
 from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict
@@ -13,7 +10,7 @@ from reports.campaign.index import index
 from reports.document.markdown import written
 from reports.document.parts import Cards, Fold, PageLink, Paragraph, Table
 from reports.document.terminal import rendered
-from tests.reports.made_up_results import changed_results, made_up_results
+from tests.reports.made_up_results import made_up_results
 
 NAMES = ("juki-mf7923d", "two-crank-takeup")
 STUDY = (PageLink("Stability", "stress.html"), ": 480 runs")
@@ -58,20 +55,6 @@ def test_every_engine_has_a_row_and_every_setting_its_columns(page):
     assert {row[1] for row in families.rows} == {"tuned", "best"}
 
 
-def test_what_decides_nothing_has_no_colour_of_a_verdict(page):
-    standings, families = tables(page)
-    styles = [cell.style for row in standings.rows[:2] for cell in row[1::2]]
-    assert styles == ["pass", "pass", "muted"] * 2
-    assert all("pass" in cell.style for row in families.rows for cell in row[2:])
-
-
-def test_the_least_error_of_a_column_is_marked_and_no_check_is(page):
-    _, families = tables(page)
-    best = {(row[0], row[1]) for row in families.rows for cell in row[2:] if "best" in cell.style}
-    assert best == {("alpha", "tuned"), ("alpha", "best")}
-    assert not any("best" in row[-1].style for row in families.rows)
-
-
 def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, sheets):
     (cards,) = (part for part in section(page, "mechanisms").parts if isinstance(part, Cards))
     assert [card.heading.href for card in cards.cards] == [
@@ -92,39 +75,9 @@ def test_everything_else_is_a_link_or_behind_a_line(page):
     assert all(words in text for words in ("linkproof compare juki-mf7923d", "ideal joints", "1e-5", "motor torque"))
 
 
-def test_an_error_that_only_the_baseline_caught_is_told(results, sheets):
-    first, grown = results.records[0], {"error_max": 1e-3, "limit": 1e-2, "baseline": 1e-9, "detail": "grown"}
-    over = replace(first, outcome=Verdict.OVER_LIMIT.value, **grown)
-    page = index(changed_results(results, lambda record: over if record == first else record), sheets)
-    assert "grown" in written(section(page, "engines").parts)
-
-
 def test_a_judgement_says_its_own_verdict(results, sheets):
     told = Results({**results.document, "judgement": ["No: S is off by 3 %.", "A sign."]}, results.runs)
     page = index(told, sheets)
     assert page.parts == (Paragraph("No: S is off by 3 %.", "verdict"), Paragraph("A sign.", "lead"))
     assert page.heading == "Is this simulation right?"
     assert [one.key for one in page.sections] == ["signals", "mechanisms", "run"]
-
-
-def test_without_a_campaign_the_mechanisms_stand_alone(sheets):
-    page = index(None, sheets)
-    assert [one.key for one in page.sections] == ["mechanisms"]
-    assert page.parts == ()
-
-
-def test_a_campaign_that_gave_nothing_has_its_page(sheets):
-    broken = {"alpha": Verdict.DIVERGED, "beta": Verdict.UNSUPPORTED}
-    page = index(made_up_results(samples=21, broken=broken), sheets)
-    assert "Do not trust alpha" in page.parts[0].words
-    assert "Nothing was judged of beta" in page.parts[0].words
-
-
-def test_key_figures_that_changed_stand_below_the_engines(results, sheets, page):
-    figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True)
-    told = {"figures": [asdict(figure)], "notes": ["juki.toml has changed"]}
-    found = Results({**results.document, **told}, results.runs)
-    parts = section(index(found, sheets, ()), "engines").parts
-    assert [part.words for part in parts if isinstance(part, Paragraph)] == ["juki.toml has changed"]
-    assert [row[2] for row in parts[-1].rows] == ["Mkr.peak"]
-    assert len(tables(page)) == len([part for part in parts if isinstance(part, Table)]) - 1

@@ -1,4 +1,4 @@
-"""The verdict names whom to trust in what, and nothing that an engine does untuned turns it."""
+"""The verdict names the engines to trust for each quantity; naive settings do not change it."""
 
 from dataclasses import replace
 
@@ -8,9 +8,7 @@ from analytic.description.loading import load
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Verdict
 from engines.contract import Setting
-from reports.campaign.index import index
-from reports.campaign.verdict import CHECKS, OTHER, RELEASED, EngineRanking, listed, verdict
-from reports.records.environment import AT_A_TIME
+from reports.campaign.verdict import CHECKS, OTHER, RELEASED, EngineRanking, verdict
 from tests.reports.made_up_results import changed_results, made_up_results
 
 QUANTITIES = ("Jeq", "Mkr", "S")
@@ -33,13 +31,6 @@ def test_who_is_within_every_limit_is_trusted_in_everything(results):
     assert nearest.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
     assert "The quickest within every limit is" in nearest
     assert untuned.startswith("At default settings (naive) over its limits: alpha, beta, off by up to ")
-
-
-def test_times_of_runs_side_by_side_say_so(results):
-    environment = results.document["environment"] | {AT_A_TIME: "4"}
-    beside = Results({**results.document, "environment": environment}, results.runs)
-    assert verdict(EngineRanking(beside))[1].endswith("in the median run, measured while 4 ran.")
-    assert "the median times of set-up and of stepping, while 4 ran." in str(index(beside, ()))
 
 
 def test_what_the_defaults_do_never_decides(results):
@@ -65,22 +56,6 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
     assert trust.nearest("tuned", "Mkr/Peq") == "alpha"
 
 
-def test_a_family_without_a_result_and_an_engine_without_any_are_named():
-    results = made_up(broken={"beta": Verdict.UNAVAILABLE})
-    half = changed_results(
-        results,
-        lambda r: (
-            replace(r, error_max=None, outcome="not-provided") if r.quantity == "Mkr" and r.setting == "tuned" else r
-        ),
-    )
-    assert "Nothing was judged of beta." in verdict(EngineRanking(results))[0]
-    assert "Mkr/Peq" not in verdict(EngineRanking(half))[1]
-
-
-def test_one_engine_is_the_nearest_to_nobody():
-    assert not any("Nearest" in line for line in verdict(EngineRanking(made_up(engines=("alpha",)))))
-
-
 def test_where_only_naive_ran_it_decides():
     trust = EngineRanking(made_up(settings=[Setting.NAIVE]))
     assert trust.settings == ("naive",)
@@ -100,11 +75,6 @@ def test_the_control_is_shown_last_and_never_named(results):
     trust = EngineRanking(changed_results(results, lambda r: replace(r, origin=CONTROL) if r.engine == "alpha" else r))
     assert trust.engines == ("beta", "alpha")
     assert "alpha" not in " ".join(verdict(trust))
-
-
-@pytest.mark.parametrize(("words", "text"), [((), ""), (("a",), "a"), (("a", "b"), "a and b"), ("abc", "a, b and c")])
-def test_lists_read_as_a_sentence_does(words, text):
-    assert listed(words) == text
 
 
 FIGURE = {

@@ -1,0 +1,204 @@
+"""The joints' equations of an observed motion: groups and assembly modes, corrections, relaxation."""
+
+import dataclasses
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import catalogue, load
+from analytic.dynamics.joint_forces import joint_forces
+from analytic.errors import AssemblyError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.invariants import corrections
+from comparisons.invariants.assur_groups import AssurGroups
+from comparisons.invariants.corrections import LEVELS, Corrected, findings
+from comparisons.invariants.relaxation import carried, forgotten, speed_errors
+from comparisons.judging.limits import limit
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
+from engines.contract import Signal
+from engines.mechanics.joints import JointEquations
+from engines.mechanics.states import pose_of, with_ground
+from tests.comparisons.true_motions import EVERYTHING, true_history
+
+LINKAGES = [*catalogue(), *sorted(str(path) for path in (Path(__file__).parents[2] / "linkages").glob("*.toml"))]
+TURNING = [name for name in LINKAGES if "parallelogram" not in name]
+SOME = [name if name in catalogue()[:3] else pytest.param(name, marks=pytest.mark.nightly) for name in TURNING]
+
+
+@cache
+def looked_at(name):
+    """A linkage's groups and its true positions at a few instants."""
+    case = Case(Mechanism(load(name)), crank_motion("run-up-quintic", start_angle=0.4))
+    groups = AssurGroups(JointEquations(case.scene(EVERYTHING)))
+    return case, groups, true_history(case, 41).position.values
+
+
+def jacobian(groups, position):
+    equations = groups.equations
+    return equations.jacobian(equations.arms(pose_of(with_ground(position) / equations.metres)))
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_every_body_is_in_one_group_and_no_group_is_larger_than_a_dyad(name):
+    case, groups, _ = looked_at(name)
+    columns = np.concatenate([columns for _, columns in groups.blocks])
+    equations = groups.equations
+    crank = equations.column[equations.index[case.mechanism.linkage.crank]]
+    assert sorted([*columns, *crank]) == list(range(equations.size))
+    assert max(len(columns) for _, columns in groups.blocks) <= 6
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_a_group_keeps_the_sign_of_its_determinant_as_long_as_it_keeps_its_mode(name):
+    _, groups, position = looked_at(name)
+    here = groups.determinants(jacobian(groups, position))
+    assert np.all(here * here[0] > 0.0)
+    assert np.all(np.abs(here) <= 1.0 + 1e-12)
+
+
+def other_modes():
+    """Every linkage with one dyad in its other mode, where that can be assembled for a whole turn."""
+    for name in catalogue():
+        dyads = Mechanism(load(name)).structure.dyads
+        for number, dyad in enumerate(dyads):
+            other = Mechanism(load(name))
+            signs = [-d.sign if n == number else d.sign for n, d in enumerate(dyads)]
+            other.structure = other.structure.with_signs(tuple(signs))
+            if dyad.sign:
+                with suppress(AssemblyError):
+                    other.check_full_turn()
+                    yield pytest.param(name, other, id=f"{Path(name).stem}: {dyad.name}")
+
+
+@pytest.mark.parametrize(("name", "other"), list(other_modes()))
+def test_the_other_mode_of_a_dyad_shows_in_a_determinant(name, other):
+    case, groups, position = looked_at(name)
+    here = groups.determinants(jacobian(groups, position))
+    moved = true_history(case, 41, mechanism=other).position.values
+    changed = groups.determinants(jacobian(groups, moved)) * here[0] < 0.0
+    assert np.all(changed.any(axis=1))
+
+
+def test_group_determinants_have_no_unit():
+    _, groups, position = looked_at("rimoldi-164")
+    matrix = jacobian(groups, position)
+    scaled = matrix * np.linspace(0.1, 10.0, groups.equations.rows)[None, :, None]
+    np.testing.assert_allclose(groups.determinants(scaled), groups.determinants(matrix), rtol=1e-12)
+
+
+NAMES = ["juki-mf7923d", "tests/linkages/moving-guides.toml"]
+
+
+@cache
+def truth(name):
+    case = Case(Mechanism(load(name)), crank_motion("run-up-quintic", start_angle=0.4))
+    return case, true_history(case, 101)
+
+
+def groups_of(scene):
+    return AssurGroups(JointEquations(scene))
+
+
+def off(name, level, size, seed=3):
+    """A true history with one level off by random errors of a size, and the errors."""
+    case, history = truth(name)
+    signal = getattr(history, LEVELS[level].value)
+    groups = groups_of(case.scene(EVERYTHING))
+    equations = groups.equations
+    scale = np.max(np.abs(signal.values)) if level else 1.0
+    error = size * scale * np.random.default_rng(seed).normal(size=signal.values.shape)
+    error *= (equations.column[:-1] != equations.size) * equations.metres
+    changed = dataclasses.replace(history, **{LEVELS[level].value: Signal(signal.time, signal.values + error)})
+    return Corrected(ObservedMotion(case.scene(EVERYTHING), changed), groups, signal.time), error
+
+
+@pytest.mark.parametrize(("name", "level"), [(NAMES[0], 0), (NAMES[0], 1), (NAMES[1], 2)])
+def test_a_correction_is_the_error_turned_round(name, level):
+    instants, error = off(name, level, 1e-7)
+    error = error / instants.equations.metres
+    assert np.max(np.abs(instants.correction(level)[:, :-1] + error)) < 1e-5 * np.max(np.abs(error))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_velocity_that_fits_a_wrong_position_lacks_what_the_right_one_asks_for(name):
+    instants, _ = off(name, 0, 1e-4)
+    case, history = truth(name)
+    equations = instants.equations
+    matrix = equations.jacobian(equations.arms(pose_of(instants.corrected(0))))
+    speed = case.motion.speed(instants.time)[:, None] * equations.crank_unit(len(matrix))
+    right = equations.spread(np.linalg.solve(matrix, speed[..., None])[..., 0])
+    true = with_ground(history.velocity.values) / equations.metres * (equations.column != equations.size)
+    assert np.max(np.abs(true - right)) < 1e-5 * np.max(np.abs(true))
+    corrected = instants.corrected(1) * (equations.column != equations.size)
+    assert np.max(np.abs(corrected - true)) < 1e-5 * np.max(np.abs(true))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_reactions_are_the_closed_forms(name):
+    case, history = truth(name)
+    scene = case.scene(EVERYTHING)
+    instants = Corrected(ObservedMotion(scene, history), groups_of(scene), history.position.time)
+    time = history.position.time
+    forces = joint_forces(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time))
+    peak = max(np.max(np.abs(force)) for force in forces.values())
+    for number, joint in enumerate([*scene.pins, *scene.guided]):
+        assert np.max(np.abs(instants.forces[:, number] - forces[joint.name].T)) < 1e-12 * peak
+    torque = history.torque.values
+    assert np.max(np.abs(instants.torque - torque)) < 1e-12 * np.max(np.abs(torque))
+
+
+def test_a_heavy_flywheel_shows_what_its_drive_asks_for_not_how_it_trembles():
+    """The torque is that of the prescribed acceleration: an engine's noise in ε, times J, is no torque."""
+    case, history = truth("juki-mf7923d")
+    instants, _ = off("juki-mf7923d", 2, 1e-3)
+    torque = history.torque.values
+    assert np.max(np.abs(instants.torque - torque)) < 1e-12 * np.max(np.abs(torque))
+    assert case.is_prescribed
+
+
+def test_blocks_of_a_long_motion_say_the_same_as_the_whole(monkeypatch):
+    case, history = truth("rimoldi-164")
+    scene = case.scene(EVERYTHING)
+    motion, groups = ObservedMotion(scene, history), groups_of(scene)
+    whole = findings(motion, groups, history.position.time, 2)
+    monkeypatch.setattr(corrections, "BLOCK", 17)
+    parts = findings(motion, groups, history.position.time, 2)
+    for name in ("determinants", "torque", "forces"):
+        np.testing.assert_array_equal(getattr(whole, name), getattr(parts, name))
+    for one, other in zip(whole.lacking, parts.lacking, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_carried_value_is_the_recursion_it_says():
+    kept, added = np.array([0.5, 1.0, 0.25]), np.array([1.0, -2.0, 3.0])
+    np.testing.assert_allclose(carried(4.0, kept, added), [4.0, 3.0, 1.0, 3.25])
+    np.testing.assert_allclose(carried(4.0, np.ones(3), added), [4.0, 5.0, 3.0, 6.0])
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.3, 1e6])
+def test_an_energy_error_decays_at_its_rate(rate):
+    """A steady source s against a decay r makes s/r (1 − e^{−rt}): known at every sample, however coarse."""
+    time = np.linspace(0.0, 2.0, 41)
+    left = forgotten(3.0 * time, np.full(41, rate), time)
+    exact = 3.0 * time if rate == 0.0 else 3.0 / rate * -np.expm1(-rate * time)
+    np.testing.assert_allclose(left, exact, rtol=1e-10)
+
+
+@pytest.mark.parametrize("rate", [0.0, 30.0, 1e9])
+@pytest.mark.parametrize("excess", [0.0, 0.1])
+def test_a_speed_is_compared_with_its_acceleration_however_stiff(rate, excess):
+    """ω' = g − r ω from rest, over within 1/r. A wrong speed obeys that equation too, but is not what it leads to."""
+    time = np.linspace(0.0, 1.0, 201)
+    speed = 2.0 * time if rate == 0.0 else 2.0 / rate * -np.expm1(-rate * time)
+    claimed = speed * (1.0 + excess * np.exp(-time / 0.3))
+    found = speed_errors(time, claimed, 2.0 - rate * claimed, np.full(201, rate), 0.0)
+    peak = np.max(speed)
+    if excess:
+        assert np.max(found) > 5.0 * limit("closure", "tuned", "own").value * peak
+    else:
+        assert np.max(found) < 1e-6 * peak

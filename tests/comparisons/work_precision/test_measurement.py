@@ -1,0 +1,164 @@
+"""One point and one cost measured in a real engine."""
+
+import json
+import pickle
+from dataclasses import asdict, replace
+
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case, own_case
+from comparisons.reference.start_state import scene
+from comparisons.runs.failures import AdapterError
+from comparisons.work_precision import costs
+from comparisons.work_precision import measure as point
+from comparisons.work_precision.costs import REDUCTIONS, ROUNDS, most_reducible
+from comparisons.work_precision.measure import chosen, measure
+from comparisons.work_precision.records import Bench
+from engines.contract import History, Method, Origin, Outcome, Run, Setting
+from engines.mechanics.joints import JointEquations
+from engines.registry import engine
+from engines.scene import Prescribed
+from tests.analytic.linkages import mechanism
+from tests.counting import calls
+from tests.engines.lighter import without_loads
+
+CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", hold_time=0.0, ramp_time=0.2))
+PICKLED = pickle.dumps(CASE)
+EXACT = Method("exact", "")
+FOUR = ("Mkr", "Jeq", "phi", "joint_force")
+
+
+def by_name(measurement):
+    return {one.quantity: one for one in measurement.errors}
+
+
+def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
+    measurement = measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=True)
+    assert measurement.outcome == "finished"
+    errors = by_name(measurement)
+    assert set(errors) == set(FOUR)
+    assert all(error.error_rms <= error.error_max < 1e-12 and error.peak > 0.0 for error in errors.values())
+    assert errors["Mkr"].unit == "N m"
+    assert min(measurement.seconds, measurement.steps, measurement.details["calibration"]) > 0
+    assert min(measurement.setup_seconds, measurement.readout_seconds) >= 0.0
+
+
+class Altered:
+    """The control with another history."""
+
+    name, is_control = "altered", True
+
+    def __init__(self, change):
+        self.change = change
+
+    def version(self):
+        return "1.0"
+
+    def run(self, scene, setting):
+        run = engine("direct").run(scene, setting)
+        return replace(run, history=self.change(run.history), passes=(3e-3, 1e-3))
+
+
+def _measured(monkeypatch, change, names):
+    monkeypatch.setattr(point, "engine", lambda name: Altered(change))
+    return measure(PICKLED, "altered", Setting.TUNED, None, names, with_errors=True)
+
+
+def test_the_worst_joint_stands_for_all(monkeypatch):
+    def enlarged(history):
+        forces = history.joint_force.items()
+        grown = {name: replace(one, values=one.values * (1.02 if name == "A" else 1.01)) for name, one in forces}
+        return replace(history, joint_force=grown)
+
+    measurement = _measured(monkeypatch, enlarged, FOUR)
+    assert by_name(measurement)["joint_force"].error_max == pytest.approx(0.02, rel=1e-9)
+    assert [one.name for one in chosen(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
+
+
+def test_a_missing_signal_costs_its_quantity_alone(monkeypatch):
+    def partial(history):
+        torque = replace(history.torque, origin=Origin.COMPUTED)
+        return replace(history, torque=torque, joint_force={"A": history.joint_force["A"]})
+
+    measurement = _measured(monkeypatch, partial, FOUR)
+    assert (measurement.outcome, measurement.runs) == ("finished", 2)
+    errors = by_name(measurement)
+    assert {name for name, one in errors.items() if one.error_max is not None} == {"Jeq", "phi", "joint_force"}
+    assert (errors["Mkr"].outcome, errors["Mkr"].detail) == ("not-provided", "Mkr computed by the adapter")
+    assert "joint_force:A" not in errors["joint_force"].detail
+    assert errors["joint_force"].detail.endswith("not offered")
+
+
+def test_an_exception_of_an_engine_is_its_adapters_error():
+    with pytest.raises(AdapterError, match="direct raised UnknownNameError"):
+        measure(PICKLED, "direct", Method("no such", ""), 24.0, ("Mkr",), with_errors=True)
+
+
+def test_a_released_crank_has_no_torque_to_judge_and_a_phase_instead():
+    linkage = load("slotted-takeup")
+    case = own_case(Mechanism(linkage), next(one for one in linkage.regimes if one.name == "free"))
+    assert set(chosen(case, FOUR)) == {"Jeq", "phi", "joint_force"}
+
+
+def test_a_first_use_is_timed_once_in_a_process(monkeypatch):
+    monkeypatch.setattr(point, "_WARM", set())
+    costs = iter([(None, 3.0), (None, 0.5)])
+    real = point.timed
+    monkeypatch.setattr(point, "timed", lambda work: next(costs, None) or real(work))
+    first, second = (measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=False) for _ in range(2))
+    assert [one.details["first_use"] for one in (first, second)] == [2.5, 0.0]
+
+
+SLOTTED = "slotted-takeup"
+
+
+def test_every_reduction_is_run_in_turn_there_and_back_records_no_more_than_it_says_and_survives_json(monkeypatch):
+    run = calls(monkeypatch, costs, "run_engine")
+    measured = costs.measure(load(SLOTTED), ["direct"])
+    assert [cost.reduction for cost in measured] == [reduction.name for reduction in REDUCTIONS]
+    assert all((cost.outcome, cost.reason) == ("finished", "") and cost.steps for cost in measured)
+    assert all(len(cost.seconds) == len(cost.stepping) == ROUNDS for cost in measured)
+    assert all(0.0 < inside <= whole for c in measured for inside, whole in zip(c.stepping, c.seconds, strict=True))
+    channels, turns = [one.channels for one in REDUCTIONS], [args[1].channels for args in run[1:]]
+    assert turns == [*channels, *reversed(channels), *channels]
+    document = {"costs": json.loads(json.dumps([asdict(one) for one in measured], allow_nan=False))}
+    assert list(Bench(document, ()).costs) == measured
+
+
+class Refusing:
+    """An engine that can do nothing."""
+
+    name = "refusing"
+    is_control = False
+
+    def run(self, scene, setting):
+        return Run(Outcome.UNSUPPORTED, "it will not")
+
+
+def test_what_an_engine_cannot_do_is_a_row_with_its_outcome(monkeypatch):
+    monkeypatch.setattr(costs, "engine", lambda name: Refusing())
+    measured = costs.measure(load(SLOTTED), ["refusing"])
+    assert {(cost.outcome, cost.reason, cost.steps) for cost in measured} == {("unsupported", "it will not", 0)}
+
+
+def test_the_linkage_with_most_to_leave_out_is_chosen_and_a_reduction_of_nothing_left_out():
+    bare = without_loads(mechanism("centric-slider-crank").linkage)  # no gravity either
+    assert most_reducible([bare, load(SLOTTED), bare]).name == SLOTTED
+    assert [part for part in REDUCTIONS if part.of(bare)] == [part for part in REDUCTIONS if not part.without]
+    assert all(part.of(load(SLOTTED)) for part in REDUCTIONS)
+
+
+def test_a_reduced_linkage_still_has_as_many_equations_as_unknowns():
+    for part in REDUCTIONS:
+        if rest := part.of(load(SLOTTED)):
+            model = scene(Mechanism(rest), Prescribed(crank_motion(start_angle=0.7)), part.channels)
+            equations = JointEquations(model)
+            assert equations.rows == equations.size
+
+
+def test_an_engine_without_any_requested_quantity_provides_nothing(monkeypatch):
+    measurement = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
+    assert (measurement.outcome, measurement.detail) == ("not-provided", "Jeq not offered; Mkr not offered")

@@ -1,0 +1,192 @@
+"""A campaign in the terminal, in the summary and as JUnit's XML."""
+
+import dataclasses
+import re
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import pytest
+
+from analytic.description.loading import load
+from comparisons.campaign.key_figures import KeyFigure
+from comparisons.campaign.results import Results
+from comparisons.datasheet.building import usual_sheet
+from comparisons.judging.records import Verdict, run_record
+from reports.campaign.junit import junit
+from reports.campaign.summary import markdown
+from reports.campaign.terminal import printout
+from reports.document.terminal import rendered
+from tests.comparisons.judging.test_judgement import RECORD
+from tests.reports.made_up_results import changed_results, made_up_results
+
+
+def _text(printout):
+    return rendered(*printout.tables, *printout.closing, width=80)
+
+
+def _result(**changes):
+    records = [dataclasses.replace(RECORD, quantity=q, **changes) for q in ("Jeq", "joint_force:A", "joint_force:B")]
+    return run_record(records[0], records)
+
+
+@pytest.mark.parametrize(
+    ("origin", "runs", "words", "line"),
+    [
+        ("read", 1, "1 run, read", ""),
+        ("partly computed", 1, "read in part", "partly computed by its adapter: Jeq, joint_force"),
+        ("computed", 1, "read in part", "computed by its adapter: Jeq, joint_force"),
+        ("partly computed", 4, "4 runs, extrapolated", "partly computed by its adapter: Jeq, joint_force"),
+    ],
+)
+def test_computed_figures_are_not_called_read(origin, runs, words, line):
+    text = _text(printout([_result(origin=origin, runs=runs)]))
+    assert words in text
+    assert ("read" in text) is ("read" in words)
+    assert f"{RECORD.engine} {RECORD.setting}: {line}" in text or not line
+
+
+def test_the_worst_joint_stands_for_all():
+    result = _result()
+    worse = dataclasses.replace(result.records[2], error_max=7.7e-3, outcome="over-limit", detail="over its limit")
+    text = _text(printout([run_record(worse, (*result.records[:2], worse))]))
+    assert "7.7e-03 ✗" in text
+
+
+def test_a_run_that_failed_says_why_once():
+    failed = _result(error_max=None, outcome="diverged", detail="the crank ran away")
+    text = _text(printout([failed]))
+    assert text.count("the crank ran away") == 1
+    assert "3 deviations: 3 diverged" in text
+
+
+CHECKED = ("joint_gap", "closure", "crank_phase", "torque_two_routes", "force_balance")
+
+
+@pytest.mark.parametrize(
+    ("failing", "words"),
+    [
+        (("Mkr", "torque_two_routes", "joint_force:A", "force_balance"), "gravity or a load of the engine's model"),
+        (("joint_force:A", "force_balance"), "the joint forces do not balance: they are read on the other body"),
+        (("Mkr", "torque_two_routes"), "the drive torque is not the one it takes: it is read with the wrong sign"),
+        (("joint_gap", "closure"), "the positions do not fit the joints"),
+        (("Mkr",), ""),  # no check of the motion fails
+        ((), ""),
+    ],
+)
+def test_rows_that_fail_together_have_their_meaning_once(failing, words):
+    rows = {
+        name: dataclasses.replace(
+            RECORD, engine="e", quantity=name, outcome="over-limit" if name in failing else "passed", detail=""
+        )
+        for name in ("Mkr", "joint_force:A", *CHECKED)
+    }
+    run = run_record(RECORD, [rows["Mkr"], rows["joint_force:A"]], [rows[name] for name in CHECKED])
+    text = rendered(*printout([dataclasses.replace(run, engine="e")] * 2).closing, width=400)
+    assert text.count("check-engine e'") == bool(words)
+    assert words in text
+
+
+@pytest.fixture(scope="module")
+def results():
+    return made_up_results(
+        samples=51, engines=("alpha", "beta", "gamma"), broken={"gamma": Verdict.UNAVAILABLE}, regimes=("run-up",)
+    )
+
+
+@pytest.fixture(scope="module")
+def text(results):
+    return markdown(results, [usual_sheet(load("juki-mf7923d"))])
+
+
+def test_errors_are_signed_where_they_are_over_and_failures_are_words(text):
+    head = "| quantity | limit | alpha naive | alpha tuned | alpha best | beta naive |"
+    assert text.count(head) == 1
+    assert re.search(r"^\| Jeq [^|]*\(.* kg m²\) \| 6e-2, 1e-5 \| \d\.\de-2 ✗ \| 1\.\de-6 \|", text, re.MULTILINE)
+    assert "- gamma naive; tuned; best – not installed: gamma \\<cannot> hold this scene." in text
+
+
+def test_another_machine_on_another_day_writes_the_same(results, text):
+    slow = changed_results(results, lambda record: replace(record, seconds=9.9, setup_seconds=9.9))
+    environment = {**results.document["environment"], "date": "another day", "machine": "another"}
+    later = Results({**results.document, "environment": environment}, slow.runs)
+    assert markdown(later, [usual_sheet(load("juki-mf7923d"))]) == text
+
+
+FIGURE = KeyFigure("m", "v", "r", "c", "Mkr.peak", 1.0, 1.0, changed=False)
+
+
+def _cases(records, figures=(), departures=()):
+    root = ElementTree.fromstring(junit(records, figures, departures))
+    return {(case.get("classname"), case.get("name")): case for case in root.iter("testcase")}
+
+
+@pytest.mark.parametrize(
+    ("outcome", "tag"),
+    [
+        ("over-limit", "failure"),
+        ("suite-error", "error"),
+        ("unavailable", "skipped"),
+    ],
+)
+def test_what_did_not_pass_says_why(outcome, tag):
+    record = replace(RECORD, outcome=outcome, detail="because <it> is\x07 so", baseline=2e-5)
+    ((told,),) = _cases([record]).values()
+    assert (told.tag, told.get("type")) == (tag, outcome)
+    assert told.get("message") == "because <it> is� so"
+    assert told.text.splitlines()[1:] == [
+        "error 1.235e-05 of the peak, 1 N m", "limit 1.000e-04", "three times the recorded error 2.000e-05",
+    ]  # fmt: skip
+
+
+def test_naive_failures_count_only_where_nothing_else_ran():
+    naive = replace(RECORD, setting="naive", outcome="over-limit", detail="too far")
+    ((told,),) = _cases([naive]).values()
+    assert told.tag == "failure"
+    (told,) = _cases([naive, RECORD])["m/v/r/e/naive", "Mkr"]
+    assert (told.tag, told.get("message")) == ("skipped", "decides nothing beside other settings: too far")
+
+
+def test_key_figures_are_cases_too():
+    changed = replace(FIGURE, figure="Jeq.mean", now=1.01, changed=True)
+    unknown = replace(FIGURE, figure="Peq.peak", recorded=None)
+    found = _cases([RECORD], [FIGURE, changed, unknown])
+    tags = {name: [told.tag for told in case] for (place, name), case in found.items() if place == "m/v/r/key figures"}
+    assert tags == {"Mkr.peak": [], "Jeq.mean": ["failure"], "Peq.peak": ["skipped"]}
+    assert found["m/v/r/key figures", "Jeq.mean"][0].get("message") == changed.sentence
+
+
+def test_what_departs_from_the_baseline_is_a_case_that_fails():
+    ((told,),) = (case for (place, _), case in _cases([RECORD], (), ["a.toml is new"]).items() if place == "baseline")
+    assert (told.tag, told.get("message")) == ("failure", "a.toml is new")
+
+
+def test_suites_count_their_cases_and_the_time_of_every_run_once():
+    first = [replace(RECORD, seconds=1.5), replace(RECORD, seconds=1.5, quantity="Jeq", outcome="diverged", detail="x")]
+    other = replace(RECORD, mechanism="n", seconds=0.25, outcome="unsupported", detail="y")
+    root = ElementTree.fromstring(junit([*first, other], [FIGURE]))
+    suites = {one.get("name"): one for one in root}
+    counts = ("tests", "failures", "errors", "skipped", "time")
+    assert [suites["m/v/r"].get(name) for name in counts] == ["3", "1", "0", "0", "1.500000"]
+    assert [suites["n/v/r"].get(name) for name in counts] == ["1", "0", "0", "1", "0.250000"]
+    assert [root.get(name) for name in counts[:-1]] == ["4", "1", "0", "1"]
+
+
+def test_the_verdict_is_that_of_the_first_page_without_a_time(text):
+    assert "Trust alpha and beta, once tuned" in text
+    assert "Nothing was judged of gamma." in text
+    assert "quickest" not in text
+
+
+def test_deviations_stand_beside_their_limits():
+    text = _text(printout([_result()]))
+    assert "m (v), r: c" in text
+    assert "1.2e-05 ✓" in text
+    assert "1e-04" in text
+    assert text.count("joint_force") == 1
+    assert "3 deviations: 3 passed" in text
+
+
+def test_details_hold_every_record_and_all_its_figures():
+    text = rendered(*printout([_result(detail="because")]).details)
+    assert all(name in text for name in ("Jeq", "joint_force:A", "joint_force:B"))
+    assert text.count("because") == 3

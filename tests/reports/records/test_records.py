@@ -1,0 +1,128 @@
+"""Records as tables: limits, changed key figures, differences of two folders, and one mechanism at a time."""
+
+import numpy as np
+import pytest
+
+from comparisons.campaign.key_figures import KeyFigure
+from comparisons.folders.difference import FolderDifference, MovedRecord, RunPair
+from comparisons.judging.records import Record, Verdict
+from reports.document.numbers import ABSENT
+from reports.document.terminal import rendered
+from reports.records import matrix
+from reports.records.differences import changed_figures, difference_printout
+from reports.records.views import View, anchor, once, short_title, views
+from tests.analytic.drives import driven
+from tests.reports.made_up_results import made_up_results
+
+
+@pytest.fixture(scope="module")
+def results():
+    return made_up_results(engines=("beta", "alpha"), broken={"alpha": Verdict.UNAVAILABLE}, samples=101)
+
+
+def test_limits_carry_their_reasons(results):
+    rows = matrix.limit_table(results).rows
+    jeq = next(row for row in rows if row[0].startswith("Jeq") and "tuned" in row[1])
+    assert jeq[3] == "1e-5"
+    assert "smoother than torque" in jeq[4]
+
+
+PLACE = ("m", "v", "run-up", "c")
+
+
+def test_only_what_changed_has_a_row():
+    same = KeyFigure(*PLACE, "Mkr.peak", 1.0, 1.0, changed=False)
+    assert changed_figures([same]) == ()
+    moved = KeyFigure(*PLACE, "Jeq.mean", 2.0, 2.02, changed=True, unit="kg m²")
+    lost = KeyFigure(*PLACE, "Peq.peak", 3.0, None, changed=True)
+    (table,) = changed_figures([same, moved, lost])
+    assert table.rows == (
+        ("m (v)", "run-up", "Jeq.mean", "2", "2.02", "kg m²", "+1 %"),
+        ("m (v)", "run-up", "Peq.peak", "3", ABSENT, "", ABSENT),
+    )
+
+
+RUN = ("press", "base", "run-up", "pymunk", "tuned")
+
+
+def _record(error, outcome="passed", peak=2.0):
+    return Record(
+        *RUN[:3],
+        "1000 rpm",
+        RUN[3],
+        "7",
+        RUN[4],
+        quantity="Mkr",
+        unit="N m",
+        error_max=error,
+        outcome=outcome,
+        peak=peak,
+    )
+
+
+def _difference(same_machine, seconds=(0.5, 0.25)):
+    move = MovedRecord(_record(1e-5), _record(4e-5, "over-limit", peak=1.0), 3e-5, beyond=True)
+    runs = (RunPair(RUN, ("7.0", "7.1"), seconds, (100, 200)),)
+    names = ((("press", "base"), ("press", "base")),)
+    facts = (("pymunk", "7.0", "7.1"),)
+    return FolderDifference(names, 3, (move,), runs, (), ("a run",), (), facts, same_machine)
+
+
+def test_an_error_stands_beside_the_one_before_with_factor_and_peak():
+    printout = difference_printout(_difference(same_machine=True))
+    (line,) = [line for line in rendered(*printout.tables).splitlines() if "Mkr" in line]
+    assert line.split()[-8:] == ["1.0e-5", "✓", "4.0e-5", "✗", "4.0", "−50.0", "%", "beyond"]
+    assert printout.closing == [
+        "only in the first folder: a run",
+        "3 records in both folders: 1 moved; 1 beyond limits",
+    ]
+
+
+def test_seconds_are_compared_on_one_machine_only():
+    here, elsewhere = (rendered(*difference_printout(_difference(same)).details) for same in (True, False))
+    assert "7.0 → 7.1" in here
+    assert "500 ms" in here
+    assert "0.50" in here
+    assert "500 ms" not in elsewhere
+    assert "seconds are not compared" in elsewhere
+
+
+@pytest.fixture(scope="module")
+def view_results():
+    return made_up_results(engines=("beta", "alpha"), samples=201)
+
+
+def test_traces_leave_out_what_the_comparison_left_out(view_results):
+    (view,) = views(view_results)
+    (regime,) = view.regimes
+    for quantity in ("Mkr", "Jeq"):
+        for trace in view.traces(regime, quantity):
+            assert np.nanmax(trace.error) == pytest.approx(trace.record.error_max, rel=1e-9)
+    assert np.isnan(view.traces(regime, "Mkr")[0].error[0])
+
+
+def test_quantities_are_named_by_symbol_and_words_that_suit_the_drive(view_results):
+    (view,) = views(view_results)
+    assert view.title("Mkr") == "Mkr crank torque"
+    assert view.title("thread_feed") == "thread feed"
+    assert View(view_results, driven("linear-motor").linkage).title("Mkr") == "Mkr force of the drive"
+    assert short_title("joint_force:slot_slider on rocker") == "force of slot slider on rocker"
+    assert short_title("omega") == "ω"
+
+
+def test_anchors_hold_no_character_that_a_link_cannot():
+    assert (
+        anchor("juki-mf7923d", "as-built", "joint_force:P4 in rocker")
+        == "juki-mf7923d-as-built-joint_force-P4-in-rocker"
+    )
+
+
+@pytest.mark.parametrize(
+    ("heads", "shown"),
+    [
+        (1, [("a", "x", "1"), ("", "x", "2"), ("b", "x", "3"), ("", "y", "4")]),
+        (2, [("a", "x", "1"), ("", "", "2"), ("b", "x", "3"), ("", "y", "4")]),
+    ],
+)
+def test_what_rows_share_stands_once(heads, shown):
+    assert list(once([("a", "x", "1"), ("a", "x", "2"), ("b", "x", "3"), ("b", "y", "4")], heads)) == shown

@@ -1,0 +1,193 @@
+"""The stability maps, their page, tables and terminal: every cell with its verdict, reason and command."""
+
+import dataclasses
+import json
+import re
+
+import pytest
+
+from comparisons.judging.records import QuantityRecord
+from comparisons.stress.axes import axes
+from comparisons.stress.border import Border
+from comparisons.stress.cell_result import Cell, StressVerdict
+from reports.document import html
+from reports.document.parts import as_text
+from reports.document.terminal import rendered
+from reports.stress.facts import SIGNS, axis_title
+from reports.stress.figure import draw_map
+from reports.stress.maps import border_place, map_data, story
+from reports.stress.page import MOST_OPEN, OPEN, page
+from reports.stress.tables import MOST_ALONE, border_table, incident_table, ranking, summary
+from reports.stress.terminal import cell_details, printout
+from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
+
+STRESS = made_up_stress()
+PLACE = {"axis": "mass", "row": "four-bar, crank", "engine": "alpha", "usage": "tuned"}
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside", "values", "place"),
+    [
+        (1e-2, 1.1e-3, (1e-4, 1e-3, 1e-2, 1e-1), 2),
+        (1e-3, 1e-2, (1e-4, 1e-3, 1e-2, 1e-1), 2),
+        (1.1e-3, 1.2e-3, (1e-4, 1e-3, 1e-2, 1e-1), 2),
+        (1e-3, 0.0, (1e-2, 1e-3, 0.0), 2),
+        (10.0, 1.0, (10.0, 1.0, 0.3), 1),
+        (0.4, 0.3, (10.0, 1.0, 0.3), 2),
+    ],
+)
+def test_a_border_stands_between_the_columns_it_lies_between(inside, outside, values, place):
+    found = Border(**PLACE, inside=inside, outside=outside, verdict=StressVerdict.OVER)
+    assert border_place(found, values) == place
+
+
+@pytest.mark.parametrize("axis", STRESS.axes)
+def test_every_cell_of_an_axis_stands_on_its_map_once_at_its_value(axis):
+    found = map_data(STRESS, axis)
+    placed = {}
+    for block in found["blocks"]:
+        for line in block["lines"]:
+            for value, cell in zip(STRESS.columns[axis], line["cells"], strict=True):
+                if cell:
+                    place = Cell(axis, block["row"], value, line["engine"], line["usage"])
+                    assert cell["command"] == place.command
+                    placed[place] = list(SIGNS)[cell["verdict"]]
+    assert placed == {one.cell: one.verdict for one in STRESS.results if one.cell.axis == axis}
+
+
+def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
+    blank = made_up_cell(StressVerdict.WITHIN, value=1.0, **PLACE)
+    assert story(dataclasses.replace(blank, steps=0)) == {"Conditions": "linkage m"}
+    known = dataclasses.replace(
+        blank,
+        reason="why",
+        errors=(QuantityRecord("Jeq:needle_bar", error_max=2e-3, limit=1e-3),),
+        invariants=(QuantityRecord("force_balance", error_max=3e-4, limit=1e-2),),
+        differing={"mass_factor": 1e4, "link": "crank"},
+    )
+    found = story(known)
+    assert found["Reason"] == "why"
+    assert found["Worst deviation, over the peak"] == "Jeq of needle bar 2.0e-3, limit 1e-3"
+    assert found["Worst invariant"] == "force balance 3.0e-4, limit 1e-2"
+    assert found["Conditions"] == "mass factor 1e4; link crank"
+
+
+def test_faults_stand_apart_from_the_checks_messages():
+    blank = made_up_cell(StressVerdict.CAUGHT, value=1.0, **PLACE)
+    flagged = {"reason": "torque off. Flagged: a joint is open", "wrong": "torque off"}
+    found = story(dataclasses.replace(blank, **flagged))
+    assert (found["Wrong"], found["Flagged by the checks"]) == ("torque off", "a joint is open")
+
+
+@pytest.mark.parametrize("axis", STRESS.axes)
+def test_every_cell_has_its_box_and_sign_and_every_border_its_bar(axis):
+    drawing = draw_map(map_data(STRESS, axis))
+    assert [panel.get_title(loc="left") for panel in drawing.axes] == [row.label for row in axes()[axis].rows]
+    lines = [line for panel in drawing.axes for line in panel.lines]
+    bars = [line for line in lines if line.get_marker() == "None"]
+    assert sum(len(line.get_xdata()) for line in lines if line not in bars) == 2 * STRESS.count(axis=axis).total()
+    places = [border_place(one, STRESS.columns[axis]) for one in STRESS.borders if one.axis == axis]
+    assert sorted(float(line.get_xdata()[0]) for line in bars) == sorted(places)
+
+
+def cells_of(verdicts, **changes):
+    """A stress test of one line."""
+    found = [made_up_cell(one, value=10.0**n, **{**PLACE, **changes}) for n, one in enumerate(verdicts)]
+    return made_up_stress(cells=found, borders=[])
+
+
+def test_what_is_missed_is_the_verdict():
+    found = cells_of([StressVerdict.MISSED, StressVerdict.CAUGHT, StressVerdict.MISSED, StressVerdict.ALARM])
+    assert summary(found, "stress_verdict").startswith("Wrong motions that no check flagged: 2: 3 runs")
+    assert summary(found, "stress_verdict").endswith("flagged 1; 1 false alarm.")
+
+
+def test_engines_are_ranked_by_what_they_accept_at_the_tuned_setting():
+    within, over, refused = StressVerdict.WITHIN, StressVerdict.OVER, StressVerdict.UNSUPPORTED
+    parts = [
+        cells_of([within, over]),
+        cells_of([within, refused], engine="beta"),
+        cells_of([refused], engine="gamma"),
+        cells_of([over] * 3, usage="naive"),
+    ]
+    found = made_up_stress(cells=[one for part in parts for one in part.cells], borders=[])
+    assert ranking(found).endswith("that an engine accepts: beta 1 of 1, alpha 1 of 2.")
+    assert ranking(parts[2]) == ""
+    assert ranking(parts[3]).endswith("alpha 0 of 3.")
+
+
+def test_a_border_says_what_is_beyond_and_leaves_out_what_it_shares_with_the_one_before():
+    both = [border(1e-3, 7.234e-4, "over limit", **PLACE), border(1e4, 1.2e4, "missed", **PLACE)]
+    table = border_table(made_up_stress(borders=both), axis_title)
+    assert [(*row[:-1], row[-1].words) for row in table.rows] == [
+        (axis_title("mass"), *list(PLACE.values())[1:], "0.001, over limit at 7.23e-4"),
+        ("", "", "", "", "1e4, missed at 12000"),
+    ]
+
+
+def test_incidents_stand_alone_or_the_first_of_each_axis_and_engine_with_their_number():
+    few = cells_of([StressVerdict.CAUGHT] * 3)
+    assert [as_text(row[-1]) for row in incident_table(few.results).rows] == [one.cell.command for one in few.results]
+    many = cells_of([StressVerdict.CAUGHT] * (MOST_ALONE + 1))
+    ((engine, place, *_, command),) = incident_table(many.results).rows
+    assert engine == "alpha"
+    assert place.note == f"and {MOST_ALONE} more on this axis"
+    assert as_text(command) == many.results[0].cell.command
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    return html.write(page(STRESS), tmp_path_factory.mktemp("report"), [])
+
+
+@pytest.fixture(scope="module")
+def text(written):
+    return written.read_text(encoding="utf-8")
+
+
+def test_the_first_map_is_on_the_page_and_the_others_beside_it(written, text):
+    first, *others = STRESS.axes
+    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    assert json.loads(data)["map"]["axis"] == first
+    folder = written.parent / "data" / "stress"
+    assert {file.name for file in folder.iterdir()} == {f"maps.{axis}.js" for axis in others}
+    for axis in others:
+        call = (folder / f"maps.{axis}.js").read_text(encoding="utf-8")
+        assert call.startswith(f'linkproof.loaded("maps.{axis}",')
+
+
+def test_what_was_missed_raised_or_crashed_stands_open_with_its_reason_and_command(text):
+    for verdict in (*OPEN, StressVerdict.CAUGHT):
+        cells = STRESS.of(verdict)
+        (fold,) = re.findall(rf"<details( open)?>\s*<summary>{verdict.value.capitalize()} \({len(cells)}\)", text)
+        assert bool(fold) == (verdict in OPEN and len(incident_table(cells).rows) <= MOST_OPEN)
+    (missed, *_) = STRESS.of(StressVerdict.MISSED)
+    assert missed.cell.command.replace("'", "&#39;") in text
+    assert "velocity of &lt;rod&gt; off" in text
+    assert "<rod>" not in text
+    assert "a &lt;folder&gt;" in text
+
+
+def told(stress, width=100):
+    tables, closing, _ = printout(stress)
+    return rendered(*tables, *closing, width=width)
+
+
+def test_the_terminal_has_counts_borders_and_what_was_missed():
+    text = told(STRESS)
+    assert max(map(len, text.splitlines())) <= 100
+    assert text.count("missed: ") == len(STRESS.of(StressVerdict.MISSED))
+    assert text.count("alarm: ") == len(STRESS.of(StressVerdict.ALARM))
+    assert "✗ missed" in text
+    assert "last within, first beyond" in text
+    assert "last within" not in told(made_up_stress(borders=[]))
+
+
+def test_the_details_of_one_cell_are_complete():
+    (caught, *_) = STRESS.of(StressVerdict.CAUGHT)
+    text = rendered(cell_details(caught))
+    assert text.startswith(f"{caught.cell.key}: caught")
+    assert caught.reason in text
+    assert "10 steps" in text
+    every = rendered(*printout(STRESS).details)
+    assert all(result.cell.key in every for result in STRESS.results)
