@@ -24,7 +24,8 @@ def _by_inertia_alone(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "turn"), [("rimoldi-164", 1.0), ("rimoldi-164", -1.0), (path_of("ternary-on-rods"), 1.0)]
+    ("name", "turn"),
+    [("rimoldi-164", -1.0), pytest.param(path_of("ternary-on-rods"), 1.0, marks=pytest.mark.nightly)],
 )
 def test_every_figure_and_its_derivative_is_that_of_a_power_of_the_speed(name, turn):
     sample = _by_inertia_alone(name)
