@@ -21,8 +21,8 @@ LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits for 
 
 
 def job(kind, value=None):
-    """Do what its kind says; 'fine' returns the value."""
-    return JOBS[kind](value)
+    """Call the function of this module with the name ``kind``."""
+    return globals()[kind](value)
 
 
 def fine(value):
@@ -194,36 +194,6 @@ def work_within(path):
     """Have workers of this process do a job, and leave the process number of their server in a file."""
     list(run_jobs(job, [("fine",)], processes=1))
     Path(path).write_text(str(forkserver._forkserver._forkserver_pid))
-
-
-JOBS = {
-    function.__name__: function
-    for function in (
-        fine,
-        slow,
-        abort,
-        leave_at_once,
-        leave,
-        sleep,
-        spin,
-        swell,
-        swell_in_c,
-        write,
-        crash,
-        fail,
-        unsendable,
-        unreadable,
-        large,
-        hang_up,
-        interrupt_itself,
-        sign,
-        sign_and_sleep,
-        fork_and_sleep,
-        escape_and_sleep,
-        spoil,
-        clocked,
-    )
-}
 
 
 class Counting:

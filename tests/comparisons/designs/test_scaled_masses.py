@@ -10,7 +10,6 @@ from analytic.description.changes import numbers, with_numbers, without
 from analytic.description.loading import load, parse
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import named_figures
-from comparisons.designs.parameters import mass_words
 from comparisons.designs.steady_motion import steady_motion
 from tests.analytic.drives import driven
 from tests.analytic.linkages import mechanism
@@ -90,14 +89,3 @@ def test_the_file_of_an_optimum_has_the_masses_and_so_the_figures():
     )
     for one, (value,) in zip(named, values, strict=True):
         assert value / one.unit.size == pytest.approx(float(after[one.name]), rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("names", "words"),
-    [
-        (["rod.B.x", "speed"], "masses as in the file"),
-        (["rod.mass", "rod.centre.x", "ground.O2.x", "needle_bar.through.x", "speed"], ""),
-    ],
-)
-def test_conditions_speak_of_masses_where_a_length_of_a_moving_link_differs(names, words):
-    assert mass_words(load("rimoldi-164"), names).removeprefix(", ") == words

@@ -17,28 +17,11 @@ from comparisons.faults.simulation import Simulation
 from comparisons.imported.judge import judge
 from comparisons.judging.records import Verdict
 from comparisons.reference.case import own_case
-from engines.registry import engine, why_unavailable
-from tests.comparisons.imported.campaign import CLEAN, PLANTED, is_right, judged
 from tests.comparisons.imported.exported import exported, samples, with_link
 
 JUKI = load("juki-mf7923d")
 QUINTIC = crank_motion("run-up-quintic")
 TIME = np.linspace(0.0, 0.7, 351)
-
-
-NIGHTLY = [pytest.param(export, marks=pytest.mark.nightly) for export in (*PLANTED[2:], *CLEAN[2:])]
-
-
-@pytest.mark.parametrize("export", [*PLANTED[:2], *CLEAN[:2], *NIGHTLY], ids=lambda export: export.name)
-def test_a_planted_fault_is_the_likeliest_cause_and_a_clean_export_raises_no_alarm(export):
-    """Files of several tools' layouts, of the closed form's curves and of engines' runs."""
-    reason = why_unavailable(engine(export.engine))
-    if reason is not None:
-        pytest.skip(reason)
-    judgement = judged(export)
-    assert is_right(export, judgement)
-    if export.expected:
-        assert judgement.passed is not any(verdict.error_max > 0.01 for verdict in judgement.verdicts)
 
 
 def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():

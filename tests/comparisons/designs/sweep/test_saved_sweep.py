@@ -64,6 +64,7 @@ def made(folder):
     return xarray.load_dataset(folder / "sweep.nc")
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform == "win32", reason="forks")
 def test_a_sweep_killed_again_and_again_leaves_the_same_figures(tmp_path, monkeypatch):
     monkeypatch.setattr(sweeps, "PLACES", 8 * 7)
