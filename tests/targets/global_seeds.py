@@ -15,7 +15,7 @@ import numpy as np
 from analytic.description.crank_motion import RPM
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.optimum.optimisation import Wish, optimise
+from comparisons.designs.optimum.optimisation import OptimisationRequest, optimise
 from comparisons.designs.steady_motion import steady_motion
 
 MECHANISM, FIGURE, KEPT = "rimoldi-164", "Mkr.peak", "stroke"
@@ -50,7 +50,9 @@ def seeded(names: Sequence[str], count: int = SEEDS) -> Seeded:
     motion, over = steady_motion(mechanism, 1000.0 * RPM), [f"{name}=±10%" for name in names]
     start = time.perf_counter()
     found = [
-        optimise(mechanism, motion, Wish(FIGURE, over, [KEPT], seed=seed, everywhere=True), lambda *_: None)
+        optimise(
+            mechanism, motion, OptimisationRequest(FIGURE, over, [KEPT], seed=seed, everywhere=True), lambda *_: None
+        )
         for seed in range(count)
     ]
     return Seeded(

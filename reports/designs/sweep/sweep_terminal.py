@@ -24,7 +24,7 @@ LEAST: Final = "least"
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """What came of a request; ``own`` are the figures (figures,) of the file's own design."""
+    """The result of a request; ``own`` are the figures (figures,) of the file's own design."""
 
     request: SweepRequest
     own: Array

@@ -12,7 +12,7 @@ from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import sheet, usual_case
-from comparisons.designs.optimum.optimisation import Wish, optimise
+from comparisons.designs.optimum.optimisation import OptimisationRequest, optimise
 from comparisons.designs.optimum.searches import AGREEING
 from comparisons.designs.steady_motion import steady_motion
 from tests.analytic.linkages import from_text
@@ -26,7 +26,7 @@ CRANK, GROUND, ROCKER = 0.02, 0.06, 0.045  # m, of the four-bar
 
 def best(mechanism, *over, **wish):
     chosen = mechanism if isinstance(mechanism, Mechanism) else Mechanism(load(mechanism))
-    return optimise(chosen, steady_motion(chosen, SPEED), Wish(over=over, **wish), lambda *_: None)
+    return optimise(chosen, steady_motion(chosen, SPEED), OptimisationRequest(over=over, **wish), lambda *_: None)
 
 
 def moved(name, value):

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
 from comparisons.imported.columns import Column
-from comparisons.imported.headers.meaning import NotJudgedError, Recognition
+from comparisons.imported.headers.meaning import HeaderParser, NotJudgedError
 from tests.analytic.drives import driven
 
-READ = Recognition(load("juki-mf7923d"))
+READ = HeaderParser(load("juki-mf7923d"))
 
 MEANT = {
     "time": ("Time (sec)", "t/s", "time_s", "Zeit in s", "время, с", "czas [s]", "时间 (s)", "simTime (ms)"),
@@ -110,7 +110,7 @@ def test_names_of_one_letter_or_of_digits_do_not_stand_in_the_way():
         links.3 = { points = { C = [0, 0], P = [0.2, 0] }, mass = 1, inertia = 0.01 }
         sketch = { angle = 90, points = { P = [0.25, 0.2] } }
     """
-    read = Recognition(parse(text, "letters", "letters.toml"))
+    read = HeaderParser(parse(text, "letters", "letters.toml"))
     expected = {"M [Nm]": "Mkr", "P [W]": "Peq", "P.x [m]": "point:P:x", "Angular Velocity2 (rad/s)": "omega"}
     assert {header: read.meaning(_column(header)).signal for header in expected} == expected
 
@@ -129,7 +129,7 @@ def test_no_header_ends_in_a_traceback(parts):
 
 
 def test_a_cylinder_has_a_length_a_speed_and_a_force():
-    read = Recognition(driven("cylinder-in-the-loop").linkage)
+    read = HeaderParser(driven("cylinder-in-the-loop").linkage)
     meant = {
         "phi": ("Cylinder length [mm]", "Zylinderlänge (mm)", "Zylinderweg [mm]", "longueur du vérin (mm)",
                 "Довжина циліндра, мм"),
