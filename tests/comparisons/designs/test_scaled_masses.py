@@ -31,7 +31,7 @@ def slender(length):
     return Mechanism(parse(f"{text[:begin]}[links.coupler]\n{own}{text[end:]}", "slender", "slender"))
 
 
-@pytest.mark.parametrize("path", ["numpy", "compiled"])
+@pytest.mark.parametrize("path", ["numpy", pytest.param("compiled", marks=pytest.mark.nightly)])
 def test_a_slender_bar_of_another_length_is_the_one_that_a_file_has(path):
     lengths, sample = np.array([54.5, 50.0, 70.0]), scaled(slender(54.5))
     motion = steady_motion(sample, 100.0, samples=36)

@@ -40,6 +40,12 @@ def flipped(y):
     return np.where(np.isin(np.arange(len(y)), (50, 170)), -y, y)
 
 
+def first(kinds):
+    """Two kinds in every run of the tests, the others by night."""
+    kinds = list(kinds)
+    return [*kinds[:2], *(pytest.param(kind, marks=pytest.mark.nightly) for kind in kinds[2:])]
+
+
 COLUMNS = {
     "smoothed by moving average": smoothed,
     "sample rate, joined by straight lines": lambda y: np.interp(TIME, TIME[::9], y[::9]),
@@ -55,7 +61,7 @@ RUNS = {
 }
 
 
-@pytest.mark.parametrize("kind", COLUMNS)
+@pytest.mark.parametrize("kind", first(COLUMNS))
 def test_a_fault_of_a_column_is_the_likeliest_cause(kind):
     results = exported(JUKI, QUINTIC, ("Mkr", "S"), TIME, change=lambda v, _: {**v, "Mkr": COLUMNS[kind](v["Mkr"])})
     assert kinds(judge(JUKI, results, QUINTIC)) == [kind]
@@ -66,7 +72,7 @@ def test_a_column_of_another_quantity_is_recognised():
     assert kinds(judge(JUKI, results, QUINTIC)) == ["is Peq"]
 
 
-@pytest.mark.parametrize("kind", RUNS)
+@pytest.mark.parametrize("kind", first(RUNS))
 def test_another_motion_than_stated_is_the_likeliest_cause(kind):
     results = exported(JUKI, QUINTIC, ("Mkr", "S", "v"), TIME, model=Simulation(JUKI, RUNS[kind]))
     assert set(kinds(judge(JUKI, results, QUINTIC))) == {kind}

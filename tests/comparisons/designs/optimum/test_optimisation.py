@@ -96,7 +96,7 @@ def test_a_kept_stroke_is_kept_and_no_design_that_keeps_it_is_lower():
         return abs(float(figures(mechanism, {"rod.B.x": [rod], "rocker.B.x": [rocker]}, PEAK)[0, 0]))
 
     least, place = abs(found.values[1, 0]), found.after["rod.B.x"]
-    others = [peak(rod) for rod in (*np.linspace(0.172, 0.178, 5), place - 1e-6, place + 1e-6)]
+    others = [peak(rod) for rod in (*np.linspace(0.172, 0.178, 3), place - 1e-6, place + 1e-6)]
     assert least <= min(others) + 1e-10
     assert peak(place) == pytest.approx(least, rel=1e-8)
 
@@ -109,6 +109,7 @@ def test_kept_figures_that_nothing_moves_or_that_say_the_same_do_not_hinder():
     assert found.values[1, 1:4] == pytest.approx(found.values[0, 1:4], rel=1e-9)
 
 
+@pytest.mark.nightly
 def test_the_same_seed_searches_from_the_same_designs():
     wish = {"figure": "Mkr@30", "starts": 3}
     first, again, other = (best("rimoldi-164", "rocker.mass=±3%", **wish, seed=seed) for seed in (5, 5, 6))
@@ -116,23 +117,24 @@ def test_the_same_seed_searches_from_the_same_designs():
     assert first.search.counter == again.search.counter != other.search.counter
 
 
-def test_starts_that_end_elsewhere_are_counted_and_searching_everywhere_does_not_miss_the_least():
+def test_starts_that_end_elsewhere_are_counted():
     # The stroke has a least value near 172.7 mm, where the file's design leads, and a lower one at the bound.
-    alone, several, everywhere = (
-        best("rimoldi-164", "rod.B.x=170:180", figure="stroke", **how)
-        for how in ({}, {"starts": 3}, {"everywhere": True})
-    )
+    alone, several = (best("rimoldi-164", "rod.B.x=170:180", figure="stroke", starts=starts) for starts in (1, 3))
     assert len(alone.search.ends) == 1
     assert 0 < len(several.search.elsewhere) < 3
-    assert several.values[1, 0] == everywhere.values[1, 0] < 0.995 * alone.values[1, 0]
+    assert several.values[1, 0] < 0.995 * alone.values[1, 0]
+    assert several.bound(several.problem.variables[0]) == "upper"
+
+
+@pytest.mark.nightly
+def test_searching_everywhere_does_not_miss_the_least():
+    everywhere = best("rimoldi-164", "rod.B.x=170:180", figure="stroke", everywhere=True)
     assert everywhere.bound(everywhere.problem.variables[0]) == "upper"
     assert everywhere.search.elsewhere
     assert len(everywhere.search.ends) > AGREEING  # none is left out where they differ
 
 
 def test_a_start_that_cannot_be_assembled_leaves_the_search_to_others():
-    found = best("rimoldi-164", "rod.B.x=120:170", figure="Mkr.peak")
-    assert found.search.ends[0] is not None or found.search.ends[1] is not None
     far = best("rimoldi-164", "rod.B.x=185:230", "ground.O2.y=175:230", figure="Mkr.peak")
     assert far.search.ends[-1] is not None
     assert np.isfinite(far.values[1, 0])
@@ -142,9 +144,13 @@ def test_a_start_that_cannot_be_assembled_leaves_the_search_to_others():
     ("wish", "over"),
     [
         ({"figure": "Mkr.rms"}, "rocker.mass=±50%"),
-        ({"figure": "Mkr@30", "is_least": False}, "rocker.B.x=±5%"),
         ({"figure": "Mkr.range"}, "rod.B.x=±3%"),
-        ({"figure": "Mkr.peak", "keep": ["stroke=30.9:31", "Mkr.min=-0.26:"]}, "rocker.B.x=±5%"),
+        pytest.param({"figure": "Mkr@30", "is_least": False}, "rocker.B.x=±5%", marks=pytest.mark.nightly),
+        pytest.param(
+            {"figure": "Mkr.peak", "keep": ["stroke=30.9:31", "Mkr.min=-0.26:"]},
+            "rocker.B.x=±5%",
+            marks=pytest.mark.nightly,
+        ),
     ],
 )
 def test_over_one_number_every_kind_of_figure_is_as_good_as_on_a_fine_grid(wish, over):
