@@ -167,7 +167,7 @@ def bare_sheet(linkage: Linkage, reason: str) -> Sheet:
 def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     """The sheet of a case with all that a page shows, at as many instants as its curves need.
 
-    With what there is to say of those of these regimes in which the crank is released. Raises LinkproofError where the
+    Includes those of the ``regimes`` in which the crank is released. Raises LinkproofError where the
     linkage cannot make the motion.
     """
     case.check_motion()

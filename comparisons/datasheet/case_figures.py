@@ -76,7 +76,7 @@ OF_A_MECHANISM: Final[Mapping[str, tuple[str, MechanismFigure]]] = {
 
 
 def named(mechanism: Mechanism, name: str) -> Mapping[str, Figure | MechanismFigure]:
-    """What a name stands for, a family's members each by its own; raises LinkproofError for a figure there is not."""
+    """The figures that a name stands for, by the name of each; raises LinkproofError for an unknown figure."""
     return {name: OF_A_MECHANISM[name][1]} if name in OF_A_MECHANISM else figures_named(mechanism, name, in_time=True)
 
 
@@ -88,7 +88,7 @@ def figure_unit(name: str, linkage: Linkage) -> str:
 
 
 def case_figures(curves: Curves, wanted: Mapping[str, Figure | MechanismFigure]) -> dict[str, float]:
-    """What ``named`` gives, over the motion, SI.
+    """Values of the figures of ``named`` over the motion, SI.
 
     Raises LinkproofError for a place that the motion does not pass, and for what the mechanism lacks.
     """

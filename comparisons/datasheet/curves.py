@@ -34,8 +34,9 @@ CELL: Final = 16  # steps of the grid to a cell of a mean
 class SignalFigure:
     """A number of a designer: ``what`` it is, of a force the link it acts ``on``, its signal, value and SI unit.
 
-    ``time``, s, and ``phi``, rad, of a drive along a line m, say where; None of a mean. A value that is not finite, as
-    a joint's force at a change point, is None. ``joint_force:A:direction``, rad, is no signal of the closed form.
+    ``time``, s, and ``phi``, rad, of a drive along a line m, are its place; None for a mean. A value that is not
+    finite, as a joint's force at a change point, is None. ``joint_force:A:direction``, rad, is no signal of the closed
+    form.
     """
 
     what: str

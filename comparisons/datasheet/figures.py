@@ -47,7 +47,7 @@ def _of(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFigure]:
 
 
 def drive(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
-    """What chooses a motor: peaks of torque, power and speed, RMS and means; nothing where nothing has mass.
+    """Figures to choose a motor by: peaks of torque, power and speed, RMS and means; nothing for a massless linkage.
 
     Beside each peak stand the others at its instant. The RMS has no sign, the means have theirs.
     """
@@ -98,7 +98,7 @@ def output(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 
 
 def _fastest(curves: Curves) -> float:
-    """Where the crank is fastest; where it keeps that speed for a while, where its torque is largest meanwhile."""
+    """Time of the largest speed, s; of a constant largest speed, the time of the largest torque during it."""
     place = curves.places({"speed": lambda at: np.abs(at.speed)})["speed"]
     fastest = abs(curves.values(("omega",), place)[0]) * (1.0 - SAME_SPEED)
     if np.count_nonzero(np.abs(curves.on_grid.speed) >= fastest) < FEWEST:

@@ -1,4 +1,4 @@
-"""What ``linkproof check`` finds out of a linkage, one step after the other, until a step fails; SI units and rad."""
+"""The review of a linkage by ``linkproof check``: step after step, until a step fails; SI units and rad."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
 
 
 def _steps(linkage: Linkage) -> Iterator[Facts]:
-    """What each step adds; raises LinkproofError where one finds a fault."""
+    """The facts that each step adds; raises LinkproofError at the first fault."""
     yield {"loads": _loads(linkage), "warnings": list(warnings(linkage)), "loose_points": list(loose_points(linkage))}
     count = mobility(linkage)
     yield {"mobility": {"degrees": count.degrees, "formula": count.formula}}
@@ -87,7 +87,7 @@ def _sketch(mechanism: Mechanism) -> Facts:
 
 
 def range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """Between which values of φ the linkage keeps its assembly mode, why it ends there, and its change points."""
+    """Range of φ in this assembly mode, the reason for its ends, and its change points."""
     low, high = reach.limits
 
     def toggle(entry: Toggle | None) -> str | None:

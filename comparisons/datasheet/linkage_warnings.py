@@ -1,4 +1,4 @@
-"""What looks like a slip in a linkage that can be computed all the same: sizes, units, names."""
+"""Warnings about probable slips in a valid linkage: sizes, units, names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The portrait of a mechanism: what ``linkproof show`` tells of it, as plain data."""
+"""The summary of a mechanism that ``linkproof show`` prints, as plain data."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
 
 
 def described(linkage: Linkage, **worked_out: object) -> dict[str, Any]:
-    """What a linkage's file says of it, with what is worked out among it."""
+    """The data of a linkage's file, and figures computed from them."""
     return {
         "mechanism": linkage.name,
         "title": linkage.title,

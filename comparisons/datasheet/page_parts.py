@@ -1,4 +1,4 @@
-"""What a mechanism's page shows besides the signals of one motion: shares of Jeq, the normalised motion, the thread."""
+"""Parts of a mechanism's page besides the signals of one motion: shares of Jeq, normalised motion, thread."""
 
 from __future__ import annotations
 

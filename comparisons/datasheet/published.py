@@ -27,9 +27,7 @@ from comparisons.reference.case import Case, own_case
 CLAIMED: Final = 0.06
 MARGIN: Final = math.radians(10.0)  # that a crank turns before a printed angle
 SHARE: Final = 0.5  # of the way from a toggle, where that is less
-OLD: Final = re.compile(
-    r"start_acceleration:.*|.* - .*|.*@\S+s:.*"
-)  # what a quantity was before it was a figure's name
+OLD: Final = re.compile(r"start_acceleration:.*|.* - .*|.*@\S+s:.*")  # quantities of an older file format
 OF_THE_RUN_UP: Final = ("Mkr.peak", "Peq.peak")  # which needed no regime then
 
 
@@ -153,7 +151,7 @@ def figure(mechanism: Mechanism, entry: Published) -> float:
 
 
 class PrintedMotion(NamedTuple):
-    """What a figure is printed for: a ``regime``, or a steady ``speed``, rad/s, over a turn or up to ``angle``, rad."""
+    """Motion of a printed figure: a ``regime``, or a steady ``speed``, rad/s, over a turn or up to ``angle``, rad."""
 
     regime: str | None
     speed: float

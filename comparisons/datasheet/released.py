@@ -1,4 +1,4 @@
-"""A released crank for its page: where it could rest, how it settles, its motion, and what printed models say of it."""
+"""A released crank for its page: rest positions, steady rotation, its motion, and the motions of printed models."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LAST_TURN: Final = 361
 
 
 def released(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> Released:
-    """What there is to say of a regime of a linkage's own in which the crank is released, and of its motion.
+    """Facts and curves of a regime of the linkage's file in which the crank is released.
 
     The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
     angles, rad, at which it can rest; the mean reduced ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and
@@ -64,7 +64,7 @@ def released(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> R
 def printed(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, dict[str, Array]]:
     """The motions of models as printed, by erratum, of those that ``motions``, by regime, show to be wrong.
 
-    They hold for the file's own values alone.
+    Empty for other values than those of the file.
     """
     groups = {}
     errata = linkage.errata if linkage.variant == linkage.variants[0] else ()
@@ -84,7 +84,7 @@ def _thinned(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Arr
 
 
 def _attempt(make: Callable[[], T]) -> T | None:
-    """What there may not be: a last whole turn, a rotation that repeats itself."""
+    """The result, or None on LinkproofError: there may be no whole turn, or no periodic rotation."""
     try:
         return make()
     except LinkproofError:

@@ -21,7 +21,7 @@ AGAIN: Final = "run compare with --out again"
 
 @dataclass(frozen=True)
 class Saved:
-    """What the file holds: the sheets, and before them a digest of all that stands after it."""
+    """Contents of the file: the sheets, preceded by a digest of them."""
 
     format: Literal[2]
     digest: str

@@ -31,7 +31,7 @@ ROUNDING: Final = 1e-6  # of a turn: what the digits of a saved sheet leave of i
 JOINT: Final = "joint_force:"
 
 
-def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - what a file holds
+def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - any value of a file
     """Numbers in lists, nothing among them for what is not finite."""
     try:
         values = np.array(value, dtype=float)
@@ -48,7 +48,7 @@ def _listed(values: NDArray[np.float64]) -> list[Any]:
     return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values.tolist()]
 
 
-def _read(words: Any) -> Linkage:  # noqa: ANN401 - what a file holds
+def _read(words: Any) -> Linkage:  # noqa: ANN401 - any value of a file
     try:
         own = parse(words["text"], words["name"], words["name"], words["variant"])
         return replace(own, gravity=tuple(words["gravity"]))
@@ -66,9 +66,9 @@ ByName = Mapping[str, Array]  # by name
 
 @dataclass(frozen=True)
 class Positions:
-    """Where the bodies are at n instants, evenly spaced over one turn of φ or, where there is none, over the motion.
+    """Poses of the bodies at n instants, evenly spaced over one turn of φ, or over a motion of less than a turn.
 
-    ``over`` says which of the two ``axis`` is: "phi", rad, or "time", s, (n,). ``bodies`` has of each link, by name,
+    ``over`` is the quantity of ``axis``: "phi", rad, or "time", s, (n,). ``bodies`` has of each link, by name,
     the origin of its frame x, y, m, and its angle, rad, unwrapped, (3, n). ``carriers`` names the link that carries
     each point of a slot. ``closed``: the last instant is the first again.
     """
@@ -115,7 +115,7 @@ class Released:
     """A released crank: ``facts``, which the macro ``released_sheet`` puts in words, and its motion.
 
     ``motion`` has "time", s, "phi", "omega", "epsilon" (n,), ``last_turn`` the last three over the last whole turn,
-    nothing where there is none.
+    empty without a whole turn.
     """
 
     facts: Mapping[str, Any]
@@ -127,16 +127,16 @@ class Released:
 class Sheet:
     """Everything computed of a linkage under one motion, SI, angles in rad.
 
-    ``values`` are the signals by name over the whole motion, not a number where there is none: at every instant of its
+    ``values`` are the signals by name over the whole motion, nan where undefined: at every instant of its
     grid (n,), or on a page at as many as a curve needs, φ ascending where that is the axis. ``chosen`` are those at
     chosen instants, not saved. ``peaks`` has of each signal the largest magnitude, of a transmission angle the least,
     ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``facts`` are those of
     ``linkproof show --json``.
 
     The rest is what a page shows besides. ``shares`` has Jeq by Assur group ("groups") and by link ("links") over the
-    instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime what
-    there is to say of a released crank, ``printed`` by erratum the crank's speed, rad/s, over the "time", s, by the
-    model as "printed" and as "corrected". ``missing`` says of a part why it cannot be derived.
+    instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime the
+    facts of a released crank, ``printed`` by erratum the crank's speed, rad/s, over the "time", s, by the
+    model as "printed" and as "corrected". ``missing`` has the reason of each part that cannot be derived.
     ``motion`` is the crank's where it is prescribed.
     """
 

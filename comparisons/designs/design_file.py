@@ -1,4 +1,4 @@
-"""The linkage file of a design: numbers exchanged, the assembly modes those of the linkage that it is made from."""
+"""The linkage file of a design: other numbers, the same assembly modes as the original."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from analytic.kinematics.sweep import Sweep
 def design_file(mechanism: Mechanism, numbers: Mapping[str, float], new_variant: str = DESIGN) -> str:
     """The text of the file with these numbers, SI, by name; its sketch moves where it would pick other modes.
 
-    A speed among them is no number of a file, and left out. Raises LinkproofError for numbers that describe no linkage,
+    A speed among them is left out, for files have none. Raises LinkproofError for numbers that describe no linkage,
     AssemblyError where the design has no such sketch.
     """
     own, structure = mechanism.linkage, mechanism.structure

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 SAMPLES: Final = 180
 FEWEST: Final = 8
-MOST: Final = 10**6  # samples, which are held in memory design by design
+MOST: Final = 10**6  # samples in memory at once, design by design
 
 
 @dataclass(frozen=True)

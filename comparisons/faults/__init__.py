@@ -1,1 +1,1 @@
-"""What can be wrong with a simulation: one list of faults, which is planted, fitted to curves and ranked."""
+"""Faults of a simulation: one list, from which faults are planted, fitted to curves and ranked."""

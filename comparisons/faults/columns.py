@@ -1,4 +1,4 @@
-"""What may be wrong with columns of a file: sign, unit, zero, clock, filter, limit, sample rate, single samples."""
+"""Faults of columns of a file: sign, unit, zero, clock, filter, limit, sample rate, single samples."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Evidence:
 
     @property
     def tolerance(self) -> Array:
-        """What a cause need not explain, (n,)."""
+        """The difference that a cause need not explain, (n,)."""
         return np.asarray(self.rounding + NEGLIGIBLE * self.scale)
 
     @property

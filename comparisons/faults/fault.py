@@ -28,7 +28,7 @@ class Kind(IntEnum):
 
 @dataclass(frozen=True)
 class Correction:
-    """What a mapping may agree to: ``sign * factor * value + offset`` at the file's time + ``time_shift``; SI."""
+    """A correction that a mapping may accept: ``sign * factor * value + offset`` at the time + ``time_shift``; SI."""
 
     sign: int = 1
     factor: float = 1.0
@@ -55,7 +55,7 @@ class Fault:
     Raises LinkproofError where the linkage cannot be so. ``start`` (k,) are the numbers with which nothing is wrong,
     ``sizes`` what counts as a change of each; fits begin at the ``guesses``, and ``usual`` numbers are tried as they
     are. ``unit`` is that in which a single number is written, as SI value: round ones are likelier. ``words(numbers)``
-    say it in one sentence, ``cure(numbers)`` gives corrections by the names of signals, "*" for all.
+    is its sentence, ``cure(numbers)`` gives corrections by the names of signals, "*" for all.
     One that ``reshapes`` the linkage makes it move otherwise.
     """
 

@@ -1,4 +1,4 @@
-"""What is done to a curve after the simulation: smoothed, thinned out and filled up; nan where that is open."""
+"""Processing of a curve after the simulation: smoothing, and fewer samples filled up; nan where that is ambiguous."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Smooth = Callable[[Array, float], Array]  # values (n,), a width in samples
 
 WIDEST: Final = 0.2  # of the samples: a filter
 NARROWEST: Final = 3  # samples
-FEWEST: Final = 12  # samples of a curve of which any of this can be told
+FEWEST: Final = 12  # samples of a curve from which filters are recognised
 MOST_STRIDES: Final = 64
 EVERY_PHASE: Final = 12  # strides up to which each phase is tried
 

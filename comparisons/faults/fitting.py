@@ -49,7 +49,7 @@ class Fit:
 
     @property
     def words(self) -> str:
-        """What it is, in one sentence."""
+        """The fault in one sentence."""
         return self.fault.words(self.numbers)
 
     @property
@@ -74,7 +74,7 @@ class Fitting:
         self.simulation, self.evidence = simulation, evidence
 
     def rest(self, fault: Fault, numbers: Array) -> list[Array] | None:
-        """What a fault leaves of every column, over its tolerance; nan where it is open; None if it cannot be."""
+        """Residual of every column with a fault, over its tolerance; nan where undecided; None if impossible."""
         try:
             with np.errstate(all="ignore"):  # two points of a link in one place, a speed beyond all bounds
                 other = fault.apply(self.simulation, numbers)
@@ -85,7 +85,7 @@ class Fitting:
         remains = []
         for signal, values in zip(self.evidence, curves, strict=True):
             apart = signal.values - values
-            if is_angle(signal.name):  # of which whole turns say nothing
+            if is_angle(signal.name):  # known but for whole turns
                 apart = apart - TURN * np.round(np.nanmedian(apart) / TURN)
             rest = np.where(signal.counted, apart / signal.tolerance, np.nan)
             if moved and holds_acceleration(signal.name):

@@ -1,4 +1,4 @@
-"""What may be wrong with what an adapter reads of its engine: each entry is planted in a history, and explains one.
+"""Slips of an adapter that reads its engine: each is planted in a history, and explains the error of a signal.
 
 An entry makes of a right signal what a slip of an adapter makes of it. It is planted in what an engine did; where a
 signal of an engine is wrong, it is planted in the closed form, and explains the signal if it makes the same of that.
@@ -24,7 +24,7 @@ from engines.scene import Channel, Scene
 
 Array = NDArray[np.float64]
 
-PLACE, ANGLE, NUMBER = slice(0, 2), slice(2, 3), slice(0, 1)  # columns of a body; of a force; of what is no vector
+PLACE, ANGLE, NUMBER = slice(0, 2), slice(2, 3), slice(0, 1)  # columns of a body; of a force; of a scalar
 LEVELS: Final = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 VECTORS: Final = (*LEVELS, Channel.JOINT_FORCE)
 EXPLAINED: Final = 0.1  # of an error: what a cause may leave of it
@@ -79,7 +79,7 @@ class Reading:
 
     @property
     def words(self) -> str:
-        """What it is, for a reader."""
+        """The name of the signal for a reader."""
         if self.channel not in LEVELS:
             return "drive torque" if self.channel is Channel.TORQUE else f"force in joint '{self.name}'"
         kind = "" if self.channel is Channel.POSITION else self.channel.value
@@ -135,7 +135,7 @@ class Misreading:
     start: float = 0.0
 
     def causes(self, right: Reading, wrong: Array) -> Iterator[tuple[float, str]]:
-        """What it leaves of values (n, k) by each choice, or by the number that fits best; and its sentence."""
+        """Residual of values (n, k) with each choice, or with the best number; and its sentence."""
         if right.channel in self.channels:
             for choice in (self._fitted(right, wrong),) if self.numbers else self.choices(right):
                 yield size(wrong - self.values(right, choice)), self.words(choice)

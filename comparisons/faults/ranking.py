@@ -55,7 +55,7 @@ class FaultFinding:
 
     @property
     def corrections(self) -> dict[str, Correction]:
-        """What the mapping may agree to, by the names of signals: the likeliest's own, and what it needs besides."""
+        """Corrections for the mapping by the names of signals: those of the likeliest cause, and those it presumes."""
         return {**self.aligned, **self.likeliest.fault.cure(self.likeliest.numbers)}
 
     @property
@@ -176,7 +176,7 @@ class _Search:
         """Every fault fitted that does no harm: those of the model to some samples, then those of columns.
 
         Where one of the model explains several columns at once, nothing is sought in each of them, nor in the shape of
-        a linkage whose positions are found by iteration.
+        a linkage whose positions are computed by iteration.
         """
         model = [*motion_settings(self.simulation.motion, column), *model_faults(self.simulation)]
         slow = [fault for fault in model if fault.reshapes and self.simulation.mechanism.is_numerical]

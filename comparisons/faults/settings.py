@@ -27,7 +27,7 @@ MOST_PACES: Final = 150
 QUARTERS: Final = (90.0, -90.0, 180.0)
 NOTHING: Final = 1e-6  # rad: the rounding of a start angle
 SHORTEST: Final = 1e-9  # s, of a ramp
-# Units in which a column of the crank's angle or speed may be, whatever its header says, by their SI values.
+# Units that a column of the crank's angle or speed may have in spite of its header, with their SI values.
 CRANK_UNITS: Final = {
     "phi": {"rad": 1.0, "deg": math.pi / 180.0, "turns": 2.0 * math.pi},
     "omega": {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0, "turns per second": 2.0 * math.pi},
@@ -152,7 +152,7 @@ def motion_settings(motion: Motion, column: CrankColumn | None = None) -> Iterat
 
 
 def _other_units(column: CrankColumn, start: float) -> Iterator[Fault]:
-    """Another unit of the column than its header says."""
+    """Another unit of the column than that of its header."""
     for unit, value in CRANK_UNITS.get(column.name, {}).items():
         k = value / column.value
         if not math.isclose(k, 1.0, rel_tol=SAME_UNIT):

@@ -1,4 +1,4 @@
-"""What a tool simulates: a linkage under a motion of its driver, and what becomes of the curves until they are read."""
+"""The model of a tool's simulation: a linkage, a motion of its driver, and later changes of single curves."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class Simulation:
 
 
 def _shape(linkage: Linkage) -> list[Any]:
-    """What decides how a linkage moves."""
+    """The parts of a linkage that decide its motion."""
     points = {name: link.points for name, link in linkage.links.items()}
     return [points, *(getattr(linkage, part) for part in SHAPE)]
 
@@ -161,7 +161,7 @@ def holds_acceleration(name: str) -> bool:
 
 
 def is_angle(name: str) -> bool:
-    """Whether a signal is an angle, of which whole turns say nothing."""
+    """Whether a signal is an angle, so that whole turns do not count."""
     return name == "phi" or name.endswith(":angle") or name.startswith("transmission_angle")
 
 

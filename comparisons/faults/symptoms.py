@@ -1,4 +1,4 @@
-"""What a combination of failing rows of a run means: the kinds of faults of an engine's model or read-out that give it.
+"""Kinds of faults of an engine's model or read-out, recognised by the combination of rows of a run that fail.
 
 Each was confirmed by planting every fault of the conformance test in every engine: the rows that fail are the same.
 """
@@ -85,7 +85,7 @@ def symptoms(failed: dict[str, bool]) -> tuple[Symptom, ...]:
 
 
 def meaning(run: Iterable[Record]) -> str:
-    """What the failing rows of an engine's run mean, with what to do; empty where they fit no kind of fault."""
+    """The probable faults behind the failing rows of a run, with a remedy; empty if they fit no kind of fault."""
     records = [entry for entry in run if Verdict(entry.outcome).judged and entry.error_max is not None]
     if not records or records[0].origin == IMPORTED:
         return ""

@@ -1,1 +1,1 @@
-"""Results of tools that cannot be called: their files read, held against the closed form, and judged."""
+"""Results of tools that cannot be called: their files read and judged against the closed form."""

@@ -66,8 +66,8 @@ def keys(correction: Correction, unit: float, digits: int = 17) -> list[str]:
 class ImportedSignal:
     """A signal of the linkage by its name: SI values with angles in rad, corrections of the mapping applied.
 
-    ``at`` (n,) is the time, s, or the crank angle, rad; ``at_resolution`` (n,) is how closely the file tells it.
-    ``joint_force:NAME:magnitude`` is the size of a joint's force. ``taken`` says what was taken for granted.
+    ``at`` (n,) is the time, s, or the crank angle, rad; ``at_resolution`` (n,) is its resolution in the file.
+    ``joint_force:NAME:magnitude`` is the size of a joint's force. ``taken`` names the assumptions.
     """
 
     name: str
@@ -82,11 +82,10 @@ class ImportedSignal:
 
 @dataclass(frozen=True)
 class ImportedResults:
-    """What result files tell about a linkage.
+    """Signals of a linkage read from result files.
 
     ``corrections`` are those agreed to, by the names of signals, ``units`` the SI values of their columns' units;
-    ``mapping_text`` is a mapping that says all that was
-    recognised, to be written and changed.
+    ``mapping_text`` is a mapping of everything recognised, to be written and changed.
     """
 
     signals: tuple[ImportedSignal, ...]

@@ -38,7 +38,7 @@ SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more
 
 @dataclass(frozen=True)
 class ImportedJudgement:
-    """What came of a judgement; ``motion_source`` says where the crank's motion comes from.
+    """The result of a judgement; ``motion_source`` names the source of the crank's motion.
 
     ``missed`` are signals whose peak lies between the file's samples, each with the share of it that is missed.
     """

@@ -18,7 +18,7 @@ from analytic.errors import DescriptionError, UnknownNameError, printable, short
 from comparisons.faults.fault import Correction
 from comparisons.imported.columns import TIME, Column, keys
 from comparisons.imported.files.text import read_text
-from comparisons.imported.headers.meaning import Meaning, NotJudgedError, Recognition
+from comparisons.imported.headers.meaning import HeaderParser, Meaning, NotJudgedError
 from comparisons.imported.headers.units import NAMED, parsed
 
 LARGEST: Final = 1 << 20  # characters
@@ -30,7 +30,7 @@ Text = Annotated[str, Field(min_length=1)]
 
 
 class MappedColumn(TomlTable):
-    """A column by its ``header``, and what it is: a ``signal`` in a ``unit``; what its header says where left out.
+    """A column by its ``header``, and its meaning: a ``signal`` in a ``unit``, by default those of its header.
 
     What is agreed to: ``sign * factor * value + offset`` (in the column's unit) at the time + ``time_shift`` (s).
     """
@@ -53,7 +53,7 @@ class MappingDocument(TomlTable):
 
 @dataclass(frozen=True)
 class ColumnMapping:
-    """What the user agrees to, or nothing of it."""
+    """A mapping file: ``document`` as checked, ``source`` for the lines of messages; empty without a file."""
 
     source: Source = field(default_factory=lambda: Source(""))
     document: MappingDocument = field(default_factory=MappingDocument)
@@ -76,8 +76,8 @@ class ColumnMapping:
         """Whether a column is not to be judged."""
         return _plain(column.header) in map(_plain, self.document.ignore)
 
-    def meaning(self, recognition: Recognition, column: Column) -> tuple[Meaning, Correction]:
-        """What a column is by the mapping or by its header, and the corrections agreed to.
+    def meaning(self, recognition: HeaderParser, column: Column) -> tuple[Meaning, Correction]:
+        """The meaning of a column by the mapping or by its header, and the accepted corrections.
 
         Raises NotJudgedError for one whose meaning is unknown, DescriptionError for an entry that cannot be.
         """

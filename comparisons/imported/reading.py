@@ -28,7 +28,7 @@ from comparisons.imported.columns import (
     ResultTable,
 )  # fmt: skip
 from comparisons.imported.files.result_files import numbered, result_tables
-from comparisons.imported.headers.meaning import Meaning, NotJudgedError, Recognition
+from comparisons.imported.headers.meaning import HeaderParser, Meaning, NotJudgedError
 from comparisons.imported.mapping import ColumnMapping, mapping_text, read_mapping, written
 
 FEWEST: Final = 4  # instants of a curve
@@ -54,10 +54,10 @@ class _Read:
 
 
 class _Reading:
-    """What is known of the columns of result files while they are read."""
+    """State of reading result files: tables, meanings, and columns without one."""
 
     def __init__(self, linkage: Linkage, mapping: ColumnMapping, tables: Sequence[ResultTable]) -> None:
-        self.recognition = Recognition(linkage)
+        self.recognition = HeaderParser(linkage)
         self.mapping = mapping
         self.columns = [self._read(table, column) for table in tables for column in table.columns]
         self.axes = {id(table): self._axis(table) for table in tables}
@@ -68,11 +68,11 @@ class _Reading:
         return [(column, column.meaning) for column in every if column.meaning is not None]
 
     def ask(self, message: str) -> MappingNeededError:
-        """The error to raise where only the user can tell, with a mapping that says all that was recognised."""
+        """The error to raise where the user must decide, with a mapping of everything recognised."""
         return MappingNeededError(message, self.mapping_text())
 
     def mapping_text(self) -> str:
-        """A mapping that says all that was recognised."""
+        """A mapping of everything recognised."""
         every = [column for column in self.columns if not self.mapping.ignores(column.column)]
         entries = {
             column.column.header: written(column.column.header, column.meaning, column.reason, column.correction)
@@ -95,7 +95,7 @@ class _Reading:
         return _Read(table, column, meaning, correction)
 
     def _axis(self, table: ResultTable) -> _Read | None:
-        """The axis of a table: time, or the crank angle where there is none."""
+        """The axis of a table: time, or without time the crank angle."""
         every = self.of(table)
         axes = [column for name in (TIME, "phi") for column, meaning in every if meaning.signal == name]
         if every and not axes:

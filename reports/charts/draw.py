@@ -146,7 +146,7 @@ def _dark(text: str) -> str:
 
 
 def _draw_panel(axes: Axes, panel: Panel, size: Array) -> None:
-    """What is drawn and written in a panel, in axes of about so many inches."""
+    """Draw and label a panel in axes of about this ``size``, inches."""
     axes.set_xscale("log" if panel.scale in ("logx", "loglog") else "linear")
     axes.set_yscale("log" if panel.scale in ("log", "loglog") else "linear")
     for low, high in panel.hatch.stretches if panel.hatch else ():

@@ -24,7 +24,7 @@ class JudgedCurve:
     """A signal of a file at some of its times, s: its values in a ``unit``, those of the closed form, the worst time.
 
     ``without`` are the file's values without the ``cause`` that is named, None where none is, or where either of two
-    values is right. All are plain lists, so that a report's folder holds them.
+    values is right. All are plain lists, so that a report's folder can save them.
     """
 
     name: str
@@ -39,7 +39,7 @@ class JudgedCurve:
 
     @property
     def caption(self) -> str:
-        """What the picture shows, in one sentence."""
+        """The caption of the picture, in one sentence."""
         removed = f", and without its likely cause: {self.cause}" if self.cause else ""
         return f"{self.name} of the file and of the closed form, and their difference, {self.error}{removed}."
 

@@ -32,7 +32,7 @@ class KinematicScheme:
 
     @cached_property
     def scale(self) -> float:
-        """What a metre measures in the drawing."""
+        """Length of a metre in the drawing's unit."""
         return 1.0 / file_unit("m", self.linkage).size
 
     @property
@@ -49,7 +49,7 @@ class KinematicScheme:
         return self.scale * np.stack([x + c * u - s * v, y + s * u + c * v], axis=1)
 
     def at(self, course: Array) -> Array:
-        """What is known over all positions, (..., n), in the position drawn out."""
+        """Values over all positions, (..., n), at the position drawn out."""
         where = self.positions.axis[self.few[self.clearest]] if self.where is None else self.where
         rows = course.reshape(-1, course.shape[-1])
         return np.array([np.interp(where, self.positions.axis, row) for row in rows]).reshape(course.shape[:-1])
@@ -112,7 +112,7 @@ class KinematicScheme:
 
     @cached_property
     def stretches(self) -> dict[str, Array]:
-        """What is drawn between two points, by a name of its own: their places over all positions, (2, 2, n)."""
+        """Springs, dampers and cylinders by name: the places of their two ends over all positions, (2, 2, n)."""
         between: dict[str, Spring | CylinderDrive] = {f"spring:{n}": s for n, s in enumerate(self.linkage.springs)}
         both = between | ({"cylinder": self.linkage.cylinder} if self.linkage.cylinder else {})
         return {name: np.concatenate([self.path(body, [self.linkage.local(point, body)])

@@ -27,7 +27,7 @@ SHIFTS = np.array([(0, 1), (0, -1), (1, 0.4), (-1, 0.4), (1, -0.4), (-1, -0.4), 
 INSIDE_NAME, JOINT = re.compile(r"(?<=[.:])(?=[^\W\d])"), "\u2060"
 BOLD = 1.12  # how much wider bold words are
 GAP = 4.0  # points, between a curve's end or a note's point and its words
-END, UPRIGHT, NOTE = "end", "upright", "note"  # what words stand beside
+END, UPRIGHT, NOTE = "end", "upright", "note"  # places of words: beside an end of a curve, a vertical line, a point
 
 
 @cache
@@ -46,7 +46,7 @@ def fitting(text: str, room: float = LONGEST) -> str:
 
 
 def lines(text: str) -> int:
-    """How many lines a text has."""
+    """Number of lines of a text."""
     return text.count("\n") + bool(text)
 
 

@@ -33,7 +33,7 @@ NAME_STYLE = {"fontstyle": "italic", "color": INK, "zorder": 12.0, "bbox": BEHIN
 
 @contextmanager
 def part_of(axes: Axes, mover: str) -> Iterator[None]:
-    """What is drawn meanwhile moves with a body, or between two points: its name is the label of what was drawn."""
+    """Label everything drawn in the context with ``mover``: the body it moves with, or a spring or cylinder."""
     before = set(axes.get_children())
     yield
     for artist in set(axes.get_children()) - before:

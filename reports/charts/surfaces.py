@@ -68,5 +68,5 @@ def hatch(axes: Axes, low: float, high: float) -> None:
 
 
 def sample() -> Patch:
-    """What is hatched, in a key."""
+    """The entry of a key for a hatched area."""
     return Patch(**HATCHED)

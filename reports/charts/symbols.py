@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from reports.charts.style import INK, MUTED, PAPER, PLATE
 
 Array = NDArray[np.float64]
-SLOT = (PAPER, 0.7)  # what passes behind a slot stays visible
+SLOT = (PAPER, 0.7)  # lines behind a slot stay visible
 AROUND = np.exp(1j * np.arange(0.1, 2.0 * np.pi, 0.01))  # directions, none of them one that a drawing is likely to have
 
 

@@ -1,1 +1,1 @@
-"""What studies of many designs say and show: sweeps, optima, tolerances, trust in engines over a space."""
+"""Tables and pictures of studies of many designs: sweeps, optima, tolerances, engines over a space of designs."""

@@ -12,7 +12,7 @@ from comparisons.judging.records import Record
 
 
 def document(judgement: ImportedJudgement, blank: Record, command: str, sentence: str) -> dict[str, Any]:
-    """Everything that ``judge`` says."""
+    """The JSON document of ``judge``."""
     return {
         "command": command,
         "conditions": blank.conditions,
@@ -35,14 +35,14 @@ def document(judgement: ImportedJudgement, blank: Record, command: str, sentence
 
 
 def blank_of(judgement: ImportedJudgement, files: str) -> Record:
-    """What all records of a judgement share; the files stand in an engine's place."""
+    """The common fields of all records of a judgement; the files stand in an engine's place."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank motion from {judgement.motion_source}"
     return Record(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING)
 
 
 def with_cause(record: Record, judgement: ImportedJudgement) -> Record:
-    """A record whose detail names the likeliest cause of its error, if one was found."""
+    """A record whose detail names the likeliest cause of its error, if any."""
     words = [f.likeliest.words for f in judgement.explanation.findings if record.quantity in f.signals]
     return (
         replace(record, detail="; likely cause: ".join([record.detail, *words]).removeprefix("; ")) if words else record

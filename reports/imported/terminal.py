@@ -33,7 +33,7 @@ def share(value: float) -> str:
 
 
 def printout(judgement: ImportedJudgement, title: str) -> Printout:
-    """What ``judge`` prints; ``title`` names linkage and files."""
+    """The output of ``judge``; ``title`` names linkage and files."""
     verdict, *others = sentences(judgement)
     over = _with(judgement, Verdict.OVER_LIMIT)
     style = "green" if judgement.passed else "red" if over else "yellow"

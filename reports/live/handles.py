@@ -11,7 +11,7 @@ from analytic.kinematics.structure import Revolute
 
 
 class Pull(NamedTuple):
-    """What pulling at a point does to a ``body`` that has it.
+    """Effect of pulling at a point on a ``body`` that has it.
 
     "place" moves the point in the body's frame, "length" its distance from the point ``about`` there, and "crank" that
     distance while the crank turns with it.

@@ -34,7 +34,7 @@ class Model:
 
 
 def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
-    """The model of a linkage under a motion, or why there is none."""
+    """The model of a linkage under a motion, or the reason for its absence."""
     if mechanism.is_numerical:
         return "one of its groups has no formula and is solved by Newton's method"
     if not is_traceable(mechanism):

@@ -47,7 +47,7 @@ class PageServer(ThreadingHTTPServer):
         self.address = self.site + self.folder
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Print a fault of ours; a browser that left is none."""
+        """Print an error of the server, but for a browser that has disconnected."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)  # type: ignore[arg-type]
 

@@ -1,4 +1,4 @@
-"""The part of a page that can be pulled at, or the sentence that says why there is none."""
+"""The interactive part of a page, or a sentence with the reason for its absence."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def _pseudo(name: str, label: str, role: str, value: float, unit: str) -> dict[s
 
 
 def _drawn(mechanism: Mechanism) -> dict[str, Any]:
-    """What is drawn: points of bodies in their frames, m, guides, springs, and what pulling at a point changes."""
+    """Data of the drawing: points of bodies in their frames, m, guides, springs, effects of pulling at a point."""
     linkage = mechanism.linkage
     guides = [(slider.link, slider.point, slider.guide, slider.link) for slider in linkage.sliders]
     guides += [("", slot.point, slot.guide, slot.name) for slot in linkage.slots]

@@ -1,1 +1,1 @@
-"""One mechanism: its page, and what the terminal says of it."""
+"""One mechanism: its page and its tables in the terminal."""

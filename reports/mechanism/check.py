@@ -1,4 +1,4 @@
-"""What ``linkproof check`` says of a linkage: a line for each thing that was looked at."""
+"""The output of ``linkproof check``: a line for each property of a linkage."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from reports.document.terminal import Printed
 
 
 def printed(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[Printed]:
-    """Everything found out; ``written`` writes a length, m, in the file's unit."""
+    """A line for each fact; ``written`` writes a length, m, in the file's unit."""
     heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
     about = {"facts": facts, "written": written, "binds": math.degrees(BINDS)}
     rows = (line.partition(": ") for line in lines("check", **about))

@@ -29,7 +29,7 @@ GREATEST_ERROR: Final = 1e8
 
 
 def chart_data(view: View) -> dict[str, Any]:
-    """What the chart needs from the start: every regime's quantities and errors, and who is who, JSON-ready.
+    """Data of the chart when the page opens: every regime's quantities and errors, and the engines, JSON-ready.
 
     Of each error there are the numbers of its quantity, engine and setting, its size and its limit.
     """

@@ -1,4 +1,4 @@
-"""What a mechanism's page says to its designer: motion, drive, Jeq, forces, links, published figures."""
+"""The sections of a mechanism's page for its designer: motion, drive, Jeq, forces, links, published figures."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
 
 
 def engines_section(view: View, printed: Mapping[str, ByName] = MappingProxyType({})) -> Section:
-    """The half of a mechanism's page that shows what was simulated, or what another tool's file says.
+    """The half of a mechanism's page that shows what was simulated, or the curves of another tool's file.
 
     ``printed`` are the motions of models as printed, by erratum.
     """
@@ -71,7 +71,7 @@ def errors_of(view: View, regime: Regime) -> PageFigure:
 
 
 def errors_fold(view: View, regime: Regime) -> Fold:
-    """Every error of a regime in figures, and why there is none of a run."""
+    """Every error of a regime in figures, and the reason for each missing one."""
     runs = view.runs(regime)
     shown = [run for run in runs if any(record.error_max is not None for record in run)]
     parts: list[Part] = [_matrix(view, regime, shown)] if shown else []
@@ -106,7 +106,7 @@ def _row_head(view: View, records: Sequence[Record]) -> tuple[TableCell, str]:
 
 
 def _cell(record: Record | None) -> TableCell | str:
-    """An error, with a sign where it is over its limit; what did not pass tells why."""
+    """An error, with a sign where it is over its limit; a failed one has its reason as a tooltip."""
     if record is None:
         return numbers.ABSENT
     sign = RUNS[record.outcome]
@@ -130,12 +130,12 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
 
 
 def _meanings(runs: Sequence[Sequence[Record]]) -> list[str]:
-    """What the failing rows of a run mean together, in a sentence."""
+    """The probable fault behind the failing rows of a run, in a sentence."""
     return [f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := meaning(run))]
 
 
 def _printed_models(view: View, printed: Mapping[str, ByName]) -> list[Part]:
-    """What the engines say of the models that the source prints, which are held against the file's own values."""
+    """Simulations of the models that the source prints, compared with those of the file's own values."""
     if view.linkage.variant != view.linkage.variants[0]:
         return []
     rows = [row for row in view.results.document.get("errata", []) if row["mechanism"] == view.linkage.name]

@@ -45,7 +45,7 @@ def page(sheet: Sheet, results: Results | None = None) -> Page:
 
 
 def _verdict(results: Results | None) -> tuple[Part, ...]:
-    """What there is to say of a file that was judged."""
+    """The verdict on a judged file and its causes."""
     words = results.document.get("judgement", []) if results else []
     return (Paragraph(words[0], "verdict"), Bullets(tuple(words[1:]))) if words else ()
 

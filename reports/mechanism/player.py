@@ -29,7 +29,7 @@ def player(sheet: Sheet, positions: Positions, drawing: Markup) -> Widget:
 def player_data(sheet: Sheet, positions: Positions) -> Mapping[str, Any]:
     """The axis and the signals at ``SAMPLES`` instants, evenly spaced in time.
 
-    ``shares`` says where on the axis of a figure each instant is, ``poses`` where in the drawing's motion, from 0 to 1.
+    ``shares`` are the places of the instants on the axis of a figure, ``poses`` in the drawing's motion, from 0 to 1.
     """
     axis = sheet.values[sheet.axis]
     along = np.linspace(axis[0], axis[-1], SAMPLES)

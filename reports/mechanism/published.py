@@ -63,7 +63,7 @@ def _away(row: Row) -> TableCell | str:
 
 
 def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
-    """What the file notes on some of them, each once, after the first figure that has it."""
+    """The file's notes on figures, each once, after the first figure that has it."""
     tables: dict[str, dict[str, None]] = {}
     for row in rows:
         if row["note"]:

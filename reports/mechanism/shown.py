@@ -90,13 +90,13 @@ def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) ->
 
 
 def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
-    """Heads of the columns that say where something is."""
+    """Heads of the columns of places: angle or length, and time."""
     phi = f"{at}φ {sheet.unit('phi').name}"
     return (phi,) if sheet.axis == "phi" else (f"{at}t s", phi)
 
 
 def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
-    """Where a key figure is: the time, s, unless φ is the axis, and φ in the file's unit."""
+    """Place of a key figure: the time, s, unless φ is the axis, and φ in the file's unit."""
     if signal_figure.time is None or signal_figure.phi is None:
         return (ABSENT,) * len(places(sheet))
     phi = _angle(sheet.angle(signal_figure.phi), sheet.unit("phi"))
@@ -122,7 +122,7 @@ def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
 
 
 def _besides(sheet: Sheet) -> Iterator[SignalFigure]:
-    """What is not of the drive."""
+    """Key figures besides those of the drive."""
     yield from (
         signal_figure
         for signal_figure in sheet.figures["output"]

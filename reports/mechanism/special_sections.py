@@ -66,7 +66,7 @@ def released_section(sheet: Sheet) -> Section:
 
 
 def sentences(motion: Released) -> list[str]:
-    """What there is to say of a released crank, in this order: rest, rotation, own error, the articles' integrator."""
+    """Sentences about a released crank, in this order: rest, rotation, own error, the articles' integrator."""
     return lines("released_sheet", one=motion.facts, rpm=RPM)
 
 

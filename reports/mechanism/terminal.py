@@ -36,7 +36,7 @@ def _shelf(linkages: Iterable[Linkage]) -> Table:
 
 
 def portrait(facts: Mapping[str, Any]) -> list[Printed]:
-    """A mechanism's source, variants and figures; what it is made of is ``linkproof check``'s to say."""
+    """A mechanism's source, variants and figures; its structure is in the output of ``linkproof check``."""
     return [
         Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold"),
         *_facts("origin", facts=facts),

@@ -1,1 +1,1 @@
-"""The best of the designs of a linkage: a figure least or largest, others kept, numbers of the file between bounds."""
+"""Optimisation: the least or largest value of a figure over bounded numbers of the file, others constrained."""

@@ -1,4 +1,4 @@
-"""The least of a problem: from one design downhill, or from many, with what the search cost and how sure it is."""
+"""Local search for the least aim of a problem, with its cost and the residual of its optimality conditions."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import AssemblyError
+from comparisons.designs.optimum.local_maxima import Window
 from comparisons.designs.optimum.problem import ALLOWED_EXCESS, DesignProblem, Linearised
-from comparisons.designs.optimum.tops import Window
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ STEPS: Final = 60
 APART: Final = 1e-6  # shares of the aim by which two ends are different
 OUT_OF_REACH: Final = 10.0  # penalty, scaled, of a design that cannot be assembled
 ACTIVE: Final = 1e-7
-INDEPENDENT: Final = 1e-9  # slope, scaled, from which a kept figure depends on the variables
+INDEPENDENT: Final = 1e-9  # scaled slope from which a constrained figure depends on the variables
 
 
 @dataclass
@@ -36,7 +36,7 @@ class Counter:
 
 @dataclass(frozen=True)
 class End:
-    """Where a search from one design ended: scaled aim, and by how much it misses what is kept."""
+    """End of a search from one design: scaled aim, and the largest violation of a constraint."""
 
     place: Array
     aim: float
@@ -44,7 +44,7 @@ class End:
 
     @property
     def is_feasible(self) -> bool:
-        """Whether the kept figures are kept."""
+        """Whether all constraints hold."""
         return self.missed <= ALLOWED_EXCESS
 
     @property
@@ -55,7 +55,7 @@ class End:
 
 @dataclass
 class Descent:
-    """One search downhill with SLSQP: the tops of the start are held apart, again in every round, until none lowers."""
+    """Local search with SLSQP in rounds, each with the local maxima of its start; ends when no round lowers the aim."""
 
     problem: DesignProblem
     counter: Counter = field(default_factory=Counter)
@@ -91,7 +91,7 @@ class Descent:
         """How far a design is from Karush's, Kuhn's and Tucker's conditions: the slope that still leads down.
 
         It is the change of the aim, as a share of it, over the whole of the bounds: the shortest combination of the
-        gradients of the highest tops with those of the kept figures and of the bounds that hold it there.
+        gradients of the highest local maxima with those of the constraints and of the active bounds.
         """
         from scipy.optimize import nnls  # noqa: PLC0415
 
@@ -117,7 +117,7 @@ class Descent:
         return self.problem.at(place, windows)
 
     def _towards_constraints(self, end: End) -> End:
-        """A design near by that keeps what is kept, or misses it by less."""
+        """A design near by that meets the constraints, or violates them less."""
         from scipy.optimize import least_squares  # noqa: PLC0415 - seconds that help does not pay
 
         designs = _CachedDesigns(self, end.place)
@@ -143,7 +143,7 @@ class Descent:
         return result if result.rank < end.rank else end
 
     def _round(self, end: End, radius: float) -> End | None:
-        """The end of SLSQP within a radius; the aim is a variable of its own, above all tops."""
+        """The end of SLSQP within a radius; the aim is a variable of its own, above all local maxima."""
         from scipy.optimize import minimize  # noqa: PLC0415
 
         designs = _CachedDesigns(self, end.place)
@@ -179,7 +179,7 @@ class Descent:
 
 
 def independent(slopes: Array) -> list[int]:
-    """Rows of slopes (n, variables) none of which is made of others: a figure that nothing moves has no say."""
+    """A largest set of linearly independent rows of slopes (n, variables); a figure that nothing moves is left out."""
     rows: list[int] = []
     for row in range(len(slopes)):
         if np.linalg.matrix_rank(slopes[[*rows, row]], tol=INDEPENDENT) > len(rows):

@@ -18,7 +18,7 @@ from comparisons.designs.optimum.descent import ACTIVE, End, independent
 from comparisons.designs.optimum.problem import ALLOWED_EXCESS, Constraint, DesignProblem, Variable
 from comparisons.designs.optimum.rounding import rounded, step_size
 from comparisons.designs.optimum.searches import Announce, Search, search
-from comparisons.designs.optimum.wishes import constraint, constraint_texts, variables
+from comparisons.designs.optimum.typed_limits import constraint, constraint_texts, variables
 from comparisons.designs.steady_motion import SteadyMotion
 
 Array = NDArray[np.float64]
@@ -29,8 +29,8 @@ OF_MANY: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of seve
 
 
 @dataclass(frozen=True)
-class Wish:
-    """An optimisation as typed: a figure, numbers to vary, figures to hold, and search options.
+class OptimisationRequest:
+    """An optimisation as typed: a figure, numbers to vary, figures to constrain, and search options.
 
     Lengths are rounded to a ``step``, if there is one.
     """
@@ -45,7 +45,7 @@ class Wish:
     step: str = ""
 
     def check(self) -> None:
-        """Raise LinkproofError for what cannot be."""
+        """Raise LinkproofError for options that contradict one another or are out of range."""
         if self.starts < 1:
             raise LinkproofError(f"--starts: expected 1 or more designs, got {self.starts}; correct it")
         if self.seed < 0:
@@ -56,7 +56,7 @@ class Wish:
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best design found: numbers and ``values`` (2, figures), SI, before and after; the aims come first.
+    """The best design: numbers and ``values`` (2, figures), SI, before and after; the aims come first.
 
     Lengths are multiples of a ``step``, if one was typed; ``exact`` (figures,) are the values before they were rounded.
     """
@@ -77,19 +77,19 @@ class Optimum:
         return "lower" if here < ACTIVE else "upper" if here > 1.0 - ACTIVE else ""
 
     def curves(self) -> dict[str, Array]:
-        """The signals of the aims and of what is kept, and Mkr, over the grid of the tops: (2, angles), SI."""
+        """The signals of aims and constraints, and Mkr, over the crank angles of the search: (2, angles), SI."""
         known = self.problem.mechanism
         names = [figure.figure.signal for figure in (*self.problem.figures, *_reported(known, ["Mkr.peak"]))]
-        wanted, tops = tuple(dict.fromkeys(names)), self.problem.tops
+        signals, maxima = tuple(dict.fromkeys(names)), self.problem.maxima
         rows = [
-            signal_gradients(known, numbers, wanted, tops.grid, speed=tops.motion.speed)[0]
+            signal_gradients(known, numbers, signals, maxima.grid, speed=maxima.motion.speed)[0]
             for numbers in (self.before, self.after)
         ]
-        return dict(zip(wanted, np.stack(rows, axis=1), strict=True))
+        return dict(zip(signals, np.stack(rows, axis=1), strict=True))
 
     @property
     def is_fixed(self) -> bool:
-        """Whether the kept figures leave nothing to vary."""
+        """Whether the constraints leave nothing to vary."""
         slopes = self.problem.at(self.end.place, self.problem.windows(self.end.place)).equal_slopes
         return len(independent(slopes)) == len(self.problem.variables)
 
@@ -100,15 +100,15 @@ class Optimum:
         return np.asarray((after - before) / np.where(before == 0.0, np.nan, np.abs(before)))
 
 
-def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: Announce) -> Optimum:
-    """The best design between the bounds; raises LinkproofError for bad input and where there is none."""
-    wish.check()
-    varied = variables(mechanism.linkage, wish.over, motion.speed)
-    step = step_size(varied, wish.step) if wish.step else None
-    aims = named_figures(mechanism, [wish.figure])
-    sign = 1.0 if wish.is_least else -1.0
-    texts = constraint_texts(mechanism, wish.keep)
-    _check_figures(aims, tuple(texts), wish)
+def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRequest, announce: Announce) -> Optimum:
+    """The best design between the bounds; raises LinkproofError for bad input and if no design is feasible."""
+    request.check()
+    varied = variables(mechanism.linkage, request.over, motion.speed)
+    step = step_size(varied, request.step) if request.step else None
+    aims = named_figures(mechanism, [request.figure])
+    sign = 1.0 if request.is_least else -1.0
+    texts = constraint_texts(mechanism, request.keep)
+    _check_figures(aims, tuple(texts), request)
     requested = named_figures(mechanism, [*dict.fromkeys(figure.name for figure in (*aims, *texts))])
     others = [
         figure
@@ -127,23 +127,23 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     )  # fmt: skip
     start = np.clip((np.array(list(before.values())) - problem.low) / problem.width, 0.0, 1.0)
     _check_depends(problem, start)
-    result = search(problem, start, announce, starts=wish.starts, seed=wish.seed, everywhere=wish.everywhere)
+    result = search(problem, start, announce, starts=request.starts, seed=request.seed, everywhere=request.everywhere)
     end = _checked(problem, result, motion)
     exact = problem.numbers(end.place)
     after = exact if step is None else rounded(problem, exact, step)
     values = np.array([own, *(_figures(mechanism, motion, figures, numbers) for numbers in (after, exact))])
-    return Optimum(problem, result, end, before, after, figures, values[:2], wish.step, values[2])
+    return Optimum(problem, result, end, before, after, figures, values[:2], request.step, values[2])
 
 
-def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], wish: Wish) -> None:
-    """Raise LinkproofError for figures that cannot be optimised or kept."""
+def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], request: OptimisationRequest) -> None:
+    """Raise LinkproofError for figures that cannot be optimised or constrained."""
     for figure in (*aims, *keep):
         if figure.figure.signal.startswith("transmission_angle:") and figure.figure.reduction in KINKED:
             raise LinkproofError(f"{figure.name}: expected .min, the least transmission angle, which can be optimised "
                                  "and kept; its largest is mostly 90°, in a kink")  # fmt: skip
-    if len(aims) > 1 and aims[0].figure.reduction not in (OF_MANY if wish.is_least else (Reduction.MIN,)):
+    if len(aims) > 1 and aims[0].figure.reduction not in (OF_MANY if request.is_least else (Reduction.MIN,)):
         names = ", ".join(aim.name for aim in aims)
-        raise LinkproofError(f"expected one figure, got {wish.figure}, which stands for {names}; choose one of them")
+        raise LinkproofError(f"expected one figure, got {request.figure}, which stands for {names}; choose one of them")
 
 
 def _reported(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
@@ -187,7 +187,7 @@ def _check_depends(problem: DesignProblem, start: Array) -> None:
 
 
 def _checked(problem: DesignProblem, result: Search, motion: SteadyMotion) -> End:
-    """The best end; raises LinkproofError where nothing can be assembled or what is kept is out of reach."""
+    """The best end; raises LinkproofError where no design assembles or the constraints are out of reach."""
     best = result.best
     if best is None:
         raise LinkproofError(

@@ -1,4 +1,4 @@
-"""What is to be optimised: a figure of a linkage over numbers of its file between bounds, others kept as they are."""
+"""The optimisation problem: a figure of a linkage, bounded numbers of its file as variables, constraints on figures."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure
-from comparisons.designs.optimum.tops import SeparateTops, Window, reduction, sides
+from comparisons.designs.optimum.local_maxima import LocalMaxima, Window, reduction, sides
 from comparisons.designs.parameters import Parameter
 from comparisons.designs.steady_motion import SteadyMotion
 
 Array = NDArray[np.float64]
 
-ALLOWED_EXCESS: Final = 1e-9  # by which share of its size a kept figure may differ from what it is kept at
+ALLOWED_EXCESS: Final = 1e-9  # share of its size by which a figure may violate its constraint
 
 
 class Variable(NamedTuple):
@@ -86,7 +86,7 @@ class Linearised(NamedTuple):
 
     @property
     def missed(self) -> float:
-        """The largest share by which a kept figure is missed."""
+        """The largest relative violation of a constraint."""
         return float(max(np.max(-self.inside, initial=0.0), np.max(np.abs(self.equal), initial=0.0)))
 
 
@@ -108,14 +108,14 @@ class DesignProblem:
 
     @property
     def figures(self) -> tuple[NamedFigure, ...]:
-        """The aims and the kept figures."""
+        """The aims and the constrained figures."""
         return (*self.aims, *(figure.figure for figure in self.constraints))
 
     @cached_property
-    def tops(self) -> SeparateTops:
+    def maxima(self) -> LocalMaxima:
         """The extremes among the figures."""
         every = [side for figure in self.figures for side in sides(figure.figure)]
-        return SeparateTops(self.mechanism, self.motion, tuple(dict.fromkeys(every)))
+        return LocalMaxima(self.mechanism, self.motion, tuple(dict.fromkeys(every)))
 
     @cached_property
     def low(self) -> Array:
@@ -133,11 +133,11 @@ class DesignProblem:
         return dict(zip((variable.parameter.name for variable in self.variables), values.tolist(), strict=True))
 
     def windows(self, place: Array) -> tuple[Window, ...]:
-        """Where a design's tops are; raises AssemblyError."""
-        return self.tops.windows(self.numbers(place)) if self.tops.sides else ()
+        """Windows around a design's local maxima; raises AssemblyError."""
+        return self.maxima.windows(self.numbers(place)) if self.maxima.sides else ()
 
     def at(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
-        """The design at a place, with the same tops for the same windows; raises AssemblyError."""
+        """The design at a place, with the same local maxima for the same windows; raises AssemblyError."""
         pieces = self._pieces(place, windows)
         aims = [piece.below(self.sign) for piece in pieces[: len(self.aims)]]
         inside, equal = [], []
@@ -162,8 +162,8 @@ class DesignProblem:
         numbers = self.numbers(place)
         heights: dict[SignalExtreme, tuple[Array, Array]] = {}
         if windows:
-            values, slopes = self.tops.heights(numbers, windows)
-            for side in self.tops.sides:
+            values, slopes = self.maxima.heights(numbers, windows)
+            for side in self.maxima.sides:
                 rows = [row for row, window in enumerate(windows) if window.side == side]
                 heights[side] = values[rows], slopes[rows] * self.width
         plain = [figure.figure for figure in self.figures if not sides(figure.figure)]
@@ -179,7 +179,7 @@ class DesignProblem:
         ]
 
     def sampled(self, places: Array, angles: Array) -> Array:
-        """Aim and how far the kept figures are missed, scaled, of many designs (designs, variables): (2, designs).
+        """Scaled aim and violation of the constraints of many designs (designs, variables): (2, designs).
 
         Nan where a design cannot be assembled; extremes are those of the sampled angles.
         """
@@ -194,7 +194,7 @@ class DesignProblem:
 
 
 def _made(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) -> Pieces:
-    """A figure of the tops of its sides."""
+    """A figure from the local maxima of its sides."""
     parts = [heights[side] for side in sides(figure)]
     if reduction(figure) is Reduction.RANGE:
         (up, up_slopes), (down, down_slopes) = parts

@@ -31,7 +31,7 @@ def rounded(problem: DesignProblem, numbers: Mapping[str, float], step: float) -
     """Numbers, SI, of the best design near an optimum's whose lengths are multiples of a step, m.
 
     One length after the other takes the better of its two neighbours, and the numbers that are left are searched for
-    anew, so that what is kept stays kept as long as there are any. Raises LinkproofError for bounds without a multiple.
+    anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds without a multiple.
     """
     best, left = dict(numbers), list(problem.variables)
     for variable in [entry for entry in problem.variables if entry.parameter.kind == "length"]:

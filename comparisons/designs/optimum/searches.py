@@ -20,7 +20,7 @@ MOST_SAMPLES: Final = 65_536
 PICKED: Final = 12  # of them, from which is searched downhill
 AGREEING: Final = 6  # where so many searches, the first ones, all end at the same, that is taken for the least
 SPACED: Final = 0.1  # share of the bounds by which two of these differ in one variable or more
-PENALTY: Final = 3.0  # by which a missed kept figure counts beside the aim
+PENALTY: Final = 3.0  # weight of a violated constraint beside the aim
 Announce = Callable[[str, int, int], None]
 
 
@@ -35,7 +35,7 @@ class Search:
 
     @property
     def best(self) -> End | None:
-        """The lowest that keeps what is to be kept; else the one that misses it by least."""
+        """The lowest end that meets the constraints; else the end with the least violation."""
         return _best(self.ends)
 
     @property
@@ -93,7 +93,7 @@ def search(
 
 
 def _drawn(problem: DesignProblem, counter: Counter, count: int, seed: int) -> list[Array]:
-    """Designs of a Sobol sequence that can be assembled, as many as are wanted if there are."""
+    """The first designs of a Sobol sequence that can be assembled; fewer if the sequence has fewer."""
     places, merits = _sampled(problem, counter, max(64, 16 * count), seed)
     return list(places[np.isfinite(merits)][:count])
 
@@ -117,6 +117,6 @@ def _sampled(problem: DesignProblem, counter: Counter, count: int, seed: int) ->
 
     places = qmc.Sobol(len(problem.variables), rng=seed).random_base2(int(np.ceil(np.log2(count))))
     counter.sampled += len(places)
-    angles = problem.tops.grid[:: max(1, len(problem.tops.grid) // ANGLES)]
+    angles = problem.maxima.grid[:: max(1, len(problem.maxima.grid) // ANGLES)]
     aim, missed = problem.sampled(places, angles)
     return np.asarray(places, dtype=float), np.asarray(aim + PENALTY * missed)

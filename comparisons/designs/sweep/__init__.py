@@ -1,1 +1,1 @@
-"""Sweeps: figures over a space of designs, block by block, and the file they are kept in."""
+"""Sweeps: figures over a space of designs, block by block, and the file that saves them."""

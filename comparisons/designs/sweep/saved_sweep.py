@@ -1,7 +1,7 @@
 """The folder of a sweep: figures grow as plain doubles in ``unfinished``, and become a netCDF file when all are there.
 
 HDF5 does not survive a kill in the midst of a write. Every block has its place in the plain file, and the journal
-beside it says which are written; the netCDF file is made of it in one step.
+beside it lists those written; the netCDF file is made of it in one step.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def labelled(
 
 
 def described(request: SweepRequest, conditions: str, command: str) -> dict[str, str | int]:
-    """What a sweep's dataset says of itself."""
+    """Attributes of a sweep's dataset."""
     return {
         "mechanism": request.linkage.name,
         "variant": request.linkage.variant,
@@ -97,10 +97,10 @@ class SavedSweep:
                 "give another folder"
             )
         free = shutil.disk_usage(next(parent for parent in self.folder.parents if parent.exists())).free / 1e6
-        wanted = 16e-6 * self._shape[0] * self._shape[1]  # twice: the plain file and the netCDF file
-        if wanted > free and not self._path.exists():
+        needed = 16e-6 * self._shape[0] * self._shape[1]  # twice: the plain file and the netCDF file
+        if needed > free and not self._path.exists():
             raise LinkproofError(
-                f"expected room for {self.request.space.count} designs, {wanted:.3g} MB, in '{self.folder}', got "
+                f"expected room for {self.request.space.count} designs, {needed:.3g} MB, in '{self.folder}', got "
                 f"{free:.3g} MB: give fewer designs or figures, or a place on another disk"
             )
 
@@ -141,7 +141,7 @@ class SavedSweep:
         return labelled(self.request, values, self._figures().reshape(-1, *space.shape), self.about)
 
     def finish(self, *, keeps: bool) -> None:
-        """Write the netCDF file where it ``keeps``, and forget the rest."""
+        """Write the netCDF file if ``keeps``, and delete everything else."""
         if keeps:
             made = self._path.with_name(FILE)
             with self._writing():
@@ -150,8 +150,8 @@ class SavedSweep:
         self._journal.clear()
 
     def _write(self, path: Path) -> None:
-        """What ``dataset`` has, in netCDF; xarray, which could write it, takes a second to import where Dask is."""
-        import h5netcdf  # noqa: PLC0415 - what no sweep without files pays for
+        """Write the dataset as netCDF; not by xarray, which takes a second to import where Dask is installed."""
+        import h5netcdf  # noqa: PLC0415 - needed for files alone
 
         space = self.request.space
         over = space.dimensions

@@ -1,4 +1,4 @@
-"""Some designs of a sweep in engines: which are simulated, and what judged records say of the engines over them."""
+"""Designs of a sweep simulated in engines: their choice, and each engine's success over them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from comparisons.judging.records import Record, Verdict
 Array = NDArray[np.float64]
 
 TRIES: Final = 20  # hypercubes drawn before designs that assemble are given up
-BY_CHANCE: Final = 0.05  # what is as likely by chance tells nothing
+BY_CHANCE: Final = 0.05  # probability by chance above which a pattern is ignored
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class TellingNumber:
 
 @dataclass(frozen=True)
 class EngineOverDesigns:
-    """An engine over the designs: names of those that it fails and of those that say nothing.
+    """An engine over the designs: names of those that it fails, and of those without a verdict.
 
     ``worst`` is the record with the largest share of its limit, or without a result.
     """
@@ -77,7 +77,7 @@ class EngineOverDesigns:
 def simulated_designs(request: SweepRequest, count: int, seed: int) -> SimulatedDesigns:
     """So many designs of a sweep that assemble, fewer where it has no more: those of Latin hypercubes over its space.
 
-    Raises LinkproofError where none is found.
+    Raises LinkproofError if no design assembles.
     """
     from scipy.stats.qmc import LatinHypercube  # noqa: PLC0415 - a second that only a sample pays for
 
@@ -113,7 +113,7 @@ def simulated_designs(request: SweepRequest, count: int, seed: int) -> Simulated
 
 
 def engines_over_designs(designs: SimulatedDesigns, records: Iterable[Record]) -> list[EngineOverDesigns]:
-    """What judged records of the designs, as ``compare`` makes them, say of every engine and setting."""
+    """The success of every engine and setting, from judged records of the designs as ``compare`` makes them."""
     engines: dict[str, list[Record]] = {}
     for record in records:
         engines.setdefault(f"{record.engine} {record.setting}", []).append(record)
@@ -149,7 +149,7 @@ def shares_of_limits(designs: SimulatedDesigns, records: Iterable[Record], count
 
 
 def telling_number(numbers: Mapping[str, Array], fails: NDArray[np.bool_]) -> TellingNumber | None:
-    """The number (designs,) that tells best which designs fail, by Kolmogorov's and Smirnov's test.
+    """The number (designs,) that best separates failing designs from others, by the Kolmogorov-Smirnov test.
 
     Its chance is that of the test times the count of numbers tried. None where none or all fail, or none tells more
     than chance.

@@ -57,7 +57,7 @@ class DesignSpace(ABC):
         """Values of the designs from number ``first`` up to ``last``, (parameters, designs), in the file's units."""
 
     def part(self, first: int, last: int) -> DesignSpace:
-        """What knows these designs by the same numbers, and can be sent elsewhere."""
+        """These designs with the same numbers, in a form that can be sent to another process."""
         return self
 
     @property
@@ -129,9 +129,9 @@ class Listed(DesignSpace):
 
 
 def steps(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
-    """The parameter and its values, in equal steps, that ``--vary rod.B.x=170:180:1000`` asks for.
+    """The parameter and its values, in equal steps, that ``--vary rod.B.x=170:180:1000`` means.
 
-    Raises UnknownNameError for a parameter or a unit that there is not, LinkproofError for what is no range.
+    Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a malformed range.
     """
     name, equals, ends = text.partition("=")
     words = ends.split(":")

@@ -1,4 +1,4 @@
-"""Figures over a space of designs, block by block: nothing but a summary is kept of what has been handed on."""
+"""Figures over a space of designs, block by block; only a summary stays in memory."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 
 USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.min")
 PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
-LARGEST: Final = 200_000  # designs of a block, of which a few arrays are held
-REFINED: Final = 10  # what a figure costs that is refined, in figures that are not
+LARGEST: Final = 200_000  # designs of a block, of which a few arrays are in memory
+REFINED: Final = 10  # cost of a refined figure over that of a sampled figure
 BOUNDS: Final = Bounds(seconds=math.inf)
 NONE: Final = -1  # the number of no design
 
@@ -84,7 +84,7 @@ class RankedDesign(NamedTuple):
 
 @dataclass
 class Summary:
-    """What is known of so many ``designs``: how many assemble, the ends of their figures and of their parameters.
+    """Summary of so many ``designs``: how many assemble, the ends of their figures and of their parameters.
 
     ``least`` and ``largest`` have an extreme per figure, ``reach`` (parameters, 2) the least and the largest value of a
     parameter among the designs that assemble, in the file's units; nan where none does.
@@ -199,7 +199,7 @@ def _made(request: SweepRequest, todo: Sequence[int], pool: Pool | None) -> Iter
 
 @dataclass(frozen=True)
 class _Jobs(Sequence[tuple[Any, ...]]):
-    """What is sent for each block, made when it is sent."""
+    """The job of each block, made when it is sent."""
 
     request: SweepRequest
     todo: Sequence[int]

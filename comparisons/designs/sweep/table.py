@@ -25,7 +25,7 @@ OTHER_MARKS: Final = {";": "semicolons", "\t": "tabs"}  # of spreadsheets
 def read_table(path: Path, linkage: Linkage) -> Listed:
     """The table of a file, whose first line names parameters: ``rod.B.x`` or ``rod.B.x [cm]``.
 
-    Raises UnknownNameError for a column or a unit that there is not, LinkproofError for a file that cannot be read and
+    Raises UnknownNameError for an unknown column or unit, LinkproofError for a file that cannot be read and
     rows that are no designs.
     """
     import pandas  # noqa: PLC0415 - half a second that only a table pays for

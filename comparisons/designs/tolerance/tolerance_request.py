@@ -20,7 +20,7 @@ from comparisons.designs.steady_motion import SteadyMotion
 from comparisons.designs.tolerance.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, tolerances
 
 Array = NDArray[np.float64]
-Announce = Callable[[str, int, int], None]  # what is worked out, how many are, of how many
+Announce = Callable[[str, int, int], None]  # name of the stage, count done, count of all
 
 FEWEST, MOST = 2, 10**7
 SAMPLES: Final = 10_000

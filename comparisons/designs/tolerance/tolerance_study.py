@@ -1,4 +1,4 @@
-"""What tolerances do to the results of a linkage: shares of each, the worst case, and many random designs.
+"""Effect of tolerances on the results of a linkage: shares of each, the worst case, and many random designs.
 
 Values are SI, arrays over (results, tolerances) or (results,). What is linear follows from derivatives at the nominal
 design; corners and random designs are worked out as they are, extremes refined between the crank angles.
@@ -28,7 +28,7 @@ ALL_CORNERS: Final = 12  # tolerances whose corners are all worked out: 4096 des
 
 @dataclass(frozen=True)
 class ToleranceStudy:
-    """What came of it, SI; nan is what designs that do not assemble have.
+    """Results of a tolerance study, SI; nan for designs that do not assemble.
 
     Transmission angles farthest from 90° are all on the side of the nominal one: an angle and π less it are as far.
     ``changes`` (results, tolerances, 2) are those at the lower and the upper limit of each tolerance alone, all else
@@ -47,7 +47,7 @@ class ToleranceStudy:
 
     @property
     def how(self) -> str:
-        """What the derivatives are."""
+        """Whether the derivatives are exact or differences."""
         return EXACT if is_exact(self.request.mechanism) else DIFFERENCE
 
     @property
@@ -59,7 +59,7 @@ class ToleranceStudy:
     def contributions(self) -> Array:
         """By how much each tolerance moves each result, ± (results, tolerances).
 
-        By its derivative; where two tops tie there is none, and it is the larger of the changes.
+        From its derivative; where two maxima tie no derivative exists, and it is the larger of the changes.
         """
         linear = np.abs(self.derivatives) * self._sizes
         return np.where(np.isnan(linear), np.max(np.abs(self.changes), axis=2), linear)

@@ -92,7 +92,7 @@ class Tolerances:
 
 
 def read_tolerances(path: Path) -> Tolerances:
-    """The file; raises LinkproofError for one that cannot be read or says something else."""
+    """The file; raises LinkproofError if it cannot be read or has other contents."""
     try:
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -119,8 +119,8 @@ def tolerances(
 
     A value is a number, a text with a unit, or a table of ± and distribution.
 
-    Raises LinkproofError, beginning with ``where`` and the name, for unknown names, near ones told, for what is no
-    positive ±, and where a point has tolerances of x or y and of length or angle.
+    Raises LinkproofError, beginning with ``where`` and the name, for unknown names (with the nearest), for values that
+    are not a positive ±, and where a point has tolerances of x or y and of length or angle.
     """
     driven = {SPEED: parameter(linkage, SPEED, speed)}
     own, known = parameters(linkage) | driven, _known(linkage) | driven

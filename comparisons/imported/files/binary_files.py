@@ -56,7 +56,7 @@ def sheets(path: Path) -> Iterator[ResultText]:
                     raise ValueError(f"more than {LARGEST >> 20} MB of cells")
             if numbers > 1:  # no sheet of notes
                 yield ResultText(f"{printable(str(path))}[{printable(sheet.title)}]", "\n".join(lines))
-    except Exception as error:  # what damaged files raise in zip, XML and cells has no common class
+    except Exception as error:  # errors of damaged zip, XML and cells have no common class
         raise _unreadable(path, "a workbook", error) from error
 
 
@@ -69,7 +69,7 @@ def _unreadable(path: Path, kind: str, error: Exception) -> LinkproofError:
 
 def _arrays(path: Path, script: Path) -> dict[str, Any]:
     """The arrays that a script makes of a file; raises ValueError with its last words."""
-    with TemporaryDirectory() as folder:  # what the script leaves behind goes with it
+    with TemporaryDirectory() as folder:  # removed with everything that the script writes
         command = [sys.executable, "-P", str(script), str(path.resolve()), str(MOST_NUMBERS)]
         try:
             done = subprocess.run(
@@ -122,7 +122,7 @@ def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
         data = {name[1:]: array for name, array in _arrays(path, MATLAB).items()}
         is_trajectory = all(name in data for name in TRAJECTORY)
         arrays = dict(_trajectory(data) if is_trajectory else _vectors(data))
-    except Exception as error:  # what damaged files raise in decompression and matrices has no common class
+    except Exception as error:  # errors of damaged matrices have no common class
         raise _unreadable(path, "a MATLAB file", error) from error
     tables: dict[int, list[Column]] = {}
     for name, array in arrays.items():

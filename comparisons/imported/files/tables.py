@@ -1,6 +1,6 @@
 """Tables of numbers in a text: rows of numbers below a line of headers, among titles, comments and rows of units.
 
-What stands between numbers and before decimals is what makes numbers of most rows; pandas reads them.
+The delimiter and the decimal sign are those with which most rows are numbers; pandas reads them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from comparisons.imported.columns import Array, Column
 from comparisons.imported.files.text import MOST_NUMBERS, ResultText
 from comparisons.imported.headers.units import parsed
 
-# A line that holds anything but numbers; its first part cannot give back what it took, so a search is linear.
+# A line with anything but numbers; its first part cannot give back what it took, so a search is linear.
 WORDS: Final = re.compile(r"^[0-9eEdD+\-.,;|\t \"]*+[^0-9eEdD+\-.,;|\t \"\n].*$", re.MULTILINE)
 # Empty cells at the end of a line, looked for at the beginning of a run of signs only, so that a search is linear.
 TRAILING: Final = re.compile(r"(?<![,;|\t ])[,;|\t ]++$", re.MULTILINE)
@@ -41,7 +41,7 @@ LONGEST: Final = 60  # characters of a number
 MOST_LINES: Final = 20_000  # of text before or behind a table
 MOST_COLUMNS: Final = 10_000
 LONGEST_ROW: Final = 1 << 18  # characters
-MOST_DIGITS: Final = 17  # of a double: more say nothing
+MOST_DIGITS: Final = 17  # of a double
 
 
 class _Part(NamedTuple):
@@ -62,7 +62,7 @@ class _Header(NamedTuple):
 
 @dataclass(frozen=True)
 class Layout:
-    """What parts the cells of a row, and the decimal sign."""
+    """The delimiter of the cells of a row, and the decimal sign."""
 
     delimiter: str
     decimal: str
@@ -219,7 +219,7 @@ def _columns(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> 
 
 
 def _bad_row(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> LinkproofError:
-    """What is wrong with the first row that has another number of cells, or a cell that is no number."""
+    """The message about the first row with another number of cells, or with a cell that is not a number."""
     gaps = None
     for number, row in enumerate(io.BytesIO(rows.text.encode()), start=rows.line):
         cells = layout.cells(row.decode())
@@ -262,7 +262,7 @@ def _refuse_rows(file: ResultText, lines: Sequence[_Part], layout: Layout, width
 
 
 def bad_cell(file: ResultText, line: int, cells: Sequence[str]) -> LinkproofError:
-    """What is wrong with the first cell of a row that is no finite number, or not empty as it is in other rows."""
+    """The message about the first cell of a row that is not a finite number, or not empty as in other rows."""
     column = next((n for n, cell in enumerate(cells, start=1) if not is_number(cell)), 1)
     cell = cells[column - 1]
     cure = (

@@ -39,12 +39,12 @@ class ResultText:
     text: str
 
     def fail(self, line: int, message: str) -> LinkproofError:
-        """The error to raise about a line; the message says what was expected, what was got, and the cure."""
+        """The error to raise about a line; ``message`` states the expectation, the content, and the remedy."""
         return LinkproofError(f"{self.name}:{line}: {message}")
 
 
 def read_text(path: Path, wanted: str = "a text file of results, such as a CSV") -> ResultText:
-    """The text of a file; raises LinkproofError for what is no readable text."""
+    """The text of a file; raises LinkproofError if it is not readable text."""
     check_file(path, f"expected {wanted}")
     content, name = path.read_bytes(), printable(str(path))
     encoding = next((encoding for mark, encoding in MARKS if content.startswith(mark)), None) or _without_mark(content)

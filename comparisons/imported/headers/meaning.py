@@ -28,7 +28,7 @@ WITH_UNIT: Final = (
     r"(.*?)\s*[(\[{<]\s*([^()\[\]{}<>]*(?:\([^()]*\)[^()\[\]{}<>]*)?)\s*[)\]}>]\s*",
     r"(.+?)\s+in\s+(\S.*)", r"([^/]+?)\s*/\s*(\S.*)", r"(.+?)\s*[,:;]\s*(\S.*)", r"(.+)_([^_]+)", r"(.+)\s+(\S+)",
 )  # fmt: skip
-AGAIN: Final = re.compile(r"\s#\d+$")  # what tells a header from an equal one before it
+AGAIN: Final = re.compile(r"\s#\d+$")  # the number of a repeated header
 # What a signal in an SI unit measures, and what else is true of it.
 QUANTITIES: Final = {
     "s": {TIME}, "m": {"displacement"}, "m/s": {"speed"}, "m/s²": {"acceleration"}, "N": {"force"}, "N m": {"torque"},
@@ -58,7 +58,7 @@ class Meaning:
 
 @dataclass(frozen=True)
 class _True:
-    """What is true of a signal: words for its ``quantity``, each set that it ``needs`` one of, and all ``words``."""
+    """The vocabulary of a signal: words for its ``quantity``, each set that it ``needs`` one of, and all ``words``."""
 
     quantity: Meanings
     needs: tuple[Meanings, ...]
@@ -79,8 +79,8 @@ def splits(header: str, unit: str) -> Iterator[tuple[str, str]]:
 
 
 @dataclass(frozen=True)
-class Recognition:
-    """Headers in the words of one linkage."""
+class HeaderParser:
+    """Parser of headers: the signals of one linkage by words of several languages and by names of its parts."""
 
     linkage: Linkage
 
@@ -99,7 +99,7 @@ class Recognition:
         return {name: self._of(name) for name in (TIME, *self.signals) if not name.startswith("transmission_angle")}
 
     def _of(self, name: str) -> _True:
-        """What is true of a signal or of time."""
+        """The vocabulary of a signal or of time."""
         linkage, output = self.linkage, self.linkage.output
         kind, _, rest = name.partition(":")
         part, _, component = rest.rpartition(":")
@@ -145,7 +145,7 @@ class Recognition:
         return Meaning(signal, None, "")
 
     def meaning(self, column: Column) -> Meaning:
-        """What a column means; raises NotJudgedError with the reason."""
+        """The signal that a column means; raises NotJudgedError with the reason."""
         if len(column.header) > LONGEST:
             raise NotJudgedError(f"its name '{shortened(column.header)}' is longer than {LONGEST} characters")
         reasons = []
@@ -157,7 +157,7 @@ class Recognition:
         raise reasons[0]
 
     def _meaning(self, name: str, unit: Unit | None, printed: str, column: Column) -> Meaning:
-        """What a name in a unit means."""
+        """The signal that a name with a unit means."""
         if name in (TIME, *self.signals):
             if unit and not unit.measures(self.unit(name).dimension):
                 raise NotJudgedError(f"'{printed}' is no unit of {name}")
@@ -181,7 +181,7 @@ class Recognition:
         return Meaning(best[0], unit, printed, self._taken(best[0], fitting[best[0]], column))
 
     def _fitting(self, read: Sequence[Meanings], unit: Unit | None) -> dict[str, Meanings]:
-        """The signals of which all words are true and that need no other, each with what the words say of it."""
+        """The signals that all words fit and that need no other word, each with the meanings that fit it."""
         fitting = {}
         for name, true in self._true.items():
             if unit is not None and not unit.measures(self.unit(name).dimension):
@@ -205,7 +205,7 @@ class Recognition:
         return f"its name fits none of {listed(dict.fromkeys(name.rpartition(':')[0] or name for name in kind))}"
 
     def _taken(self, signal: str, stated: Meanings, column: Column) -> str:
-        """What is taken for granted of a column that means a signal; raises NotJudgedError where its values differ."""
+        """The assumption behind a column's signal, "" for none; raises NotJudgedError if its values contradict."""
         output = self.linkage.output
         if signal in DRIVE and not stated & {"drive", f":{self.linkage.crank}"}:
             return "its name has no link: taken as the crank's"

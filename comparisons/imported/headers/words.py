@@ -45,7 +45,7 @@ WORDS: Final = _table((tuple(plain(word).split()), meaning) for meaning, words i
 
 
 def named(names: Iterable[str]) -> Table:
-    """What names mean, ``:name``, by their words; a number alone is a plot's, "Angular Velocity2", and no name."""
+    """Meanings, ``:name``, of names by their words; a number alone is a plot's, "Angular Velocity2", and no name."""
     return _table((key, f":{name}") for name in names if not all(map(str.isdigit, key := _key(tokens(name)))))
 
 

@@ -2,7 +2,7 @@
 
 A column of angles is rounded, and its differences are far from the crank's acceleration. A piece is therefore as long
 as one polynomial of low degree stays within the rounding: a constant speed is one piece, a linear run-up two, whatever
-the number of samples. Nothing of what is judged is smoothed: only the angles at which the closed form is asked.
+the number of samples. No judged signal is smoothed, only the angles at which the closed form is evaluated.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ FINEST: Final = 0.02  # of the coarsest rounding of a column
 EXACT: Final = 0.02  # of the rounding: a known motion that leaves less is printed in full, 1.5° after 1.5°
 ROUND: Final = 200.0  # roundings: such an angle or speed starts at a multiple of so many, that is, of 100 last digits
 NOTHING: Final = 1e-6  # of the rounding: the last bits of a number
-MANY: Final = 8  # pieces, from which a column may hold more than rounding
+MANY: Final = 8  # pieces, from which a column may contain more than rounding
 FEWER: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
 BOUND: Final = 5.0  # root mean squares of noise that none of its samples exceeds
 SIXTH: Final = 20.5  # median of the sixth differences of noise, over its root mean square
@@ -104,7 +104,7 @@ def _motion(time: Array, values: Array, resolution: Array, name: str, *, of_spee
     if len(time) < FEWEST:
         raise LinkproofError(f"crank's motion: expected {FEWEST} samples or more, got {len(time)}; export more of them")
     coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
-    rounding = np.maximum(resolution, FINEST * coarsest)  # the first angles of a run-up have digits that no fit holds
+    rounding = np.maximum(resolution, FINEST * coarsest)  # the first angles of a run-up have more digits than any fit
     known = known_fit(time, values, rounding, of_speed=of_speed)
     if known is not None:
         column = known.column  # of fewer samples than the file, if that has many

@@ -67,7 +67,7 @@ class SignalVerdict:
 
     @property
     def evidence(self) -> Evidence:
-        """What causes are fitted to."""
+        """The signal in the form to which causes are fitted."""
         own, over = self.samples, np.abs(self.samples.values - self.truth) > self.limit * self.scale
         alone = self.over & ~np.any(over & self.counted)  # nothing but samples at a jump is off
         return Evidence(
@@ -160,7 +160,7 @@ def _verdict(
     if np.any(over & (error > open_)):
         outcome = Verdict.OVER_LIMIT
     elif np.any(over & (error > signal.rounding)) or not counted.any():
-        outcome = Verdict.UNDEFINED  # what the rounding of the crank's motion leaves open is over the limit
+        outcome = Verdict.UNDEFINED  # the uncertainty of the crank's motion is over the limit
     return SignalVerdict(
         samples=signal,
         truth=truth,

@@ -23,9 +23,9 @@ SLACK: Final = 1.2  # of the rounding: the last bits of the numbers
 TIMES: Final = 50  # from which the search of a family's time begins
 TWICE: Final = 3.0  # roundings that the nearest motion by squares may leave of a column that is within its own
 FEW: Final = 200  # samples by which a family is ruled out
-MOST: Final = 2000  # samples to which one is fitted; all are held against it
+MOST: Final = 2000  # samples to which a motion is fitted; all are compared with it
 NOTHING: Final = 1e-9  # of the duration: no dwell
-SMALL, NEWTON = 1e-5, 3  # of the duration: a change of the time by which its slope is found; steps to rounding
+SMALL, NEWTON = 1e-5, 3  # of the duration: a step of the time for its derivative; Newton steps
 LEAST: Final = 0.02  # of the duration: the shortest time tried
 PARTS: Final = ("time", "values", "rounding")
 
@@ -119,7 +119,7 @@ class KnownColumn:
         return min(fits, key=lambda fit: fit.largest)
 
     def _settled(self, time: float) -> KnownFit:
-        """The fit at a time to rounding: the least of a cost tells its place to the root of rounding only."""
+        """The fit refined by Newton steps: a minimum of a cost alone has half the digits."""
         fit, step = self._of(time), SMALL * self.duration
         for _ in range(NEWTON):
             slope = (self._of(fit.time + step).rest - self._of(fit.time - step).rest) / (2.0 * step * self.rounding)

@@ -34,7 +34,7 @@ class Samples:
 
 
 def floor(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
-    """What the file's rounding leaves open of each signal (n,): of its values, its instants and its crank angles."""
+    """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles."""
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
     others = [model.moving(motion).predicted(samples) for motion in likewise]

@@ -68,7 +68,7 @@ def _picture(result: Optimum, conditions: str) -> str:
     from reports.charts.draw import svg  # noqa: PLC0415 - half a second that nothing else pays for
     from reports.designs.optimum.before_after_picture import Change, before_after_figure  # noqa: PLC0415
 
-    linkage, grid = result.problem.mechanism.linkage, result.problem.tops.grid
+    linkage, grid = result.problem.mechanism.linkage, result.problem.maxima.grid
     places = grid / file_unit("m", linkage).size if linkage.is_linear else np.degrees(grid)
     changes = {}
     for name, (before, after) in result.curves().items():

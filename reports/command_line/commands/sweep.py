@@ -20,8 +20,7 @@ from comparisons.runs.files import write_file, write_text
 from comparisons.runs.journal import Journal
 from reports.command_line.destination import STDOUT, Destination, check_files, files_of, write_out
 from reports.command_line.interruption import interruptible, journal
-from reports.designs.sweep.sweep_table import csv_rows
-from reports.designs.sweep.sweep_terminal import SweepSummary
+from reports.designs.sweep.sweep_terminal import SweepSummary, csv_rows
 from reports.document.terminal import Printout
 from reports.requests import PASSED
 from reports.requests.options.declaring import command_line

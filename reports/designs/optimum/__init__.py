@@ -1,1 +1,1 @@
-"""What an optimisation says and shows."""
+"""Tables and pictures of an optimisation."""

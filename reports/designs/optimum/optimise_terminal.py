@@ -18,7 +18,7 @@ from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
 
 DIGITS: Final = 6
-ROUNDED: Final = 1e-8  # share of its size by which a kept figure may be off
+ROUNDED: Final = 1e-8  # share of its size by which a constrained figure may be off
 SETTLED: Final = 1e-4  # a residual that a local optimum stays below
 
 
@@ -36,7 +36,7 @@ def printed(optimum: Optimum, conditions: str) -> list[Printed]:
 
 
 def aim(optimum: Optimum) -> str:
-    """What was looked for, in words."""
+    """The aim of the search in words."""
     names, least = ", ".join(named_figure.name for named_figure in optimum.problem.aims), optimum.problem.sign > 0.0
     of_many = f"{'largest' if least else 'least'} of " if len(optimum.problem.aims) > 1 else ""
     return f"{'least' if least else 'largest'} {of_many}{names}"
@@ -83,7 +83,7 @@ def closing(optimum: Optimum) -> str:
 
 
 def aim_word(optimum: Optimum) -> str:
-    """What was done with the aim."""
+    """The participle for the aim: minimised or maximised."""
     return "minimised" if optimum.problem.sign > 0.0 else "maximised"
 
 
@@ -107,7 +107,7 @@ def _remarks(optimum: Optimum) -> Iterator[Printed]:
     """How the search went."""
     search, problem = optimum.search, optimum.problem
     way = "exact derivatives" if is_exact(problem.mechanism) else "differences"
-    grid = len(problem.tops.grid)
+    grid = len(problem.maxima.grid)
     sampled = f", {search.counter.sampled} sampled designs" if search.counter.sampled else ""
     yield (
         f"Method: {search.method}, {way}, extremes refined. Evaluated: {search.counter.gradients} designs with "
@@ -137,7 +137,7 @@ def _optimality(search: Search) -> Iterator[str]:
 
 
 def _rounding(optimum: Optimum) -> str:
-    """What whole steps cost: the aim, and what is not kept for them."""
+    """The cost of whole steps: the loss of the aim, and the constraints they violate."""
     many = len(optimum.problem.aims)
     before, after = (
         max((optimum.problem.sign * values[:many]).tolist()) for values in (optimum.exact, optimum.values[1])
@@ -212,7 +212,7 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
         "search": {
             "method": search.method,
             "derivatives": "exact" if is_exact(problem.mechanism) else "differences",
-            "angles": len(problem.tops.grid),
+            "angles": len(problem.maxima.grid),
             "designs_with_derivatives": search.counter.gradients,
             "designs_sampled": search.counter.sampled,
             "residual": search.residual,

@@ -1,1 +1,1 @@
-"""What a designer wants of a linkage without an engine: peaks, bearing forces, tables of every signal, a drawing."""
+"""Results of a linkage without an engine: peaks, bearing forces, tables of every signal, drawings."""

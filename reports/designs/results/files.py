@@ -25,7 +25,7 @@ def columns(sheet: Sheet) -> dict[str, Array]:
 
 
 def csv_table(sheet: Sheet, decimal: str = ".") -> str:
-    """A column each. With a decimal comma semicolons separate them, and a byte-order mark tells Excel that it is UTF-8.
+    """A column each. With a decimal comma semicolons separate them, and a byte-order mark makes Excel read UTF-8.
 
     The mark is what makes a spreadsheet of a country with decimal commas show ° and φ as they are.
     """

@@ -1,1 +1,1 @@
-"""What a sweep says and shows."""
+"""Tables and pictures of a sweep."""

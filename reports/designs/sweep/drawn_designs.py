@@ -48,7 +48,7 @@ class DrawnDesigns:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """What is varied."""
+        """Names of the varied parameters."""
         return tuple(str(name) for name in (self.dataset.coords if self.are_lines else self.dataset.dims))
 
     @property
@@ -61,7 +61,7 @@ class DrawnDesigns:
         return np.asarray(self.dataset[name].values, dtype=float)
 
     def failing(self, name: str) -> int:
-        """How many of the designs have no such figure."""
+        """Number of designs without this figure."""
         return int(np.count_nonzero(np.isnan(self.values(name))))
 
     def best(self, name: str) -> int | None:
@@ -70,7 +70,7 @@ class DrawnDesigns:
         return None if np.all(np.isnan(away)) else int(np.nanargmin(away))
 
     def span(self, name: str) -> tuple[float, float] | None:
-        """What to show where few values lie so far out that the others could not be told apart, as near dead positions.
+        """Limits of a figure's scale that cut off a few very large values, such as those near dead positions.
 
         Twice the span of eight tenths of all, and the value nearest to the target; None where all can be shown.
         """
@@ -98,7 +98,7 @@ class DrawnDesigns:
         return ", ".join(filter(None, (f"{printable(name)}{ends}", self.unit(name))))
 
     def scale(self, name: str) -> str:
-        """What stands beside a scale of a figure that is named above it."""
+        """The label of a figure's scale below its name."""
         return ", ".join(filter(None, ("value", self.unit(name))))
 
     def target(self, figure: str) -> tuple[float, str]:

@@ -12,7 +12,7 @@ from reports.document.terminal import Printout
 
 
 def printout(engines: Sequence[EngineOverDesigns], seed: int) -> Printout:
-    """In sentences: on how many designs each engine is within its limits, and what tells failing designs apart."""
+    """In sentences: the designs on which each engine is within its limits, and the number that separates the others."""
     count = len(engines[0].designs) if engines else 0
     head = Paragraph(f"Engines over {count} of these designs (seed {seed})", colour="bold")
     return Printout([head], [sentence for engine in engines for sentence in _sentences(engine)])

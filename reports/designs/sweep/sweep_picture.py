@@ -40,7 +40,7 @@ def sweep_figure(
     A dataset has a dimension per parameter, or the dimension ``design`` with the parameters as coordinates over it; nan
     is a design that does not assemble. ``own`` are the numbers of the file by name, in its units: the design of the
     file is marked where it lies among the others. Of many designs a sample is drawn, in which those of the numbers
-    ``always`` are, and the picture says so. Raises LinkproofError where there is nothing to draw.
+    ``always`` are drawn, and the picture states it. Raises LinkproofError without designs.
     """
     if not dataset.data_vars or not all(dataset.sizes.values()):
         raise LinkproofError("picture of a sweep: expected designs and figures of theirs, got none; sweep something")
@@ -99,7 +99,7 @@ def _edges(places: Array) -> Array:
 
 
 def _key(designs: DrawnDesigns, own: Curve) -> tuple[Curve | Hatch, ...]:
-    """What stars mean, the design of the file, and what does not assemble; each if it is there."""
+    """The key: stars, the design of the file, and the hatch of designs that do not assemble."""
     meanings = dict.fromkeys(designs.target(name)[1] for name in designs.figures if designs.best(name) is not None)
     fails = any(map(designs.failing, designs.figures))
     return (*map(_star, meanings), *(own,) * bool(designs.own_place), *(Hatch(np.zeros((0, 2)), FAILS),) * fails)

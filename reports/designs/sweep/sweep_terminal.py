@@ -1,7 +1,9 @@
-"""A sweep for a terminal, and as JSON: how many designs assemble, and the ends of every figure, in the file's units."""
+"""A sweep in the file's units: its summary for a terminal and as JSON, and all of its designs as CSV."""
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,7 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.written import finite
+from analytic.written import csv_text, finite
+from comparisons.designs.sweep.saved_sweep import SavedSweep
 from comparisons.designs.sweep.space import Grid
 from comparisons.designs.sweep.sweep import NONE, RankedDesign, Summary, SweepRequest
 from reports.document.numbers import figure, printed
@@ -20,11 +23,12 @@ from reports.document.terminal import Printed
 Array = NDArray[np.float64]
 
 LEAST: Final = "least"
+ROWS: Final = 10_000  # of a CSV file, made into text at once
 
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """What came of a request; ``own`` are the figures (figures,) of the file's own design."""
+    """The result of a request; ``own`` are the figures (figures,) of the file's own design."""
 
     request: SweepRequest
     own: Array
@@ -113,3 +117,20 @@ class SweepSummary:
 
 def _grouped(count: int) -> str:
     return f"{count:,}".replace(",", " ")
+
+
+def csv_rows(saved: SavedSweep) -> Iterator[str]:
+    """A line per design, block by block, a column per parameter and figure, headed by name and unit."""
+    request, head = saved.request, io.StringIO()
+    columns = [
+        *(parameter.shown for parameter in request.space.parameters),
+        *(figure.shown for figure in request.figures),
+    ]
+    csv.writer(head, lineterminator="\n").writerow(map(csv_text, columns))
+    yield head.getvalue()
+    row = ",".join(["%.15g"] * len(columns)) + "\n"
+    for number in range(len(request.blocks)):
+        values = np.concatenate([request.space.shown(*request.block(number)), saved.read(number)]).T + 0.0  # no -0
+        for start in range(0, len(values), ROWS):
+            rows = values[start : start + ROWS]
+            yield row * len(rows) % tuple(rows.ravel().tolist())

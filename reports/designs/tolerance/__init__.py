@@ -1,1 +1,1 @@
-"""What a study of tolerances says and shows."""
+"""Tables and pictures of a study of tolerances."""

@@ -23,7 +23,7 @@ LANE, WIDE = 0.17, 6.0  # half a row's two bars apart, and their width in points
 def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
     """A panel per result, below lines of words; parameters that move nothing are left out and counted.
 
-    On top is what keeps the linkage from being assembled at one of its limits, where the change is nan.
+    On top stand parameters at whose limits the linkage does not assemble; their change is nan.
     """
     panels = tuple(map(_panel, tornados))
     height = sum(ROW * len(panel.rows) + FRAME for panel in panels)

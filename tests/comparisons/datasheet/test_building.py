@@ -17,11 +17,8 @@ from tests.analytic.linkages import FOLDER, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
 from tests.reports.designs.results.samples import results
 
-TURNING = ("juki-mf7923d", "slotted-takeup", "rimoldi-164", str(FOLDER / "scotch-yoke.toml"))
-DRIVEN = ("boom", "cylinder-in-the-loop", "linear-motor")
 
-
-@pytest.mark.parametrize("name", [*TURNING, *(str(FOLDER / "drives" / f"{name}.toml") for name in DRIVEN)])
+@pytest.mark.parametrize("name", ["slotted-takeup", str(FOLDER / "drives" / "linear-motor.toml")])
 def test_the_positions_put_every_point_where_the_linkage_has_it(name):
     found, mechanism = usual_sheet(load(name)), Mechanism(load(name))
     positions = found.positions
@@ -33,9 +30,8 @@ def test_the_positions_put_every_point_where_the_linkage_has_it(name):
             assert np.allclose(there, sweep.point(point), atol=1e-12), (link.name, point)
 
 
-@pytest.mark.parametrize("name", ["slotted-takeup", str(FOLDER / "near-toggle.toml")])
-def test_straight_lines_between_the_instants_show_every_peak(name):
-    found = usual_sheet(load(name))
+def test_straight_lines_between_the_instants_show_every_peak():
+    found = usual_sheet(load(str(FOLDER / "near-toggle.toml")))
     assert len(found.values["phi"]) <= 721
     for signal, peak in found.peaks.items():
         if not signal.startswith("transmission"):
@@ -66,13 +62,9 @@ def test_a_crank_that_makes_no_turn_swings_over_its_range():
     low, high = (found.facts["range"][end] for end in ("low", "high"))
     assert low < found.values["phi"].min() < low + 0.03 * (high - low)
     assert found.normalised is None
-
-
-def test_a_motion_that_is_asked_for_takes_the_place_of_the_range():
     mechanism = from_text(DOUBLE_ROCKER)
-    middle = 0.5 * sum(usual_case(mechanism).reach)
-    asked = swing("cycloidal", middle - 0.1, middle + 0.1, speed=1.0)
-    assert usual_case(mechanism, (asked,)).motion is asked
+    stated = swing("cycloidal", low + 0.1, high - 0.1, speed=1.0)
+    assert usual_case(mechanism, (stated,)).motion is stated
 
 
 @pytest.mark.parametrize(("name", "gravity"), [("juki-mf7923d", 9.81), ("spring-and-damper", math.hypot(1.2, 9.7))])
@@ -99,13 +91,6 @@ def test_a_linkage_without_mass_or_load_has_neither_torque_nor_shares():
     assert "Mkr" not in found.values
     assert found.shares == {}
     assert found.figures["drive"] == ()
-
-
-def test_a_whole_period_is_shown_even_of_several_turns():
-    mechanism = Mechanism(
-        load(str(next(FOLDER.glob("change-points/ten-four-bars.toml")).parent / "ten-four-bars.toml"))
-    )
-    assert usual_case(mechanism).motion.duration * usual_case(mechanism).motion.peak_speed == mechanism.period
 
 
 def test_what_cannot_be_assembled_has_a_sheet_with_the_reason():

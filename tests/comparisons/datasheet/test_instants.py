@@ -50,11 +50,6 @@ def test_what_the_motion_does_not_pass_is_refused_with_its_range():
     assert Instants(RUN_UP).at_times(np.array([0.2])) == [0.2]
 
 
-def test_a_long_motion_has_no_more_instants_than_can_be_handled():
-    long = crank_motion("constant-speed", speed=3000 * RPM, ramp_time=60.0)
-    assert len(Instants(long).grid) == 20_001
-
-
 def test_a_travel_has_no_period():
     there = Instants(swing("constant-speed", 0.0, 0.01, speed=0.02), turns=False)
     assert len(there.grid) == 721

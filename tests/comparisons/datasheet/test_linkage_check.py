@@ -27,7 +27,10 @@ def looked_over(text):
     return check(parse(text, "sample", "sample.toml"))
 
 
-@pytest.mark.parametrize(("name", "variant"), EVERY)
+NIGHTLY = [pytest.param(*sample, marks=pytest.mark.nightly) for sample in EVERY[::2]]
+
+
+@pytest.mark.parametrize(("name", "variant"), [*EVERY[1::2], *NIGHTLY])
 def test_every_linkage_that_works_is_without_fault(name, variant):
     path = name if variant else f"tests/linkages/{name}.toml"
     linkage = load(path, variant) if variant else parse(text_of(name), name, path)
@@ -39,6 +42,7 @@ def test_every_linkage_that_works_is_without_fault(name, variant):
     assert json.loads(json.dumps(facts)) == facts
 
 
+@pytest.mark.nightly
 def test_the_linkages_of_the_literature_are_without_warnings():
     assert [name for name in literature() if check(load(name))[0]["warnings"]] == []
 
@@ -51,7 +55,7 @@ def test_a_chain_so_long_that_no_bound_can_be_given():
 
 def test_twice_the_dyads_are_little_more_than_twice_the_work(monkeypatch):
     solved, counts = calls(monkeypatch, DyadSolver, "poses"), []
-    for dyads in (30, 60):
+    for dyads in (15, 30):
         solved.clear()
         check(parse(chain_of_dyads(dyads), "chain", "chain.toml"))
         counts.append(len(solved))

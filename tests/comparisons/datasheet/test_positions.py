@@ -6,10 +6,9 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.positions import COUNT, over_motion, over_reach
+from comparisons.datasheet.positions import over_motion, over_reach
 from comparisons.reference.case import Case
-from tests.analytic.linkages import FOLDER, from_text
-from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.analytic.linkages import FOLDER
 
 
 def over(mechanism, motion):
@@ -23,20 +22,6 @@ def test_a_turn_ends_as_it_began():
         assert np.allclose([x[0], y[0]], [x[-1], y[-1]], atol=1e-12)
         assert np.isclose(np.cos(turned[0] - turned[-1]), 1.0)
         assert np.max(np.abs(np.diff(turned))) < 1.0
-
-
-def test_a_range_is_shown_to_its_very_ends():
-    mechanism = from_text(DOUBLE_ROCKER)
-    found = over_reach(mechanism)
-    mechanism.sweep(found.axis).poses("rocker")
-    assert not found.closed
-    assert len(found.axis) == COUNT
-
-
-def test_a_run_up_of_many_turns_is_shown_over_one():
-    found = over(Mechanism(load("juki-mf7923d")), crank_motion("run-up"))
-    assert (found.over, found.closed) == ("phi", True)
-    assert np.allclose(found.axis, np.linspace(0.0, 2.0 * np.pi, COUNT))
 
 
 def test_less_than_a_turn_is_shown_over_its_time():

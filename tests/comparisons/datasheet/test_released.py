@@ -1,4 +1,4 @@
-"""What a data sheet holds of a released crank, against textbook motions and the motion itself."""
+"""The part of a data sheet about a released crank, against textbook motions and the motion itself."""
 
 from dataclasses import replace
 
@@ -8,15 +8,16 @@ import pytest
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import usual_sheet
-from comparisons.datasheet.released import released
+from comparisons.datasheet.released import printed, released
 from comparisons.reference.case import own_motion
 from tests.analytic.linkages import from_text
 from tests.analytic.textbook import PENDULUM, ROTOR
+from tests.reports.designs.results.samples import released_sheet
 
 LAW = "\n[regimes.go]\ntorque = {torque}\nstart_angle = {angle}\nstart_speed = {speed}\nduration = 2\n"
 
 
-def told(text, **law):
+def released_of(text, **law):
     mechanism = from_text(text + LAW.format(**law))
     own = mechanism.linkage.released["go"]
     motion = own_motion(mechanism, own)
@@ -24,7 +25,7 @@ def told(text, **law):
 
 
 def test_a_pendulum_rests_where_it_hangs_and_where_it_stands():
-    found, motion = told(PENDULUM, torque=0, angle=-1.2, speed=0)
+    found, motion = released_of(PENDULUM, torque=0, angle=-1.2, speed=0)
     assert [(round(rest["angle"] % (2 * np.pi), 9), rest["stable"]) for rest in found.facts["rests"]] == [
         (round(np.pi / 2, 9), False),
         (round(3 * np.pi / 2, 9), True),
@@ -35,7 +36,7 @@ def test_a_pendulum_rests_where_it_hangs_and_where_it_stands():
 
 
 def test_a_damped_rotor_settles_at_torque_over_damping():
-    found, _ = told(ROTOR, torque=5, angle=0, speed=99)
+    found, _ = released_of(ROTOR, torque=5, angle=0, speed=99)
     assert found.facts["damping"] == pytest.approx(0.05)
     assert found.facts["settled"]["mean_speed_over_angle"] == pytest.approx(5 / 0.05)
     assert found.facts["ending"]["mean_speed"] == pytest.approx(100.0, rel=0.01)
@@ -43,16 +44,16 @@ def test_a_damped_rotor_settles_at_torque_over_damping():
 
 
 def test_models_as_printed_stand_beside_the_corrected_motion_of_the_files_own_values():
-    sheet = usual_sheet(load("two-crank-takeup"), regimes=("driven",))
+    sheet = released_sheet()
     one = sheet.printed["S1 without US1"]
     motion = own_motion(Mechanism(sheet.linkage), sheet.linkage.released["driven"])
     assert np.allclose(one["corrected"], motion.speed(one["time"]))
     assert np.max(np.abs(one["printed"] - one["corrected"])) > 1e-3 * motion.peak_speed
     other = replace(sheet.linkage, variant="another", variants=(sheet.variant, "another"))
-    assert not usual_sheet(other, regimes=("driven",)).printed
+    assert not printed(other, {"driven": motion})
 
 
-def test_only_the_regimes_asked_for_are_told():
+def test_a_sheet_has_the_requested_regimes_alone():
     sheet = usual_sheet(load("slotted-takeup"), regimes=("free", "run-up"))
     assert list(sheet.released) == ["free"]
     assert not usual_sheet(load("slotted-takeup")).released

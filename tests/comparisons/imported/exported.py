@@ -28,9 +28,13 @@ def exported(linkage, motion, names, time, *, digits=6, change=None, model=None)
     """Imported results of a model, the true one by default; ``change`` alters values by name."""
     model = model or Simulation(linkage, motion)
     values = dict(zip(names, model.predicted([samples(name, time) for name in names]), strict=True))
-    values = change(values, time) if change else values
+    return results_of(change(values, time) if change else values, time, digits=digits)
+
+
+def results_of(values, time, *, digits=6):
+    """Values (n,) by the names of their signals, rounded as a file has them."""
     signals = []
-    for name in names:
+    for name in values:
         printed, half = rounded(values[name], digits)
         at, at_half = rounded(time, 10)
         column = Column(name, "", printed, half, "made up")

@@ -3,7 +3,7 @@
 The curves in ``foreign`` come from a solution in absolute coordinates that shares nothing with the closed form.
 """
 
-import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -16,7 +16,8 @@ from comparisons.imported.reading import read_results
 FOLDER = Path(__file__).with_name("foreign")
 RADIAN = 57.29577951308232
 DEGREES_PER_SECOND = {"omega": Correction(factor=1 / RADIAN)}
-# File: words of the likeliest cause, how many others fit as well, and what the mapping may agree to.
+# File: words of the likeliest cause, how many others fit as well, and what the mapping may agree to; a second file of
+# the same kind is judged by night.
 NAMED = {
     "w_degs_only": ("'Angular Velocity crank (rad/s)' is in deg/s, not in rad/s", 0, DEGREES_PER_SECOND),
     "w_rpm_only": ("'crank.w' is in rpm, not in rad/s", 0, {"omega": Correction(factor=6 / RADIAN)}),
@@ -39,18 +40,20 @@ NAMED = {
 }  # fmt: skip
 
 
-def model_of(name):
-    """The file of the linkage behind a file of results."""
-    own = FOLDER / f"{name}.toml"
-    return own if own.exists() else FOLDER / f"{'slider-crank' if name[:3] in ('de_', 's_b') else 'four-bar'}.toml"
+NIGHTLY = ("w_rpm_only", "mo_degs", "phi_deg_as_rad", "g8", "r_26", "de_nm_lie", "de_many")
 
 
+@cache
 def judged(name):
-    model = load(str(model_of(name)))
+    own = FOLDER / f"{name}.toml"
+    usual = FOLDER / f"{'slider-crank' if name.startswith(('de_', 's_b')) else 'four-bar'}.toml"
+    model = load(str(own if own.exists() else usual))
     return judge(model, read_results([FOLDER / f"{name}.csv"], model))
 
 
-@pytest.mark.parametrize("name", NAMED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.nightly if name in NIGHTLY else ()) for name in NAMED]
+)
 def test_an_ordinary_fault_is_named_with_its_cure(name):
     words, others, cure = NAMED[name]
     judgement = judged(name)
@@ -62,40 +65,13 @@ def test_an_ordinary_fault_is_named_with_its_cure(name):
         assert vars(correction) == pytest.approx(vars(cure[signal]), rel=1e-4, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", ["l4_49", "r_26", "de_piston066", "cw_bothflip", "sw_unitlie", "s_bdc"])
-def test_a_cause_does_not_hang_on_names_nor_on_the_order_of_the_file(name, tmp_path):
-    """Points and links in another order of the alphabet and of the file; the headers name neither."""
-    before = judged(name)
-    renamed = {
-        "O1": "Z",
-        "O2": "A0",
-        "crank": "wheel",
-        "coupler": "yoke",
-        "rocker": "arm",
-        "rod": "bar",
-        "piston": "ram",
-    }
-    head, *links = re.split(r"(?m)^(?=\[)", model_of(name).read_text())
-    text = "".join([head, *links[::-1]]).replace('crank   = "crank"', 'crank   = "wheel"')
-    for old, new in renamed.items():
-        text = re.sub(rf"(?<=links\.){old}\b|\b{old}(?= = \[)", new, text)
-    (tmp_path / "renamed.toml").write_text(text)
-    linkage = load(str(tmp_path / "renamed.toml"))
-    again = judge(linkage, read_results([FOLDER / f"{name}.csv"], linkage))
-    words = [f.likeliest.words for f in before.explanation.findings]
-    for old, new in renamed.items():
-        words = [one.replace(f"'{old}'", f"'{new}'") for one in words]
-    assert [f.likeliest.words for f in again.explanation.findings] == words
-    assert again.proposals.keys() == before.proposals.keys()
-
-
 def test_at_a_jump_the_side_that_was_judged_is_shown():
     verdict = next(v for v in judged("sw_forces").verdicts if v.name == "joint_force:O1:y")
     assert verdict.truth_there == pytest.approx(verdict.value_there, rel=1e-5)
-    assert judged("de_many").verdicts[-1].shown == ("mm", 1e-3)
+    assert judged("s_bdc").verdicts[-1].shown == ("mm", 1e-3)
 
 
-@pytest.mark.parametrize("name", ["sw_unitlie", "phi_rad_as_deg", "de_nm_lie"])
+@pytest.mark.parametrize("name", ["sw_unitlie", "phi_rad_as_deg"])
 def test_what_a_cause_leaves_is_a_share_of_the_peak_that_it_makes(name):
     """The files have five digits, whatever their unit."""
     (finding,) = judged(name).explanation.findings

@@ -15,30 +15,13 @@ from comparisons.faults.columns import column_faults
 from comparisons.faults.fault import Correction
 from comparisons.faults.simulation import Simulation
 from comparisons.imported.judge import judge
-from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
 from comparisons.reference.case import own_case
-from engines.registry import engine, why_unavailable
-from tests.comparisons.imported.campaign import CLEAN, PLANTED, Export, is_right, judged
-from tests.comparisons.imported.engine_curves import curves
 from tests.comparisons.imported.exported import exported, samples, with_link
-from tests.comparisons.imported.layouts import Channel, csv
 
 JUKI = load("juki-mf7923d")
 QUINTIC = crank_motion("run-up-quintic")
 TIME = np.linspace(0.0, 0.7, 351)
-
-
-@pytest.mark.parametrize("export", [*PLANTED, *CLEAN], ids=lambda export: export.name)
-def test_a_planted_fault_is_the_likeliest_cause_and_a_clean_export_raises_no_alarm(export):
-    """Files of several tools' layouts, of the closed form's curves and of engines' runs."""
-    reason = why_unavailable(engine(export.engine))
-    if reason is not None:
-        pytest.skip(reason)
-    judgement = judged(export)
-    assert is_right(export, judgement)
-    if export.expected:
-        assert judgement.passed is not any(verdict.error_max > 0.01 for verdict in judgement.verdicts)
 
 
 def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
@@ -66,7 +49,7 @@ def test_at_a_jump_of_the_acceleration_a_torque_may_be_off_by_the_jump_and_no_mo
     sides = [np.array([np.nextafter(0.6, 0.0)]), np.array([0.6])]
     before, after = (Simulation(JUKI, linear).predicted([samples("Mkr", side)])[0][0] for side in sides)
     outcomes, worst = {}, 0.0
-    for factor in (-1.0, 0.0, 0.5, 1.0, 3.0):
+    for factor in (-1.0, 0.5, 3.0):
 
         def change(values, _, factor=factor):
             torque = values["Mkr"].copy()
@@ -76,7 +59,7 @@ def test_at_a_jump_of_the_acceleration_a_torque_may_be_off_by_the_jump_and_no_mo
         torque = judge(JUKI, exported(JUKI, linear, ("Mkr", "S"), TIME, change=change), linear).verdicts[0]
         outcomes[factor], worst = torque.outcome, torque.error_max * torque.scale
     passed, over = Verdict.PASSED, Verdict.OVER_LIMIT
-    assert outcomes == {-1.0: passed, 0.0: passed, 0.5: passed, 1.0: passed, 3.0: over}
+    assert outcomes == {-1.0: passed, 0.5: passed, 3.0: over}
     assert worst == pytest.approx(2.0 * abs(before - after), rel=1e-3)
 
 
@@ -95,10 +78,10 @@ def test_what_the_rounding_of_the_crank_leaves_open_has_not_passed():
 @pytest.mark.parametrize(
     ("path", "regime", "body"),
     [
-        ("comparisons/conformance/linkages/driven-slider.toml", "stroke", "rod"),
         ("comparisons/conformance/linkages/cylinder.toml", "raise", "boom"),
         ("tests/linkages/parallelogram.toml", "", "coupler"),
-        ("andrews-squeezer", "squeezing", "K4"),
+        pytest.param("comparisons/conformance/linkages/driven-slider.toml", "stroke", "rod", marks=pytest.mark.nightly),
+        pytest.param("andrews-squeezer", "squeezing", "K4", marks=pytest.mark.nightly),
     ],
 )
 def test_pushed_linkages_change_points_and_released_cranks_are_judged(path, regime, body):
@@ -129,25 +112,6 @@ def test_a_reaction_that_is_zero_has_the_natural_scale_of_forces():
     assert near_zero.near_zero
     assert not other.near_zero
     assert near_zero.outcome is Verdict.PASSED
-
-
-def test_a_correction_is_estimated_and_applied_only_where_the_mapping_agrees(tmp_path):
-    time, values = curves(JUKI, QUINTIC, every=4)
-    channels = [
-        Channel("time", "s", time),
-        Channel("phi", "deg", 180.0 / np.pi * values["phi"]),
-        Channel("Mkr", "N*m", -values["Mkr"]),
-    ]
-    (tmp_path / "run.csv").write_text(csv(channels))
-    first = judge(JUKI, read_results([tmp_path / "run.csv"], JUKI))
-    assert not first.passed
-    assert first.proposals == {"Mkr": Correction(sign=-1)}
-    mapping = tmp_path / "mapping.toml"
-    mapping.write_text('[[column]]\nheader = "Mkr [N*m]"\nsignal = "Mkr"\nunit = "N*m"\nsign = -1\n')
-    again = judge(JUKI, read_results([tmp_path / "run.csv"], JUKI, mapping))
-    assert again.passed
-    assert not again.explanation.findings
-    assert again.imported.corrections == {"Mkr": Correction(sign=-1)}
 
 
 def test_a_fault_behind_a_sign_is_named_with_the_sign_said():
@@ -185,25 +149,6 @@ def test_an_obtuse_transmission_angle_is_the_acute_one():
     assert judgement.verdicts[0].error_max < 1e-5
 
 
-def test_without_a_motion_the_regime_is_asked_for():
-    with pytest.raises(LinkproofError, match=r"over time without one; say how the crank moves with --regime"):
-        judge(JUKI, exported(JUKI, QUINTIC, ("Mkr",), TIME))
-
-
-def test_a_peak_between_the_samples_is_said():
-    steady = crank_motion("constant-speed")
-    time = np.linspace(0.0, 0.7, 57)  # five samples a turn
-    judgement = judge(JUKI, exported(JUKI, steady, ("Mkr", "S"), time), steady)
-    assert judgement.passed
-    assert {name for name, _ in judgement.missed} == {"Mkr"}
-
-
-def test_a_mirrored_export_of_a_regime_is_not_hidden():
-    export = Export("", motion=crank_motion("run-up", clockwise=True), true_motion=crank_motion("run-up"))
-    judgement = judged(replace(export, signals=("Mkr", "S")))
-    assert not judgement.passed
-
-
 def test_a_narrow_peak_between_few_samples_is_seen():
     time = np.linspace(0.0, 0.06, 11)  # 36° a sample: the torque's peaks lie between them
     steady = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
@@ -214,7 +159,7 @@ def test_a_narrow_peak_between_few_samples_is_seen():
     assert dict(judgement.missed)["Mkr"] == pytest.approx(lost, rel=1e-3)
 
 
-@pytest.mark.parametrize("count", [4, 11, 14, 20])
+@pytest.mark.parametrize("count", [4, 20])
 def test_a_short_curve_that_no_cause_explains_is_over_its_limit(count):
     steady = crank_motion("constant-speed")
     wrong = exported(
@@ -256,7 +201,7 @@ def test_a_cause_is_found_whichever_turn_and_zero_the_angles_have(is_stated, cha
     assert not judgement.explanation.unexplained
 
 
-@pytest.mark.parametrize(("regime", "late"), [("constant-speed", 0.002), ("run-up-quintic", 0.01), ("run-up", -0.002)])
+@pytest.mark.parametrize(("regime", "late"), [("constant-speed", 0.002), ("run-up", -0.002)])
 def test_a_late_column_may_have_anything_where_the_run_has_no_instants(regime, late):
     motion = crank_motion(regime)
     within = np.clip(TIME - late, 0.0, TIME[-1])  # a tool that repeats the first or the last value there

@@ -20,13 +20,19 @@ NUMBERS = st.floats(-1e6, 1e6, allow_nan=False).filter(lambda x: x == 0.0 or abs
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "cp1252")
 
 
+def _file(tmp_path, name, text):
+    path = tmp_path / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
 @st.composite
 def curves(draw):
     values = np.array(draw(st.lists(NUMBERS, min_size=4, max_size=12)))
     return np.arange(len(values)) * 0.5, values
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(
     curve=curves(),
     signs=st.sampled_from([",.", ";.", ";,", "\t.", "\t,", "|.", " .", " ,"]),
@@ -54,44 +60,30 @@ def test_a_csv_comes_back_to_half_a_unit_of_its_last_digit(  # noqa: PLR0917
     assert np.all(np.abs(read.values - values) <= read.resolution * (1.0 + 1e-9) + 1e-16 * np.abs(values))
 
 
-@pytest.mark.parametrize("decimals", [0, 2, 4])
-def test_fixed_decimals_are_half_a_unit_sharp_everywhere(tmp_path, decimals):
-    values = np.array([0.0, 0.5, -123.456, 7.0, 1e4])
-    path = tmp_path / "run.csv"
-    path.write_text(layouts.csv([Channel("t", "s", np.arange(5)), Channel("x", "m", values)], decimals=decimals))
-    read = result_tables(path)[0].columns[1]
-    np.testing.assert_allclose(read.resolution, 0.5 * 10.0**-decimals)
-
-
-def test_scientific_numbers_are_half_a_unit_of_their_last_digit_sharp(tmp_path):
-    path = tmp_path / "run.csv"
-    path.write_text("t;x\n0;1.25e-3\n1;1.25E+3\n2;0.00e0\n3;-2.50D-1\n")
+def test_fixed_decimals_and_scientific_numbers_are_half_a_unit_of_their_last_digit_sharp(tmp_path):
+    channels = [Channel("t", "s", np.arange(5)), Channel("x", "m", np.array([0.0, 0.5, -123.456, 7.0, 1e4]))]
+    path = _file(tmp_path, "fixed.csv", layouts.csv(channels, decimals=2))
+    np.testing.assert_allclose(result_tables(path)[0].columns[1].resolution, 0.005)
+    path = _file(tmp_path, "run.csv", "t;x\n0;1.25e-3\n1;1.25E+3\n2;0.00e0\n3;-2.50D-1\n")
     read = result_tables(path)[0].columns[1]
     np.testing.assert_array_equal(read.values, [1.25e-3, 1.25e3, 0.0, -0.25])
     np.testing.assert_allclose(read.resolution, [5e-6, 5.0, 5e-6, 5e-4])
 
 
-def _torque(tmp_path, name, text):
-    path = tmp_path / name
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return path
-
-
 def test_a_workbook_is_read_sheet_by_sheet(tmp_path):
     pytest.importorskip("openpyxl")
     channels = [Channel("Zeit", "s", np.arange(5) * 0.1), Channel("Antriebsmoment", "N*m", np.cos(np.arange(5)))]
-    path = _torque(tmp_path, "run.xlsx", layouts.workbook(channels))
+    path = _file(tmp_path, "run.xlsx", layouts.workbook(channels))
     (signal,) = read_results([path], JUKI).signals
     np.testing.assert_array_equal(signal.values, np.cos(np.arange(5)))
     assert (signal.name, signal.column.place) == ("Mkr", f"{path}[curves]:1 (column 2)")
 
 
-@pytest.mark.parametrize("transposed", [True, False])
-@pytest.mark.parametrize(("kind", "sharp"), [(np.float64, 1e-15), (np.float32, 1e-6)])
+@pytest.mark.parametrize(("transposed", "kind", "sharp"), [(True, np.float64, 1e-15), (False, np.float32, 1e-6)])
 def test_a_trajectory_of_modelica_is_in_si_units_with_the_digits_of_its_numbers(tmp_path, transposed, kind, sharp):
     time = np.linspace(0.0, 1.0, 11)
     channels = [Channel("time", "", time), Channel("crank.phi", "", time**2), Channel("motor.tau", "", np.cos(time))]
-    path = _torque(tmp_path, "run.mat", layouts.trajectory(channels, transposed=transposed, kind=kind))
+    path = _file(tmp_path, "run.mat", layouts.trajectory(channels, transposed=transposed, kind=kind))
     angle, torque = read_results([path], JUKI).signals
     assert (angle.name, torque.name) == ("phi", "Mkr")
     np.testing.assert_allclose(torque.values, np.cos(time), rtol=sharp)
@@ -99,17 +91,16 @@ def test_a_trajectory_of_modelica_is_in_si_units_with_the_digits_of_its_numbers(
     assert np.max(torque.resolution) < sharp
 
 
-@pytest.mark.parametrize("place", [128, 140, 150, 176])
-def test_a_damaged_matlab_file_is_refused_whatever_its_reader_does(tmp_path, place):
+def test_a_damaged_matlab_file_is_refused_whatever_its_reader_does(tmp_path):
     content = bytearray(layouts.matlab(t=np.arange(9.0), Mkr=np.arange(9.0)))
-    content[place : place + 8] = b"\xff" * 8
+    content[140:148] = b"\xff" * 8
     with pytest.raises(LinkproofError, match="a MATLAB file that cannot be read"):
-        read_results([_torque(tmp_path, "run.mat", bytes(content))], JUKI)
+        read_results([_file(tmp_path, "run.mat", bytes(content))], JUKI)
 
 
 def test_arrays_of_matlab_are_columns_by_their_names_and_wait_for_units(tmp_path):
     time = np.linspace(0.0, 1.0, 11)
-    path = _torque(tmp_path, "run.mat", layouts.matlab(t=time, Mkr=np.cos(time)[:, None], D=np.zeros((11, 2)), n=3.0))
+    path = _file(tmp_path, "run.mat", layouts.matlab(t=time, Mkr=np.cos(time)[:, None], D=np.zeros((11, 2)), n=3.0))
     (table,) = result_tables(path)
     assert [column.header for column in table.columns] == ["t", "Mkr", "D(1)", "D(2)"]
     with pytest.raises(MappingNeededError, match="expected a unit of time in the header 't' and 1 more"):
@@ -124,7 +115,7 @@ def test_adams_results_say_their_units(tmp_path):
         Channel("MOTION_1.TZ", "newton-millimeter", np.sin(time)),
         Channel("JOINT_7.FX", "newton", time),
     ]
-    results = read_results([_torque(tmp_path, "run.res", layouts.adams_results(channels))], JUKI)
+    results = read_results([_file(tmp_path, "run.res", layouts.adams_results(channels))], JUKI)
     force, torque = results.signals
     assert (force.name, torque.name) == ("joint_force:A:x", "Mkr")
     np.testing.assert_allclose(force.values, np.cos(time), rtol=1e-15)
@@ -136,7 +127,7 @@ def test_adams_tables_have_no_units_and_write_the_time_again(tmp_path):
     time = np.linspace(0.0, 1.0, 6)
     channels = [Channel("Time", "", time), Channel("MOTION_1_TZ", "", np.cos(time)), Channel("", "", time)]
     channels.append(Channel("crank.WZ", "", np.sin(time)))
-    path = _torque(tmp_path, "run.tab", layouts.adams_table(channels))
+    path = _file(tmp_path, "run.tab", layouts.adams_table(channels))
     first, second = result_tables(path)
     assert [[column.header for column in table.columns] for table in (first, second)] == [
         ["Time", "MOTION_1_TZ"],
@@ -150,57 +141,30 @@ def test_adams_tables_have_no_units_and_write_the_time_again(tmp_path):
 def test_numbers_without_headers_wait_for_a_mapping(tmp_path):
     time = np.linspace(0.0, 1.0, 6)
     text = layouts.robotran([Channel("", "", time), Channel("", "", np.cos(time))])
-    path = _torque(tmp_path, "invdyn_Qq.res", text)
+    path = _file(tmp_path, "invdyn_Qq.res", text)
     with pytest.raises(MappingNeededError, match="'column 1' is not judged") as caught:
         read_results([path], JUKI)
     filled = re.sub(r"(?m)^# (?!Col|to|the|not)", "", caught.value.mapping_text)
     for signal, unit in (("time", "s"), ("Mkr", "N*m")):
         filled = filled.replace('signal = ""\nunit = ""', f'signal = "{signal}"\nunit = "{unit}"', 1)
-    (signal,) = read_results([path], JUKI, _torque(tmp_path, "mapping.toml", filled)).signals
+    (signal,) = read_results([path], JUKI, _file(tmp_path, "mapping.toml", filled)).signals
     np.testing.assert_allclose(signal.values, np.cos(time), atol=1e-9)
 
 
 def test_tables_one_below_another_and_side_by_side_have_their_own_axes(tmp_path):
     text = "# t [s], x [m]\n0,1\n1,2\n2,3\n3,4\nt [s],y [m],,t [s],z [m]\n0,1,,5,2\n1,2,,6,3\n"
-    first, second, third = result_tables(_torque(tmp_path, "run.csv", text))
+    first, second, third = result_tables(_file(tmp_path, "run.csv", text))
     assert (first.line, second.line, third.line) == (1, 6, 6)
     assert first.columns[1].values.tolist() == [1.0, 2.0, 3.0, 4.0]
     assert (second.columns[1].header, third.columns[1].header) == ("y [m]", "z [m]")
     assert third.columns[0].values.tolist() == [5.0, 6.0]
 
 
-CELLS = ['"Time (sec)"', "t [s]", "M (Nm)", "0", "1.5", "2,5", "nan", "", "\n", ";", ",", "\t", " "]
-TAGS = [
-    '<Entity name="A">', '<Component name="X" id="1"/>', '<Component name="TIME" id="2"/>', "<StepMap>", "</StepMap>",
-    "<Step>", "0 ", "</Step>", "</Entity>", "</Results>",
-]  # fmt: skip
-
-
-@settings(max_examples=300)
-@given(
-    content=st.one_of(
-        st.binary(max_size=300),
-        st.text(alphabet="0123456789.,;\t\n eE+-\"'#[]<>/nanifst", max_size=300).map(str.encode),
-        st.lists(st.sampled_from(CELLS)).map(lambda words: "".join(words).encode()),
-        st.lists(st.sampled_from(TAGS)).map(lambda tags: "".join(["<Results>", *tags]).encode()),
-    ),
-    name=st.sampled_from(["run.csv", "run.res", "run.tab", "run.xlsx"]),
-)
-def test_no_bytes_end_in_a_traceback(tmp_path_factory, content, name):
-    path = tmp_path_factory.getbasetemp() / name
-    path.write_bytes(content)
-    try:
-        results = read_results([path], JUKI)
-    except LinkproofError:
-        return
-    assert results.signals
-
-
 def _damaged(content, random):
-    """A file after one to three accidents: cut, bytes lost, repeated or overwritten, words that are none of its own."""
+    """A file after one to three accidents: cut, bytes lost, repeated or overwritten, words of another file."""
     for _ in range(random.integers(1, 4)):
         at, size = random.integers(len(content) + 1), random.integers(1, 40)
-        words = (b"9e299", b"1" * 5000, b"nan", b'"', b"\x00", b"\xff", "٣".encode(), b"A" * 5000, b";", b"\n\n", b"e")
+        words = (b"9e299", b"1" * 5000, b"nan", b'"', b"\x00", b"\xff", "٣".encode(), b";", b"\n\n", b"<Step>")
         content = (
             content[:at],
             content[:at] + content[at + size :],
@@ -211,29 +175,32 @@ def _damaged(content, random):
     return content
 
 
-@pytest.mark.parametrize("seed", range(50))
-def test_damaged_files_are_read_or_refused_in_a_sentence(tmp_path, seed):
-    random, time = np.random.default_rng(seed), np.linspace(0.0, 1.0, 30)
-    channels = [Channel("time", "s", time), Channel("MOTION_1.TZ", "N*m", np.cos(time))]
-    written = {
-        "a.csv": layouts.csv(channels, delimiter=";", decimal=","),
-        "b.csv": layouts.solidworks([("Motor Torque1", channels)]),
-        "a.tab": layouts.adams_table(channels),
-        "a.res": layouts.adams_results(channels),
-        "b.res": layouts.robotran(channels),
-    }
-    name = list(written)[seed % len(written)]
-    try:
-        outcome = read_results([_torque(tmp_path, name, _damaged(written[name].encode(), random))], JUKI).signals
-    except LinkproofError as refusal:
-        outcome = str(refusal)
-    assert outcome
-    assert "\n" not in outcome
-    assert len(outcome) <= 1500
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("a.csv", lambda channels: layouts.csv(channels, delimiter=";", decimal=",")),
+        ("b.csv", lambda channels: layouts.solidworks([("Motor Torque1", channels)])),
+        ("a.tab", layouts.adams_table),
+        ("a.res", layouts.adams_results),
+        ("b.res", layouts.robotran),
+    ],
+)
+def test_damaged_files_are_read_or_refused_in_a_sentence(tmp_path, name, write):
+    time = np.linspace(0.0, 1.0, 30)
+    content = write([Channel("time", "s", time), Channel("MOTION_1.TZ", "N*m", np.cos(time))]).encode()
+    for seed in range(10):
+        path = _file(tmp_path, name, _damaged(content, np.random.default_rng(seed)))
+        try:
+            outcome = read_results([path], JUKI).signals
+        except LinkproofError as refusal:
+            outcome = str(refusal)
+        assert outcome
+        assert "\n" not in outcome
+        assert len(outcome) <= 1500
 
 
 def test_a_fault_far_down_a_long_file_is_told_by_its_line(tmp_path):
     rows = "0.0001;-12.3456;1.25e-3\n" * 20_000
     text = "t;x;y\n" + rows + "not a number;1;2\n" * 2_000
     with pytest.raises(LinkproofError, match=r"run.csv:20002: expected a finite number in column 1"):
-        result_tables(_torque(tmp_path, "run.csv", text))
+        result_tables(_file(tmp_path, "run.csv", text))

@@ -1,21 +1,96 @@
-"""Every fault of the list, planted in a linkage: it is among the causes that fit, or changes nothing that is judged."""
+"""Faults planted in curves of the closed form and of engines: each is the likeliest cause, or among those that fit."""
 
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import crank_motion
+from analytic.description.changes import without
+from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.loading import load
 from comparisons.conformance.samples import case
+from comparisons.faults.filters import moving_average
 from comparisons.faults.ranking import differs, model_faults
 from comparisons.faults.settings import motion_settings
 from comparisons.faults.simulation import Simulation
 from comparisons.imported.judge import judge
-from tests.comparisons.imported.exported import exported
+from engines.registry import engine, why_unavailable
+from tests.comparisons.imported.engine_curves import curves
+from tests.comparisons.imported.exported import exported, results_of
 
+JUKI = load("juki-mf7923d")
+QUINTIC = crank_motion("run-up-quintic")
 MOTION = crank_motion("run-up-quintic", start_angle=0.4)
-TIME = np.linspace(0.0, 0.7, 141)
+TIME = np.linspace(0.0, 0.7, 281)
 NAMES = ("Mkr", "shaking_force:x", "shaking_force:y")
 SAMPLES = ("four-bar", "slider-crank", "quick return", "force", "torque", "spring", "damper")
 PART = 0.03  # of what counts as a change
+
+
+def kinds(judgement):
+    """The likeliest causes without the names of their columns; they explain everything."""
+    assert not judgement.explanation.unexplained
+    assert all(finding.fully for finding in judgement.explanation.findings)
+    return [finding.likeliest.fault.name.partition(":")[0] for finding in judgement.explanation.findings]
+
+
+def smoothed(y):
+    means = moving_average(y, 15)
+    return np.where(np.isfinite(means), means, y)
+
+
+def flipped(y):
+    return np.where(np.isin(np.arange(len(y)), (50, 170)), -y, y)
+
+
+def first(kinds):
+    """Two kinds in every run of the tests, the others by night."""
+    kinds = list(kinds)
+    return [*kinds[:2], *(pytest.param(kind, marks=pytest.mark.nightly) for kind in kinds[2:])]
+
+
+COLUMNS = {
+    "smoothed by moving average": smoothed,
+    "sample rate, each repeated until the next": lambda y: np.repeat(y[::8], 8)[: len(y)],
+    "sample rate, joined by straight lines": lambda y: np.interp(TIME, TIME[::8], y[::8]),
+    "flipped samples": flipped,
+    "clipped": lambda y: np.clip(y, -0.08, 0.08),
+    "friction": lambda y: y + 0.02 * (TIME > 0.0),
+}
+RUNS = {
+    "speed": crank_motion("run-up-quintic", speed=960.0 * RPM, start_angle=0.4),
+    "ramp": crank_motion("run-up-cubic", start_angle=0.4),
+    "start angle": crank_motion("run-up-quintic", start_angle=0.7),
+    "direction": crank_motion("run-up-quintic", start_angle=0.4, clockwise=True),
+}
+
+
+@pytest.mark.parametrize("kind", first(COLUMNS))
+def test_a_fault_of_a_column_is_the_likeliest_cause(kind):
+    results = exported(JUKI, QUINTIC, ("Mkr", "S"), TIME, change=lambda v, _: {**v, "Mkr": COLUMNS[kind](v["Mkr"])})
+    assert kinds(judge(JUKI, results, QUINTIC)) == [kind]
+
+
+def test_a_column_of_another_quantity_is_recognised():
+    results = exported(JUKI, QUINTIC, ("Mkr", "Peq"), TIME, change=lambda v, _: {"Mkr": v["Peq"], "Peq": v["Peq"]})
+    assert kinds(judge(JUKI, results, QUINTIC)) == ["is Peq"]
+
+
+@pytest.mark.parametrize("kind", first(RUNS))
+def test_another_motion_than_stated_is_the_likeliest_cause(kind):
+    results = exported(JUKI, MOTION, ("Mkr", "S", "v"), TIME, model=Simulation(JUKI, RUNS[kind]))
+    assert set(kinds(judge(JUKI, results, MOTION))) == {kind}
+
+
+@pytest.mark.parametrize(
+    "name", ["direct", *(pytest.param(name, marks=pytest.mark.nightly) for name in ("exudyn", "mujoco", "simbody"))]
+)
+def test_runs_of_an_engine_pass_and_gravity_that_is_off_is_named(name):
+    if reason := why_unavailable(engine(name)):
+        pytest.skip(reason)
+    for linkage, expected in ((JUKI, []), (without(JUKI, "gravity"), ["gravity"])):
+        time, values = curves(linkage, QUINTIC, name, every=2)
+        judgement = judge(JUKI, results_of({key: values[key] for key in ("phi", "Mkr", "S", "v")}, time, digits=5))
+        assert kinds(judgement) == expected
+        assert judgement.passed is not any(verdict.error_max > judgement.limit for verdict in judgement.verdicts)
 
 
 def planted(fault, simulation):
@@ -28,7 +103,7 @@ def misses(linkage, every=1, first=0):
     simulation, missed = Simulation(linkage, MOTION), []
     faults = [*motion_settings(MOTION), *model_faults(simulation)]
     for fault in faults[first::every]:
-        results = exported(linkage, MOTION, NAMES, TIME, digits=7, model=planted(fault, simulation))
+        results = exported(linkage, MOTION, NAMES, TIME[::2], digits=7, model=planted(fault, simulation))
         judgement = judge(linkage, results, MOTION)
         fits = [fit.fault.name for finding in judgement.explanation.findings for fit in finding.every]
         if fault.name not in fits and any(differs(verdict.evidence) for verdict in judgement.verdicts):

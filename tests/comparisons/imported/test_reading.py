@@ -11,7 +11,7 @@ from analytic.errors import LinkproofError
 from comparisons.imported.columns import Correction, MappingNeededError
 from comparisons.imported.mapping import with_proposals
 from comparisons.imported.reading import read_results
-from tests.comparisons.imported.layouts import Channel, csv, solidworks
+from tests.comparisons.imported.layouts import Channel, solidworks
 
 JUKI = load("juki-mf7923d")
 TIME = np.linspace(0.0, 1.0, 6)
@@ -31,14 +31,6 @@ def message(tmp_path, text, mapping=None, name="run.csv"):
     with pytest.raises(LinkproofError) as caught:
         read(tmp_path, text, mapping, name)
     return str(caught.value).replace(f"{tmp_path}/", "")
-
-
-def test_a_plain_table_becomes_signals_in_si_units(tmp_path):
-    text = csv([Channel("time", "s", TIME), Channel("Mkr", "N*mm", 1e3 * np.cos(TIME))], digits=17)
-    (signal,) = read(tmp_path, text).signals
-    assert (signal.name, signal.axis) == ("Mkr", "time")
-    np.testing.assert_allclose(signal.at, TIME, rtol=1e-15)
-    np.testing.assert_allclose(signal.values, np.cos(TIME), rtol=1e-15)
 
 
 def test_plots_of_solidworks_in_one_file_have_a_time_each(tmp_path):
@@ -106,82 +98,60 @@ def test_corrections_count_only_once_their_comment_sign_is_taken_away(tmp_path):
     np.testing.assert_allclose(agreed.signals[0].resolution, 2.0 * plain.signals[0].resolution)
 
 
-def test_an_angle_may_be_offset_and_mirrored(tmp_path):
-    text = f"Zeit [s],Kurbelwinkel [deg]\n{ROWS}"
-    mapping = '[[column]]\nheader = "Kurbelwinkel [deg]"\nsign = -1\noffset = 90.0\n'
-    results = read(tmp_path, text, mapping)
-    np.testing.assert_allclose(results.signals[0].values, np.radians([88.5, 87.75, 87.0, 86.0]))
-    assert results.corrections["phi"].offset == np.radians(90.0)
+TORQUE = "Time [s],Torque [Nm]\n"
+BAD_FILES = {
+    "Time [s],Torque [Nm],Moment [Nmm]\n0,1,2\n1,2,3\n2,3,4\n3,4,5\n": "expected one column for Mkr, got",
+    f"foo,Torque [Nm]\n{ROWS}": "run.csv:1: expected a column of time or crank angle, got foo, Torque [Nm]; name",
+    f"Time [s],foo\n{ROWS}": "run.csv:1: expected a column that is a signal of juki-mf7923d, got none: 'foo'",
+    TORQUE + "0,1\n1,2\n0.5,3\n2,3\n": "(column 1): expected a time that grows in 'Time [s]'",
+    "Winkel [deg],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n": "expected a crank angle that runs one way",
+    TORQUE + "0,1\n1,2\n": "expected a curve of at least 4 instants, got 2",
+    f"Time [s],Torque [furlong]\n{ROWS}": "'furlong' in its name is no unit, link, point or joint",
+    TORQUE: "run.csv:1: expected rows of numbers below a header",
+    TORQUE + "0,1\n1,nan\n2,3\n": "run.csv:3: expected a finite number in column 2, got 'nan'",
+    TORQUE + "0,1\n1,1e300\n2,2\n": "run.csv:3: expected a finite number in column 2, got '1e300'",
+    TORQUE + "0,abc\n1,2\n2,3\n": "run.csv:2: expected a finite number in column 2, got 'abc'",
+    TORQUE + "0,٣\n1,1\n2,2\n": "run.csv:2: expected a finite number in column 2, got '٣'",
+    TORQUE + "0,1\n1,2,3\n": "run.csv:3: expected 2 columns, as the header of line 1 has, got 3",
+    TORQUE + "0,0,1,0\n0,1,1,0\n": "with decimal commas columns are parted by semicolons or tabs",
+    f"{TORQUE}{ROWS}5,{'1' * 10**6}\n": "run.csv:6: expected a finite number in column 2, got '111",
+    f"Time [s],{'Drehmoment' * 500}\n{ROWS}": "'DrehmomentDrehmoment",
+    "0,1\n1,2\n": "'column 1' is not judged",
+    "0\n1\n": "run.csv:1: expected a column of time or crank angle and others beside it",
+    "t [s];M [Nm]\n0;1\n1;2\n# a comment\n2;3\n": "run.csv:4: expected a header for each of the 2 columns",
+    "t [s];M [Nm];S [mm]\n0;1;2\n1;;3\n": "run.csv:3: expected a finite number in column 2, got an empty cell",
+    "t [s],M [Nm]\n0,1\n" * 1001: "expected at most 1000 tables",
+    "t [s]" + ",M [Nm]" * 20_000 + "\n0" + ",1" * 20_000: "run.csv:2: expected at most 10000 columns",
+    "t [s],M [Nm],M [Nm]\n0,1,2\n1,2,3\n": "got 'M [Nm]' (run.csv:1 (column 2)) and 'M [Nm] #2'",
+    "": "run.csv:1: expected a table of results, got an empty file",
+    b"PK\x03\x04rest": "got a binary file; export the results as CSV",
+    bytes(range(256)): "expected text in",
+    b"Time [s],M [Nm]\n0,1\n\x81\x8d,3\n": "run.csv:3: expected text in CP1252, got other bytes",
+}
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("Time [s],Torque [Nm],Moment [Nmm]\n" + "0,1,2\n1,2,3\n2,3,4\n3,4,5\n", "expected one column for Mkr, got"),
-        (f"foo,Torque [Nm]\n{ROWS}", "run.csv:1: expected a column of time or crank angle, got foo, Torque [Nm]; name"),
-        (f"Time [s],foo\n{ROWS}", "run.csv:1: expected a column that is a signal of juki-mf7923d, got none: 'foo'"),
-        ("Time [s],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "(column 1): expected a time that grows in 'Time [s]'"),
-        ("Winkel [deg],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "expected a crank angle that runs one way"),
-        ("Time [s],Torque [Nm]\n0,1\n1,2\n", "expected a curve of at least 4 instants, got 2"),
-        (f"Time [s],Torque [furlong]\n{ROWS}", "'furlong' in its name is no unit, link, point or joint"),
-        ("Time [s],Torque [Nm]\n", "run.csv:1: expected rows of numbers below a header"),
-        ("Time [s],Torque [Nm]\n0,1\n1,nan\n2,3\n", "run.csv:3: expected a finite number in column 2, got 'nan'"),
-        ("Time [s],Torque [Nm]\n0,1\n1,inf\n", "run.csv:3: expected a finite number in column 2, got 'inf'"),
-        ("Time [s],Torque [Nm]\n0,nan\n1,nan\n", "run.csv:2: expected a finite number in column 2, got 'nan'"),
-        ("Time [s],Torque [Nm]\n0,1\n1,1e999\n", "run.csv:3: expected a finite number in column 2, got '1e999'"),
-        ("Time [s],Torque [Nm]\n0,1\n1,abc\n", "run.csv:3: expected a finite number in column 2, got 'abc'"),
-        ("Time [s],Torque [Nm]\n0,abc\n1,2\n2,3\n", "run.csv:2: expected a finite number in column 2, got 'abc'"),
-        ("Time [s],Torque [Nm]\n0,1\n1,\n2,3\n", "run.csv:3: expected 2 columns, as the header of line 1 has, got 1"),
-        ("Time [s],Torque [Nm]\n0,1\n1,2,3\n", "run.csv:3: expected 2 columns, as the header of line 1 has, got 3"),
-        ("Time [s],Torque [Nm]\n0,0,1,0\n0,1,1,0\n", "with decimal commas columns are parted by semicolons or tabs"),
-        ("0,1\n1,2\n", "'column 1' is not judged"),
-        ("0\n1\n", "run.csv:1: expected a column of time or crank angle and others beside it"),
-        ("t [s];M [Nm]\n0;1\n1;2\n# a comment\n2;3\n", "run.csv:4: expected a header for each of the 2 columns"),
-        ("t [s];M [Nm];S [mm]\n0;1;2\n1;2;3\n2;3;\n", "run.csv:4: expected 3 columns, as the header"),
-        ("t [s];M [Nm];S [mm]\n0;1;2\n1;;3\n", "run.csv:3: expected a finite number in column 2, got an empty cell"),
-        ("", "run.csv:1: expected a table of results, got an empty file"),
-        (b"PK\x03\x04rest", "got a binary file; export the results as CSV"),
-        (bytes(range(256)), "expected text in"),
-        (b"Time [s],M [Nm]\n0,1\n\x81\x8d,3\n", "run.csv:3: expected text in CP1252, got other bytes"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("text", "expected"), BAD_FILES.items(), ids=BAD_FILES.values())
 def test_bad_files_are_told_in_one_sentence(tmp_path, text, expected):
     assert expected in message(tmp_path, text)
 
 
-@pytest.mark.parametrize(
-    ("mapping", "expected"),
-    [
-        ("", "mapping.toml:1: expected a mapping that names a column"),
-        ("# nothing\n", "got one that names nothing"),
-        ('[[column]]\nheader = "Tim"\n', "mapping.toml:2: column #1.header: unknown column 'Tim': did"),
-        ('ignore = ["Tim"]\n', "mapping.toml:1: ignore #1: unknown column 'Tim'"),
-        ('[[column]]\nheader = "Time"\nsgn = 1\n', "mapping.toml:3: column #1.sgn: unknown key 'sgn': did"),
-        ('[[column]]\nheader = "Time"\nunit = "mm"\n', "mapping.toml:3: column #1.unit: unknown unit of time 'mm'"),
-        ('[[column]]\nheader = "Time"\nunit = "sek."\n', "mapping.toml:3: column #1.unit: unknown unit of time 'sek.'"),
-        ('[[column]]\nheader = "Torque"\nsignal = "Mk"\n', "column #1.signal: unknown signal 'Mk': did you"),
-        ('[[column]]\nheader = "Torque"\nfactor = 0.0\n', "column #1.factor: expected a positive finite number, got 0"),
-        ('[[column]]\nheader = "Torque"\nsign = 2\n', "column #1.sign: expected 1 or -1, got 2"),
-        ('[[column]]\nheader = "Torque"\n[[column]]\nheader = "Torque"\n', "column #2.header: expected one entry for"),
-        ("[[column]\n", "mapping.toml:1: not valid TOML"),
-    ],
-)  # fmt: skip
+BAD_MAPPINGS = {
+    "# nothing\n": "mapping.toml:1: expected a mapping that names a column",
+    '[[column]]\nheader = "Tim"\n': "mapping.toml:2: column #1.header: unknown column 'Tim': did",
+    'ignore = ["Tim"]\n': "mapping.toml:1: ignore #1: unknown column 'Tim'",
+    '[[column]]\nheader = "Time"\nsgn = 1\n': "mapping.toml:3: column #1.sgn: unknown key 'sgn': did",
+    '[[column]]\nheader = "Time"\nunit = "mm"\n': "mapping.toml:3: column #1.unit: unknown unit of time 'mm'",
+    '[[column]]\nheader = "Torque"\nsignal = "Mk"\n': "column #1.signal: unknown signal 'Mk': did you",
+    '[[column]]\nheader = "Torque"\nfactor = 0.0\n': "column #1.factor: expected a positive finite number, got 0",
+    '[[column]]\nheader = "Torque"\nsign = 2\n': "column #1.sign: expected 1 or -1, got 2",
+    '[[column]]\nheader = "Torque"\n' * 2: "column #2.header: expected one entry for",
+    "[[column]\n": "mapping.toml:1: not valid TOML",
+}
+
+
+@pytest.mark.parametrize(("mapping", "expected"), BAD_MAPPINGS.items(), ids=BAD_MAPPINGS.values())
 def test_bad_mappings_are_told_with_file_and_line(tmp_path, mapping, expected):
     assert expected in message(tmp_path, f"Time,Torque\n{ROWS}", mapping)
-
-
-@pytest.mark.parametrize("encoding", ["cp1251", "utf-16", "utf-8"])
-def test_files_in_the_encoding_of_their_country_are_read(tmp_path, encoding):
-    text = "sep=;\nвремя, с;Момент двигателя, Н·м\n0;1,5\n1;2,5\n2;3,5\n3;4,5\n"
-    (signal,) = read(tmp_path, text.encode(encoding)).signals
-    assert (signal.name, signal.values[-1], signal.column.unit) == ("Mkr", 4.5, "Н·м")
-
-
-def test_equal_headers_are_numbered_so_that_a_mapping_can_name_each(tmp_path):
-    text = "t [s],Torque [Nm],Torque [Nm]\n0,1,2\n1,2,3\n2,3,4\n3,4,6\n"
-    assert "got 'Torque [Nm]' (run.csv:1 (column 2)) and 'Torque [Nm] #2'" in message(tmp_path, text)
-    (signal,) = read(tmp_path, text, 'ignore = ["Torque [Nm]"]\n').signals
-    assert signal.values[-1] == 6.0
 
 
 def test_equal_headers_of_several_files_are_numbered_and_a_time_that_is_ignored_leaves_the_angle(tmp_path):
@@ -194,34 +164,12 @@ def test_equal_headers_of_several_files_are_numbered_and_a_time_that_is_ignored_
     assert signal.at.tolist() == [0.0, 1.0, 2.0, 4.0]
 
 
-def test_folders_and_missing_files_are_told(tmp_path):
-    for path, expected in ((tmp_path, "got the folder"), (tmp_path / "no.csv", "No such file or directory")):
-        with pytest.raises(LinkproofError, match=expected):
-            read_results([path], JUKI)
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("Time [s],Torque [Nm]\n0,٣\n1,1\n2,2\n3,3\n", "run.csv:2: expected a finite number in column 2, got '٣'"),
-        (
-            "Time [s],Torque [Nm]\n0,1\n1,1e300\n2,2\n3,3\n",
-            "run.csv:3: expected a finite number in column 2, got '1e300'",
-        ),
-        (f"Time [s],Torque [Nm]\n{ROWS}5,{'1' * 10**6}\n", "run.csv:6: expected a finite number in column 2, got '111"),
-        (f"Time [s],{'Drehmoment' * 500}\n{ROWS}", "'DrehmomentDrehmoment"),
-        ("t [s],M [Nm]\n0,1\n" * 1001, "expected at most 1000 tables"),
-        ("t [s]" + ",M [Nm]" * 20_000 + "\n" + "0" + ",1" * 20_000, "run.csv:2: expected at most 10000 columns"),
-    ],
-)
-def test_numbers_that_are_none_and_endless_words_are_refused_at_once(tmp_path, text, expected):
-    assert expected in message(tmp_path, text)
-
-
-def test_a_pipe_is_refused_rather_than_waited_for(tmp_path):
+def test_folders_missing_files_and_pipes_are_refused(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
-    with pytest.raises(LinkproofError, match="got the pipe or device"):
-        read_results([tmp_path / "pipe.csv"], load("juki-mf7923d"))
+    refused = {".": "got the folder", "no.csv": "No such file or directory", "pipe.csv": "got the pipe or device"}
+    for name, expected in refused.items():
+        with pytest.raises(LinkproofError, match=expected):
+            read_results([tmp_path / name], JUKI)
 
 
 @pytest.mark.parametrize(
@@ -229,11 +177,12 @@ def test_a_pipe_is_refused_rather_than_waited_for(tmp_path):
     [
         ("t [s];Winkel [°]\n0;1\n1;2\n2;3\n3;4\n", "cp1252"),
         ("czas [s];moment napędowy [N·m]\n0;1\n1;2\n2;3\n3;4\n", "cp1250"),
-        ("时间 (s);Mkr [N*m]\n0;1\n1;2\n2;3\n3;4\n", "gb18030"),
+        ("sep=;\nвремя, с;Момент двигателя, Н·м\n0;1\n1;2\n2;3\n3;4\n", "cp1251"),
+        ("t [s];Mkr [N*m]\n0;1\n1;2\n2;3\n3;4\n", "utf-16"),
         ("时间 [s],电机扭矩 [N*m]\n0,1\n1,2\n2,3\n3,4\n", "gb18030"),
     ],
 )
 def test_encodings_without_a_mark_are_recognised(tmp_path, text, encoding):
-    (tmp_path / "run.csv").write_bytes(text.encode(encoding))
-    (signal,) = read_results([tmp_path / "run.csv"], load("juki-mf7923d")).signals
+    (signal,) = read(tmp_path, text.encode(encoding)).signals
     assert signal.name in ("phi", "Mkr")
+    assert len(signal.values) == 4

@@ -14,7 +14,7 @@ from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.moving import moving_scheme
 
 LINKAGES = Path(__file__).parents[2] / "linkages"
-NAMES = ("juki-mf7923d", "slotted-takeup", "jansen-leg", "spring-and-damper.toml", "drives/boom.toml")
+NAMES = ("slotted-takeup", "spring-and-damper.toml", "drives/boom.toml")
 NUMBER = r"(-?[\d.]+)"
 
 

@@ -27,7 +27,7 @@ def view():
 
 
 def unpacked(packed):
-    """What the page's script reads."""
+    """Columns as the page's script reads them."""
     steps = np.frombuffer(base64.b64decode(packed["samples"]), "<u2").astype(float)
     columns = np.where(steps == 65535, np.nan, steps).reshape(len(packed["ends"]), -1)
     return [low + column / 65534.0 * (high - low) for column, (low, high) in zip(columns, packed["ends"], strict=True)]
@@ -39,9 +39,6 @@ def test_packed_numbers_come_back_to_four_digits_of_their_range():
     assert found[0] == pytest.approx(first, abs=8.0 / 65534)
     assert np.isnan(found[1][[0, -1]]).all()
     assert found[1][1:-1] == pytest.approx(second[1:-1], abs=8.0 / 65534)
-
-
-def test_a_constant_and_an_empty_column_can_be_packed():
     assert unpacked(pack(np.full(3, 7.0), np.full(3, np.nan)))[0] == pytest.approx([7.0, 7.0, 7.0])
     assert len(unpacked(pack(np.empty(0)))[0]) == 0
 
@@ -74,7 +71,7 @@ def test_a_run_keeps_its_largest_error_and_where_it_is(view):
         )
 
 
-def test_the_chart_has_every_error_and_says_of_which_quantities_there_are_curves(view):
+def test_the_chart_has_every_error_and_names_the_quantities_with_curves(view):
     data = chart_data(view)
     json.dumps(data, allow_nan=False)
     assert data["engines"] == ["alpha", "beta"]  # the place, and so the colour, of one that gave nothing is kept
@@ -89,9 +86,3 @@ def test_the_chart_has_every_error_and_says_of_which_quantities_there_are_curves
                 if (r.quantity, r.engine, r.setting) == (name, data["engines"][engine], data["settings"][setting])
             )  # fmt: skip
             assert (size, limit) == (pytest.approx(record.error_max, rel=0.06), record.limit)
-
-
-def test_a_dataset_of_eighteen_runs_is_small():
-    results = made_up_results(engines=tuple("abcdef"), samples=20_001, quantities=("Mkr",))
-    (data,) = curves(views(results)[0]).values()
-    assert len(json.dumps(data)) < 60_000

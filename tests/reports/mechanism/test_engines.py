@@ -79,7 +79,7 @@ def test_rows_that_fail_together_have_their_meaning(results, setting, cure):
     assert told.endswith(cure)
 
 
-def test_a_quantity_that_an_engine_lacks_is_told_beside_its_other_errors(results):
+def test_a_quantity_that_an_engine_lacks_stands_beside_its_other_errors(results):
     def lack(record):
         if (record.engine, record.setting, record.quantity) != ("beta", "best", "Mkr"):
             return record
@@ -100,7 +100,7 @@ def test_the_setting_that_stands_for_an_engine_is_one_that_gave_a_curve_in_the_r
     assert [view.standing(regime) for regime in view.regimes] == ["best", "tuned"]
 
 
-def test_runs_tell_their_steps_their_cost_and_where_their_figures_come_from(results):
+def test_runs_have_their_steps_cost_and_settings(results):
     tables = runs_fold(views(results)[0]).parts
     assert len(tables) == 2
     (best,) = (row for row in tables[0].rows if row[0] == "alpha best")
@@ -112,13 +112,7 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
            "engine": "alpha", "outcome": "finished", "supports": "corrected", "deviation_corrected": 2e-9,
            "deviation_printed": 0.5, "mean_speed": 9.0, "mean_speed_corrected": 9.0, "mean_speed_printed": 4.0,
            "note": "it must be positive", "reason": ""}  # fmt: skip
-    none = {
-        **row,
-        "engine": "gone",
-        "supports": "neither",
-        "deviation_corrected": None,
-        "reason": "takes no such drive",
-    }
+    none = {**row, "engine": "gone", "supports": "neither", "deviation_corrected": None, "reason": "takes no drive"}
     (view,) = views(Results({**results.document, "errata": [row, none]}, results.runs))
     motion = {"time": np.array([0.0, 1.0]), "corrected": np.array([9.0, 9.0]), "printed": np.array([9.0, 4.0])}
     (fold,) = (
@@ -132,7 +126,7 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
     assert "equation (7)" in table.caption
     assert [(row[0], row[1], row[3]) for row in table.rows] == [
         ("alpha", "2.0e-9", "corrected"),
-        ("gone", "–", "takes no such drive"),
+        ("gone", "–", "takes no drive"),
     ]
 
 

@@ -8,6 +8,7 @@ import pytest
 from analytic.description.loading import load
 from comparisons.datasheet.building import usual_sheet
 from reports.mechanism.special_sections import feed_chart, released_section, sentences, thread_section
+from tests.reports.designs.results.samples import released_sheet
 
 
 @pytest.mark.parametrize("name", ["fork-takeup", "slotted-takeup"])
@@ -29,7 +30,7 @@ def test_a_thread_out_of_the_plane_is_drawn_in_space_too():
 
 @pytest.fixture(scope="module")
 def driven():
-    return usual_sheet(load("two-crank-takeup"), regimes=("driven",))
+    return released_sheet()
 
 
 def test_a_regime_is_told_in_sentences_and_shown_to_its_last_turn(driven):

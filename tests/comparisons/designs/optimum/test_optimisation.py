@@ -7,47 +7,31 @@ import pytest
 from scipy.optimize import brentq
 
 from analytic.description.changes import changed
-from analytic.description.loading import load, parse
+from analytic.description.loading import load
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import sheet, usual_case
-from comparisons.designs.optimum.optimisation import Wish, optimise
+from comparisons.designs.optimum.optimisation import OptimisationRequest, optimise
 from comparisons.designs.optimum.searches import AGREEING
 from comparisons.designs.steady_motion import steady_motion
+from tests.analytic.linkages import from_text
+from tests.comparisons.designs.sweeps import BARE
 
 SPEED = 100.0
 TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
 PEAK, STROKE = Figure("Mkr", Reduction.PEAK), Figure("S", Reduction.RANGE)
-CRANK, GROUND, ROCKER = 1.0, 4.0, 3.5
-FOUR_BAR = f"""
-title = "crank-rocker"
-source = "made up for the tests"
-units = {{ length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }}
-crank = "crank"
-[ground]
-O = [0, 0]
-C = [{GROUND}, 0]
-[links.crank]
-points = {{ O = [0, 0], A = [{CRANK}, 0] }}
-[links.coupler]
-points = {{ A = [0, 0], B = [2.3, 0] }}
-[links.rocker]
-points = {{ C = [0, 0], B = [{ROCKER}, 0] }}
-[sketch]
-points = {{ B = [2.5, 3] }}
-"""
+CRANK, GROUND, ROCKER = 0.02, 0.06, 0.045  # m, of the four-bar
 
 
 def best(mechanism, *over, **wish):
     chosen = mechanism if isinstance(mechanism, Mechanism) else Mechanism(load(mechanism))
-    return optimise(chosen, steady_motion(chosen, SPEED), Wish(over=over, **wish), lambda *_: None)
+    return optimise(chosen, steady_motion(chosen, SPEED), OptimisationRequest(over=over, **wish), lambda *_: None)
 
 
 def moved(name, value):
     """The four-bar with one number changed."""
-    linkage = parse(FOUR_BAR, "four-bar", "four-bar")
-    return Mechanism(changed(linkage, lambda one, _, old: value if one == name else old))
+    return Mechanism(changed(from_text(BARE).linkage, lambda one, _, old: value if one == name else old))
 
 
 def figures(mechanism, numbers, *wanted):
@@ -64,9 +48,9 @@ def test_the_least_transmission_angle_is_that_of_results_on_either_side_of_a_rig
         ]
         return math.acos(max(map(abs, cosines)))
 
-    dense = np.linspace(2.0, 5.0, 300_001)
+    dense = np.linspace(0.036, 0.075, 30_001)
     expected = max(map(least, dense))
-    found = best(moved("", 0.0), "coupler.B.x=2:5", figure=figure, is_least=False)
+    found = best(moved("", 0.0), "coupler.B.x=36:75", figure=figure, is_least=False)
     assert found.values[1, 0] == pytest.approx(expected, abs=1e-5)
     assert found.values[1, 0] == pytest.approx(least(found.after["coupler.B.x"]), rel=1e-12)
     assert found.search.residual < 1e-7
@@ -75,11 +59,10 @@ def test_the_least_transmission_angle_is_that_of_results_on_either_side_of_a_rig
     assert shown.value == pytest.approx(found.values[1, 0], rel=1e-9)
 
 
-@pytest.mark.parametrize("start", [0.3, -0.2])
-def test_where_two_tops_tie_the_optimum_is_the_kink(start):
+def test_where_two_tops_tie_the_optimum_is_the_kink():
     # y of the crank's end is e + a sin φ: its largest magnitude, |e| + a, has a kink at its least, e = 0.
-    found = best(moved("ground.O.y", start), "ground.O.y=-0.4:0.5", figure="point:A:y.peak")
-    assert found.after["ground.O.y"] == pytest.approx(0.0, abs=1e-12)
+    found = best(moved("ground.O1.y", 0.006), "ground.O1.y=-8:10", figure="point:A:y.peak")
+    assert found.after["ground.O1.y"] == pytest.approx(0.0, abs=1e-13)
     assert abs(found.values[1, 0]) == pytest.approx(CRANK, rel=1e-12)
     assert found.search.residual < 1e-9
 
@@ -113,53 +96,45 @@ def test_a_kept_stroke_is_kept_and_no_design_that_keeps_it_is_lower():
         return abs(float(figures(mechanism, {"rod.B.x": [rod], "rocker.B.x": [rocker]}, PEAK)[0, 0]))
 
     least, place = abs(found.values[1, 0]), found.after["rod.B.x"]
-    others = [peak(rod) for rod in (*np.linspace(0.172, 0.178, 13), place - 1e-6, place + 1e-6)]
+    others = [peak(rod) for rod in (*np.linspace(0.172, 0.178, 3), place - 1e-6, place + 1e-6)]
     assert least <= min(others) + 1e-10
     assert peak(place) == pytest.approx(least, rel=1e-8)
 
 
-def test_a_search_everywhere_finds_the_same_with_every_seed():
-    over = ("rod.B.x=±10%", "rocker.B.x=±10%", "link.D.x=±10%")
-    wish = {"figure": "Mkr.peak", "keep": ["stroke"], "everywhere": True}
-    found = [best("rimoldi-164", *over, **wish, seed=seed) for seed in (0, 7)]
-    assert found[1].values[1, 0] == pytest.approx(found[0].values[1, 0], rel=1e-9)
-    assert abs(found[0].values[1, 0]) < 0.93 * abs(found[0].values[0, 0])
-    assert found[0].bound(found[0].problem.variables[2]) == "upper"
-    assert [len(one.search.ends) for one in found] == [AGREEING, AGREEING]  # as all of these agree
-
-
 def test_kept_figures_that_nothing_moves_or_that_say_the_same_do_not_hinder():
-    over, keep = ("rocker.mass=±20%", "rod.B.x=±2%", "rocker.B.x=±5%"), ["stroke", "S.max", "point:A:x.max"]
+    over, keep = ("rod.mass=±20%", "rocker.B.x=±5%"), ["stroke", "S.max", "point:A:x.max"]
     found = best("rimoldi-164", *over, figure="Mkr.rms", keep=keep)
     assert found.search.residual < 1e-6
     assert found.values[1, 0] < 0.99 * found.values[0, 0]
     assert found.values[1, 1:4] == pytest.approx(found.values[0, 1:4], rel=1e-9)
 
 
+@pytest.mark.nightly
 def test_the_same_seed_searches_from_the_same_designs():
-    wish = {"figure": "Mkr.peak", "starts": 3}
-    first, again, other = (best("rimoldi-164", "rod.B.x=±3%", **wish, seed=seed) for seed in (5, 5, 6))
+    wish = {"figure": "Mkr@30", "starts": 3}
+    first, again, other = (best("rimoldi-164", "rocker.mass=±3%", **wish, seed=seed) for seed in (5, 5, 6))
     assert [one.place.tolist() for one in first.search.ends] == [one.place.tolist() for one in again.search.ends]
     assert first.search.counter == again.search.counter != other.search.counter
 
 
-def test_starts_that_end_elsewhere_are_counted_and_searching_everywhere_does_not_miss_the_least():
+def test_starts_that_end_elsewhere_are_counted():
     # The stroke has a least value near 172.7 mm, where the file's design leads, and a lower one at the bound.
-    alone, several, everywhere = (
-        best("rimoldi-164", "rod.B.x=170:180", figure="stroke", **how)
-        for how in ({}, {"starts": 8}, {"everywhere": True})
-    )
+    alone, several = (best("rimoldi-164", "rod.B.x=170:180", figure="stroke", starts=starts) for starts in (1, 3))
     assert len(alone.search.ends) == 1
-    assert 0.0 < len(several.search.elsewhere) < 8
-    assert several.values[1, 0] == everywhere.values[1, 0] < 0.995 * alone.values[1, 0]
+    assert 0 < len(several.search.elsewhere) < 3
+    assert several.values[1, 0] < 0.995 * alone.values[1, 0]
+    assert several.bound(several.problem.variables[0]) == "upper"
+
+
+@pytest.mark.nightly
+def test_searching_everywhere_does_not_miss_the_least():
+    everywhere = best("rimoldi-164", "rod.B.x=170:180", figure="stroke", everywhere=True)
     assert everywhere.bound(everywhere.problem.variables[0]) == "upper"
     assert everywhere.search.elsewhere
     assert len(everywhere.search.ends) > AGREEING  # none is left out where they differ
 
 
 def test_a_start_that_cannot_be_assembled_leaves_the_search_to_others():
-    found = best("rimoldi-164", "rod.B.x=120:170", figure="Mkr.peak")
-    assert found.search.ends[0] is not None or found.search.ends[1] is not None
     far = best("rimoldi-164", "rod.B.x=185:230", "ground.O2.y=175:230", figure="Mkr.peak")
     assert far.search.ends[-1] is not None
     assert np.isfinite(far.values[1, 0])
@@ -169,19 +144,19 @@ def test_a_start_that_cannot_be_assembled_leaves_the_search_to_others():
     ("wish", "over"),
     [
         ({"figure": "Mkr.rms"}, "rocker.mass=±50%"),
-        ({"figure": "Mkr@30", "is_least": False}, "rocker.B.x=±5%"),
-        ({"figure": "Jeq.mean"}, "rocker.B.x=±5%"),
         ({"figure": "Mkr.range"}, "rod.B.x=±3%"),
-        ({"figure": "S.max"}, "rod.B.x=170:176"),
-        ({"figure": "Mkr.max", "is_least": False}, "rod.B.x=±3%"),
-        ({"figure": "Mkr.peak", "keep": ["stroke=30.9:31", "Mkr.min=-0.26:"]}, "rocker.B.x=±5%"),
-        ({"figure": "link:rocker:angle.range"}, "rod.B.x=±3%"),
+        pytest.param({"figure": "Mkr@30", "is_least": False}, "rocker.B.x=±5%", marks=pytest.mark.nightly),
+        pytest.param(
+            {"figure": "Mkr.peak", "keep": ["stroke=30.9:31", "Mkr.min=-0.26:"]},
+            "rocker.B.x=±5%",
+            marks=pytest.mark.nightly,
+        ),
     ],
 )
 def test_over_one_number_every_kind_of_figure_is_as_good_as_on_a_fine_grid(wish, over):
     found = best("rimoldi-164", over, **wish)
     problem = found.problem
-    values = np.linspace(0.0, 1.0, 401)[:, None]
+    values = np.linspace(0.0, 1.0, 101)[:, None]
     named = dict.fromkeys(found.after, problem.low[0] + problem.width[0] * values[:, 0])
     grid = figures(problem.mechanism, named, *(one.figure for one in problem.figures))
     for one, row in zip(problem.constraints, grid[1:], strict=True):

@@ -38,22 +38,16 @@ def test_a_range_is_read_in_the_units_of_the_file_or_in_its_own():
     ("texts", "words"),
     [
         (["rod.B.z=1:2:3"], "did you mean 'rod.B."),
-        (["rod.B.x"], "expected NAME=FIRST:LAST:COUNT"),
         (["rod.B.x=1:2"], "expected NAME=FIRST:LAST:COUNT"),
-        (["rod.B.x=1:2:3:4"], "expected NAME=FIRST:LAST:COUNT"),
-        (["rod.B.x=a:2:3"], "expected a finite number of mm, got 'a'"),
         (["rod.B.x=1:inf:3"], "expected a finite number of mm"),
         (["rod.B.x=1kg:2:3"], "unknown length unit 'kg'"),
         (["rod.B.x=1:2:0"], "expected a number of values"),
-        (["rod.B.x=1:2:-4"], "expected a number of values"),
-        (["rod.B.x=1:2:1.5"], "expected a number of values"),
         (["rod.B.x=1:2:1"], "expected a single value, twice"),
         (["rod.B.x=2:2:5"], "expected two values that differ"),
         (["rod.B.x=-1e308:1e308:5"], "expected two values that differ"),
         (["rod.B.x=1:2:3", "rod.B.x=1:2:3"], "got rod.B.x twice"),
-        (["rod.B.x=1:2:9999999", "rod.mass=1:2:9999999"], "designs at most, got 9999999 × 9999999"),
+        ([f"{name}=1:2:20000" for name in NAMES], "designs at most, got 20000 × 20000 × 20000"),
         (["rod.B.x=1:2:10000001"], "expected a number of values from 1 to 1e+07"),
-        (["rod.B.x=1:2:99999999999999999999"], "expected a number of values"),
     ],
 )
 def test_what_is_no_space_is_told(texts, words):

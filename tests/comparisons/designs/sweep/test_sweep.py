@@ -33,8 +33,7 @@ def looped(asked):
     return np.array(found).T
 
 
-@pytest.mark.parametrize("pool", [None, LocalPool(2)])
-def test_figures_and_their_ends_are_those_of_a_loop(monkeypatch, pool):
+def test_figures_and_their_ends_are_those_of_a_loop(monkeypatch):
     monkeypatch.setattr(sweeps, "PLACES", 8 * 7)
     asked = request()
     found = np.full((3, 30), np.nan)
@@ -43,7 +42,7 @@ def test_figures_and_their_ends_are_those_of_a_loop(monkeypatch, pool):
         found[:, slice(*asked.block(number))] = values
 
     heard = []
-    summary = sweep(asked, keep=keep, announce=heard.append, pool=pool)
+    summary = sweep(asked, keep=keep, announce=heard.append, pool=LocalPool(2))
     truth = looped(asked)
     np.testing.assert_allclose(found, truth, rtol=1e-12)
     there = ~np.isnan(truth[0])
@@ -71,12 +70,6 @@ def test_what_is_done_is_not_made_again(monkeypatch):
     assert sorted([*made, 1, 3]) == sorted(parts)
 
 
-def test_the_own_design_is_that_of_the_file():
-    asked = request()
-    own = grid("rod.B.x=175:175:1")
-    np.testing.assert_allclose(own_figures(asked), looped(request(own))[:, 0], rtol=1e-14)
-
-
 @pytest.mark.parametrize("refine", [False, True])
 def test_the_rms_torque_is_that_of_results_beside_a_dead_position_too(refine):
     mechanism = on_trial("near-toggle", None, False)
@@ -93,7 +86,7 @@ def test_a_design_that_does_not_assemble_says_where():
     assert not why_not(request(grid("rod.B.x=175:180:2")))
 
 
-def test_what_is_asked_of_designs_where_nobody_says():
+def test_usual_figures_are_peaks_and_the_stroke():
     names = [one.name for one in usual_figures(Mechanism(SIX_BAR))]
     assert names[0] == "Mkr.peak"
     assert names[-1] == "stroke"

@@ -27,23 +27,17 @@ def test_a_long_table_is_read_in_blocks(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "expected a head that names parameters"),
         ("\n1,2\n", "expected a head that names parameters"),
-        ("rod.B.x\n", "expected a head that names parameters and a row per design"),
         ("rod.B.x\n \n", "expected a head that names parameters and a row per design"),
         ("rod.B.q\n1\n", "did you mean 'rod.B."),
         ("rod.B.x [kg]\n1\n", "unknown length unit 'kg'"),
         ("rod.B.x,rod.B.x\n1,2\n", "got rod.B.x twice"),
         ("rod.B.x,rod.mass\n1,2\n3\n4,5\n", "in line 3, column rod.mass, got nothing"),
         ("rod.B.x,rod.mass\n1,2\n3,4,5\n", "expected nothing in line 3, column 3, which has no name, got '5"),
-        ("rod.B.x,rod.mass\n1,2\n1,2,3,4\n", "Expected 3 fields in line 3, saw 4; correct it"),
         ("rod.B.x\n1\ntwo\n", "expected a finite number in line 3, column rod.B.x, got 'two'"),
-        ("rod.B.x\n1\nnan\n", "got 'nan'"),
         ("rod.B.x\nTrue\n", "got 'True'"),
         ("\ufeffrod.B.x [cm];rod.mass\r\n17,2;0,1\r\n", "got semicolons"),
-        ("rod.B.x\trod.mass\n172\t1\n", "got tabs"),
         ("rod.B.x,\n175,\n", "got nothing over column 2"),
-        ("rod.B.x\n1,75\n", "in line 2, column 2, which has no name, got '75"),
         ("rod.B.x\n1\n\n1e999\n", "in line 4, column rod.B.x, got '1e999'"),
     ],
 )

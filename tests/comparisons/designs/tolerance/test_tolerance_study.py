@@ -101,15 +101,15 @@ def test_a_picture_has_the_units_of_the_file():
 
 def test_where_there_is_no_closed_form_derivatives_are_differences():
     sample, heard = driven("ternary-on-rods"), []
-    asked = Tolerances(("Mkr.peak", "Mkr@30"), None, {"crank.A.x": 0.01, "crank.mass": 0.01})
-    motion = steady_motion(sample, 10.0, samples=12)
-    request = tolerance_request(sample, motion, asked, samples=3)
+    asked = Tolerances(("Mkr@30",), None, {"crank.A.x": 0.01})
+    motion = steady_motion(sample, 10.0, samples=8)
+    request = tolerance_request(sample, motion, asked, samples=2)
     assert tolerance_request(sample, motion, asked).samples == FEW_SAMPLES
     found = tolerance_study(request, lambda *words: heard.append(words))
     slopes = (found.changes[..., 1] - found.changes[..., 0]) / 2.0
     assert found.how == "difference"
     assert found.derivatives[:, 0] * 1e-5 == pytest.approx(slopes[:, 0], rel=1e-5)
-    assert heard[0] == ("designs", 0, 12)
+    assert heard[0] == ("designs", 0, 7)
 
 
 def test_tops_that_tie_have_the_larger_change_for_a_contribution():

@@ -1,4 +1,4 @@
-"""Tolerance files: what they may say, in which units, and what is told of those that say something else."""
+"""Tolerance files: their contents and units, and the messages about wrong ones."""
 
 import math
 
@@ -38,21 +38,17 @@ def test_a_file_states_results_speed_and_tolerances_in_several_ways(tmp_path):
     [
         ({"rod.B.X": 0.1}, "did you mean 'rod.B.x'"),
         ({"rod.B.x": -0.1}, "rod.B.x: expected a positive ±, got -0.1"),
-        ({"rod.B.x": 0.0}, "expected a positive ±"),
         ({"rod.B.x": "0.1kg"}, "rod.B.x: unknown length unit"),
         ({"rod.B.x": True}, "expected a number, or one with its unit, got True"),
-        ({"rod.B.x": math.nan}, "expected a number"),
         ({"rod.B.x": {"plus_minus": 0.1, "distribution": "flat"}}, "normal or uniform, got 'flat'"),
         ({"rod.B.x": {"plus_minus": 0.1, "spread": 1}}, "unknown key 'spread'"),
-        ({"rod.B.x": {"distribution": "normal"}}, "expected a number, or one with its unit, got nothing"),
         ({"rod.mass": 0.2}, "rod.mass: expected a ± up to the number itself"),
         ({"rod.B.x": 0.1, "rod.B.angle": 0.1}, "expected either x and y, or length and angle, of 'rod.B'"),
-        ({"speed": "50mm"}, "speed: expected rpm, got 'mm'"),
         ({"speed": 500}, "speed: expected a ± up to half of the speed, got a larger one"),
         ({"rod.A.length": 0.1}, "unknown parameter 'rod.A.length'"),  # it is the origin
     ],
 )
-def test_what_is_no_tolerance_is_told_in_a_sentence(table, words):
+def test_a_wrong_tolerance_is_refused_in_a_sentence(table, words):
     with pytest.raises(LinkproofError, match=words) as told:
         tolerances(RIMOLDI, table, "t.toml: tolerances.", 100.0)
     assert str(told.value).startswith("t.toml: ")
@@ -68,7 +64,7 @@ def test_what_is_no_tolerance_is_told_in_a_sentence(table, words):
         ("results = [", "expected TOML"),
     ],
 )
-def test_what_is_no_file_of_tolerances_is_told_with_its_name(tmp_path, text, words):
+def test_a_wrong_file_is_refused_with_its_name(tmp_path, text, words):
     file = tmp_path / "tolerances.toml"
     file.write_text(text, encoding="utf-8")
     with pytest.raises(LinkproofError, match=words) as told:

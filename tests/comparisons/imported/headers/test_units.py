@@ -11,18 +11,12 @@ DEGREE = math.pi / 180.0
 
 def test_units_have_their_si_values():
     expected = {
-        "newton-meter": 1.0, "N*m": 1.0, "N·m": 1.0, "N⋅m": 1.0, "N.m": 1.0, "Nm": 1.0, "N m": 1.0, "Н·м": 1.0,
-        "newton-millimeter": 1e-3, "Nmm": 1e-3, "N-mm": 1e-3, "Ncm": 1e-2, "kN·m": 1e3, "mNm": 1e-3,
-        "NEWTON-METER": 1.0, "Нмм": 1e-3, "牛米": 1.0,
-        "lbf*in": 4.4482216152605 * 0.0254, "in-lb": 4.4482216152605 * 0.0254, "ft-lb": 4.4482216152605 * 0.3048,
-        "deg": DEGREE, "°": DEGREE, "град": DEGREE, "rad": 1.0, "rev": 2.0 * math.pi,
-        "deg/sec": DEGREE, "°/s": DEGREE, "rad/s": 1.0, "s^-1": 1.0, "1/s": 1.0, "rpm": math.pi / 30.0,
-        "U/min": math.pi / 30.0, "об/мин": math.pi / 30.0, "rev/s": 2.0 * math.pi,
-        "deg/sec**2": DEGREE, "deg/sec^2": DEGREE, "rad/s²": 1.0, "rad/s2": 1.0, "rad s^-2": 1.0,
-        "mm": 1e-3, "in": 0.0254, "µm": 1e-6, "inch/sec**2": 0.0254, "mm/sec^2": 1e-3, "m/(s^2)": 1.0,
-        "sec": 1.0, "ms": 1e-3, "min": 60.0, "watt": 1.0, "kW": 1e3, "N*mm/s": 1e-3, "Дж": 1.0, "kg*m^2": 1.0,
-        "kg·mm²": 1e-6,
-        "pound_force": 4.4482216152605, "lbf": 4.4482216152605, "kgf": 9.80665, "-": 1.0,
+        "newton-meter": 1.0, "N·m": 1.0, "N.m": 1.0, "Nm": 1.0, "N m": 1.0, "Н·м": 1.0, "NEWTON-METER": 1.0,
+        "牛米": 1.0, "N-mm": 1e-3, "Ncm": 1e-2, "kN·m": 1e3, "in-lb": 4.4482216152605 * 0.0254, "lbf": 4.4482216152605,
+        "°": DEGREE, "град": DEGREE, "rad": 1.0, "rev": 2.0 * math.pi, "deg/sec": DEGREE, "s^-1": 1.0, "1/s": 1.0,
+        "rpm": math.pi / 30.0, "U/min": math.pi / 30.0, "об/мин": math.pi / 30.0, "deg/sec**2": DEGREE,
+        "rad/s²": 1.0, "rad/s2": 1.0, "rad s^-2": 1.0, "m/(s^2)": 1.0, "inch/sec**2": 0.0254, "µm": 1e-6,
+        "ms": 1e-3, "min": 60.0, "kW": 1e3, "N*mm/s": 1e-3, "Дж": 1.0, "kg·mm²": 1e-6, "kgf": 9.80665, "-": 1.0,
     }  # fmt: skip
     read = {text: unit.factor if (unit := parsed(text)) else None for text in expected}
     assert read == pytest.approx(expected, rel=1e-14)

@@ -28,9 +28,7 @@ def test_torque_comes_first_and_both_peaks_are_marked():
     assert second.get_xlim() == (0.0, 360.0)
 
 
-@pytest.mark.parametrize(
-    "values", [np.full(5, np.nan), np.zeros(5), np.zeros(0), np.full(5, 1e300), np.full(5, -1e-300)]
-)
+@pytest.mark.parametrize("values", [np.full(5, np.nan), np.zeros(0), np.full(5, 1e300)])
 def test_any_values_are_drawn(values):
     places = np.linspace(0.1, 0.2, len(values))
     figure = before_after_figure({"S": Change(places, values, values, "")}, axis="travel of the drive, m")
@@ -38,11 +36,8 @@ def test_any_values_are_drawn(values):
     assert len(figure.axes) == 1
 
 
-def test_signals_beyond_nine_are_said():
+def test_signals_beyond_nine_are_counted_and_none_are_words_alone():
     figure = before_after_figure({f"s{n}": Change(ANGLE, WAVE, WAVE, "mm") for n in range(11)})
     assert len(figure.axes) == 9
     assert "The first 9 of 11 signals are drawn." in texts(figure)
-
-
-def test_no_signals_are_words_alone():
     assert "made-up" in texts(before_after_figure({}, "made-up"))

@@ -1,9 +1,11 @@
 """Results of linkages of the tests, ready to be looked at."""
 
 import math
+from functools import cache
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment
-from comparisons.datasheet.building import page_sheet, sheet
+from analytic.description.loading import load
+from comparisons.datasheet.building import page_sheet, sheet, usual_sheet
 from comparisons.datasheet.curves import Curves
 from comparisons.reference.case import Case
 from tests.analytic.linkages import from_text
@@ -54,9 +56,21 @@ def shown(mechanism, motion=TURN):
     return page_sheet(Case(mechanism, motion))
 
 
+@cache
+def released_sheet():
+    """Of a linkage whose crank is released, with a misprint in its source and a thread."""
+    return usual_sheet(load("two-crank-takeup"), regimes=("driven",))
+
+
 def engine(*units):
     return from_text(piston_text(*units))
 
 
-def piston(*units, motion=TURN, chosen=None):
-    return results(engine(*units), motion, chosen)
+@cache
+def piston(*units, motion=TURN):
+    return results(engine(*units), motion)
+
+
+@cache
+def shown_piston(*units):
+    return shown(engine(*units))

@@ -9,13 +9,23 @@ import openpyxl
 import pandas
 import pytest
 
-from analytic.description.crank_motion import RPM, crank_motion, swing
+from analytic.description.crank_motion import RPM, crank_motion
 from comparisons.imported.reading import read_results
 from reports.designs.results.files import csv_table, json_text
 from reports.designs.results.workbook import workbook
 from tests.analytic.linkages import from_text
-from tests.analytic.textbook import DOUBLE_ROCKER
-from tests.reports.designs.results.samples import CRANK, IMPERIAL, MASS, ROD, SPEED, TURN, piston, piston_text, results
+from tests.reports.designs.results.samples import (
+    CRANK,
+    IMPERIAL,
+    MASS,
+    ROD,
+    SPEED,
+    TURN,
+    engine,
+    piston,
+    piston_text,
+    results,
+)
 
 # What one of the file's unit is in SI, for each unit that a column can have.
 SIZES = {"s": 1.0, "J": 1.0, "W": 1.0, "N*mm": 1e-3, "kN": 1e3, "kg*m^2": 1.0}
@@ -56,7 +66,7 @@ def test_csv_has_a_column_per_signal_in_the_units_of_the_file_and_the_axis_first
     assert np.max(columns["S [in]"]) == pytest.approx(0.1 / 0.0254)
 
 
-def test_a_peak_is_where_it_is_said_to_be():
+def test_a_peak_is_at_its_stated_place():
     """Read off the axis: φ at constant speed, else the time; the least transmission angle counts as its peak."""
     for motion in (TURN, crank_motion("run-up", speed=300 * RPM, ramp_time=0.1, hold_time=0.0)):
         document = json.loads(json_text(piston(motion=motion)))
@@ -67,16 +77,9 @@ def test_a_peak_is_where_it_is_said_to_be():
             assert np.interp(peak["at"], along, values) == pytest.approx(peak["value"], abs=2e-3 * size + 1e-9), name
 
 
-def test_a_linkage_without_output_writes_what_it_has():
-    swings = swing("cycloidal", *np.radians([50, 90]), speed=2.0)
-    document = json.loads(json_text(results(from_text(DOUBLE_ROCKER), swings)))
-    assert not {"S", "v", "a"} & {*document["values"]}
-    assert document["figures"]["output"] == []
-
-
 def test_chosen_instants_are_the_rows_and_peaks_are_those_of_the_whole_motion():
     all_of_it = json.loads(json_text(piston()))
-    some = json.loads(json_text(piston(chosen=np.array([0.01, 0.02]))))
+    some = json.loads(json_text(results(engine(), chosen=np.array([0.01, 0.02]))))
     assert len(some["values"]["Mkr"]) == 2
     assert some["peaks"] == all_of_it["peaks"]
 
@@ -114,7 +117,7 @@ def test_the_key_figures_of_a_workbook_are_those_of_the_table():
         assert place is None or row["at φ [deg]"] == pytest.approx(place, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", ["=1+1", "+A", "-A", "@A"])
+@pytest.mark.parametrize("name", ["=1+1", "@A"])
 def test_no_name_is_a_formula_of_a_workbook(name):
     found = results(from_text(piston_text().replace("A = [", f'"{name}" = [')))
     book = openpyxl.load_workbook(io.BytesIO(workbook(found)))
@@ -123,11 +126,10 @@ def test_no_name_is_a_formula_of_a_workbook(name):
     assert any(str(cell.value).startswith(f"{name} on ") for cell in cells)
 
 
-@pytest.mark.parametrize("decimal", [".", ","])
-def test_the_table_is_read_back_as_the_signals_it_was_written_from(tmp_path, decimal):
+def test_the_table_is_read_back_as_the_signals_it_was_written_from(tmp_path):
     """By the reader of other tools' files, which takes names and units from the headers."""
     found = piston(*IMPERIAL)
-    (tmp_path / "t.csv").write_text(csv_table(found, decimal), encoding="utf-8")
+    (tmp_path / "t.csv").write_text(csv_table(found, ","), encoding="utf-8")
     read = read_results([tmp_path / "t.csv"], found.linkage, None)
     signals = json.loads(json_text(found))["values"]
     assert {column.header for column, _ in read.not_judged} <= {"shaking_force:magnitude [kN]"}

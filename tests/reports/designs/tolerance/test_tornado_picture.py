@@ -48,10 +48,6 @@ def test_results_that_nothing_moves_or_that_break_are_drawn(values):
     assert draw.svg(tornado_figure([Tornado("stroke", "", np.nan, values)]))
 
 
-def test_no_results_are_no_panels():
-    assert not tornado_figure([]).axes
-
-
 def test_what_cannot_be_assembled_at_a_limit_stands_on_top_and_says_so():
     broken = Tornado("stroke", "mm", 29.9, (("a.x", -9.0, 9.0), ("b.y", np.nan, 1e-3)))
     words = texts(tornado_figure([broken]))

@@ -1,4 +1,4 @@
-"""What is to be varied and what kept, as it is typed: ``rod.B.x=170:180``, ``rod.B.x=±10%``, ``stroke=29.9:30.1``."""
+"""Bounds and constraints as typed: ``rod.B.x=170:180``, ``rod.B.x=±10%``, ``stroke=29.9:30.1``."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NOT_NEGATIVE: Final = ("mass", "inertia")
 def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Variable, ...]:
     """The numbers to be varied, the driver's ``speed``, SI, among them.
 
-    Raises LinkproofError for bounds that are none, UnknownNameError for a name.
+    Raises LinkproofError for malformed bounds, UnknownNameError for a name.
     """
     if not texts:
         raise LinkproofError("expected numbers to vary, got none: name them with their bounds, --over rod.B.x=170:180")
@@ -60,18 +60,18 @@ def _bounds(number: Parameter, text: str) -> tuple[float, float]:
 
 
 def split(text: str) -> tuple[str, str | None]:
-    """The figure to be kept, and what is typed for its values: nothing where it is kept as the file has it."""
+    """The figure of a constraint and the text of its values, None if the file's value is to stay."""
     name, mark, values = text.rpartition("=")
     return (name.strip(), values) if mark else (text.strip(), None)
 
 
 def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
-    """The figures to be kept, with what is typed for their values."""
+    """The constrained figures, each with the text of its values."""
     return {figure: values for name, values in map(split, texts) for figure in named_figures(mechanism, [name])}
 
 
 def constraint(figure: NamedFigure, text: str | None, own: float) -> Constraint:
-    """A figure kept at a value or between two, either of which may be left out; at its ``own``, SI, where none is."""
+    """A constraint to a value or a range, either end of which may be left out; without a text to ``own``, SI."""
     if text is None:
         return Constraint(figure, own, own)
     ends = text.split(":")

@@ -1,7 +1,7 @@
-"""The tops of signals of one design: exact peaks with their derivatives, each over a window of the motion of its own.
+"""Local maxima of signals of one design, with derivatives, each over a window of the motion of its own.
 
-The highest of several tops has a kink wherever two of them are equally high, which is where most least peaks lie. Each
-top for itself is smooth, and an optimiser of smooth problems can hold them all.
+The highest of several maxima has a kink where two of them tie, which is where most least peaks lie. Each
+maximum for itself is smooth, so that an optimiser of smooth problems can bound them all.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from comparisons.designs.steady_motion import SteadyMotion
 
 Array = NDArray[np.float64]
 
-FEWEST: Final = 360  # crank angles among which tops are looked for
+FEWEST: Final = 360  # crank angles at which signals are sampled
 MOST: Final = 12  # local maxima of one signal with separate windows; beyond these the lowest share a neighbour's window
 
 
@@ -44,9 +44,9 @@ def reduction(figure: Figure) -> Reduction:
 
 
 def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
-    """The sides of a signal, highest and lowest, whose tops make a figure: a range and a peak have both, means none.
+    """The sides of a signal, highest and lowest, whose maxima make a figure: a range and a peak have both, means none.
 
-    A peak is the highest top of both, and the tops of a range's sides add up.
+    A peak is the highest maximum of both; those of a range's two sides add up.
     """
     name, how = figure.signal, reduction(figure)
     if (name != "phi" and is_angle(name)) or (name == "S" and how is Reduction.MIN):
@@ -60,8 +60,8 @@ def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
 
 
 @dataclass(frozen=True)
-class SeparateTops:
-    """Where the tops of some ``signals`` of a mechanism's designs are looked for."""
+class LocalMaxima:
+    """Local maxima of some ``sides`` of signals, for any design of a mechanism under a steady motion."""
 
     mechanism: Mechanism
     motion: SteadyMotion
@@ -76,7 +76,7 @@ class SeparateTops:
         return np.linspace(self.motion.places[0], self.motion.places[-1], count)
 
     def windows(self, numbers: Mapping[str, float]) -> tuple[Window, ...]:
-        """The motion of a design cut at the bottoms between its tops, for every side."""
+        """The motion of a design cut at the minima between its maxima, for every side."""
         values = self._values(numbers, self._signals, self.grid)
         return tuple(
             window
