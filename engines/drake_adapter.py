@@ -8,7 +8,7 @@ coordinates x, y and angle of its own, a guided one its path alone.
 **Drive.** The crank's actuator has a controller, solved with the constraints: without damping, and so stiff that the
 crank is where it is to be at the end of every step. Still stiffer, rounding shows in its torque.
 
-**Slots.** Drake has no pin in a slot: the pin is held at its distance from a point of the host, 100,000 times as far as
+**Slots.** Drake has no pin in a slot: the pin stays at its distance from a point of the host, 100,000 times as far as
 the scene is large. A circle of that radius leaves the line by some 1e-6 of its size; with a larger one the rounding of
 the distance, divided by the square of the step, shows in forces.
 """

@@ -84,8 +84,8 @@ class World:
     def joined(self, name: str, first: tuple[str, Point], second: tuple[str, Point], far: float) -> None:
         """A pin, or a pin in a slot, at a distance from the second body's point.
 
-        Drake tells no force of a constraint: it holds a body without mass that is welded to the joint's first, and the
-        weld's force is told.
+        Drake has no force of a constraint as output: the constraint acts on a body without mass that is welded to the
+        joint's first body, and the weld's force is read.
         """
         (body, here), (host, there), probe = first, second, self.body()
         weld = drake.WeldJoint(name, self.frame(self.bodies[body], here), probe.body_frame(), drake.RigidTransform())
@@ -104,7 +104,7 @@ class World:
         return load
 
     def read(self, time: float) -> Data:
-        """What is to be recorded at an instant."""
+        """Positions, velocities, accelerations, torque and joint forces at an instant, s."""
         self.simulator.AdvanceTo(time)
         plant, context, forces = self.plant, self.context, list[Any]()
         changes = plant.get_generalized_acceleration_output_port().Eval(context)

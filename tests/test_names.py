@@ -1,4 +1,4 @@
-"""Names say what a thing is: words that say only that it was found, told or kept are no names in the source."""
+"""Names and docstrings say what a thing is: not only that it was found, told or kept."""
 
 import ast
 import re
@@ -6,6 +6,7 @@ from pathlib import Path
 
 PACKAGES = ("linkproof", "analytic", "engines", "comparisons", "reports")
 VAGUE = {"told", "asked", "found", "said", "kept", "held", "one"}
+RIDDLE = re.compile(r"[^.]*\b(?:told|asked|found|said|kept|held|that is none)\b[^.]*", re.IGNORECASE)
 PARTS = re.compile(r"[a-z]+")
 # Names of which such a word is a part that has its own meaning: a number, a page in one file.
 MEANT = {"ONE_ROW", "ONE_BY_ONE", "ONE_OF_ITS_KIND", "counts_from_one", "is_one"}
@@ -21,13 +22,33 @@ def names(tree):
                 yield re.sub("(?<=[a-z])(?=[A-Z])", "_", name).lower()
 
 
-def test_no_name_says_only_that_a_thing_was_found_told_or_kept():
+def trees():
+    """Every file of the source with its syntax tree."""
     root = Path(__file__).parents[1]
+    for package in PACKAGES:
+        for path in (root / package).rglob("*.py"):
+            yield path.relative_to(root), ast.parse(path.read_text(encoding="utf-8"))
+
+
+def docstrings(tree):
+    """The docstring of a file and of everything in it."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            yield ast.get_docstring(node) or ""
+
+
+def test_no_name_says_only_that_a_thing_was_found_told_or_kept():
     vague = {
-        f"{path.relative_to(root)}: {name}"
-        for package in PACKAGES
-        for path in (root / package).rglob("*.py")
-        for name in names(ast.parse(path.read_text(encoding="utf-8")))
+        f"{path}: {name}"
+        for path, tree in trees()
+        for name in names(tree)
         if VAGUE & {*PARTS.findall(name.lower())} and name not in MEANT
     }
     assert sorted(vague) == []
+
+
+def test_no_docstring_speaks_of_what_is_told_or_found():
+    riddles = {
+        f"{path}: {match[0]}" for path, tree in trees() for text in docstrings(tree) for match in RIDDLE.finditer(text)
+    }
+    assert sorted(riddles) == []

@@ -107,7 +107,7 @@ class JudgedCampaign:
 
 @dataclass(frozen=True)
 class JudgedRuns(Iterable[RunRecord]):
-    """Runs judged by a standard, one by one in every pass over them; runs read from a file are not held in memory."""
+    """Runs judged by a standard, one by one in every pass over them; runs read from a file do not stay in memory."""
 
     runs: Iterable[RunRecord]
     standard: Standard
