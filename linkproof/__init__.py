@@ -29,9 +29,9 @@ _MODULES = {
 
 
 def refuse_strangers() -> None:
-    """Raise ImportError where one of linkproof's own packages would be imported from elsewhere.
+    """Raise ImportError if a package of linkproof would be imported from elsewhere.
 
-    Not before a name is used: a plug-in of pytest does no harm to a project that has nothing to do with linkproof.
+    It is called when a name is used, so that the pytest plug-in does not disturb projects without linkages.
     """
     home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     for name in ("analytic", "engines", "comparisons", "reports"):

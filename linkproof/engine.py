@@ -1,4 +1,4 @@
-"""The contract between linkproof and an engine: every name for an adapter, and its conformance test."""
+"""The contract between linkproof and an engine: every name that an adapter needs, and its conformance test."""
 # ruff: noqa: E402, I001  - strangers are refused first; a line of its own for every name would be two pages
 
 import linkproof

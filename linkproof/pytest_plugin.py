@@ -1,6 +1,6 @@
-"""pytest's way to linkproof, which is imported where a linkproof.toml or --linkproof asks for it and nowhere else.
+"""The entry of the pytest plug-in: it imports linkproof only for a project (linkproof.toml) or with --linkproof.
 
-A project that has nothing to do with linkproof may have a package ``reports`` of its own.
+Another project may have its own package ``reports``.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ FILE = "linkproof.toml"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """``--linkproof``: linkage files named on the command line are tests wherever they are."""
+    """Add ``--linkproof``: linkage files named on the command line are tests in any folder."""
     text = f"test the linkage files (.toml) that are named, though no {FILE} is above them"
     parser.getgroup("linkproof").addoption("--linkproof", action="store_true", help=text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Begin at once in a project."""
+    """Register the plug-in in a project."""
     if config.getoption("linkproof") or _has_project(config.rootpath):
         _plugin(config)
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Begin at the first file of a project further down."""
+    """Register the plug-in at the first file of a project further down."""
     config = parent.config
     if file_path.suffix.lower() != ".toml" or config.pluginmanager.has_plugin(FILE) or not _has_project(file_path):
         return None
@@ -42,9 +42,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.fixture(scope="session")
 def linkproof_compare() -> Assertion:
-    """Compares a linkage file as ``linkproof compare`` does, and fails the test where that would fail.
+    """A function that compares a linkage file as ``linkproof compare`` does, and fails the test if the command fails.
 
-    Called as ``linkproof.compare``, whose ``Comparison`` it gives. The same call in another test costs nothing.
+    It takes the arguments of ``linkproof.compare`` and returns its ``Comparison``; equal calls compare once a session.
     """
     refuse_strangers()
     from reports.pytest_plugin.asserting import Assertion  # noqa: PLC0415  numpy and all the rest

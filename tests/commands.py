@@ -1,4 +1,4 @@
-"""The command line as a user meets it: in this process where that is not the point, or in one of its own."""
+"""The command line as a user meets it: run in this process, or in a process of its own where the test is about one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import os
 import signal
 import subprocess
 import sys
-from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
+from contextlib import chdir, contextmanager, nullcontext, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest.mock import patch
 
@@ -19,12 +19,13 @@ COMMAND = (sys.executable, "-m", "reports.command_line.main")
 
 
 def linkproof(*words, cwd=None, stderr=None):
-    """What a command says and its exit code, run in this process; ``stderr`` as in ``subprocess.run``."""
+    """Output and exit code of a command run in this process; ``stderr`` as in ``subprocess.run``."""
     argv, thresholds = ["linkproof", *map(str, words)], gc.get_threshold()
     out, code = io.StringIO(), 0
     err = out if stderr == subprocess.STDOUT else io.StringIO()
     here = patch("reports.site.site.usual_processes", lambda _: 0)  # this process has imported what draws pages
-    with here, chdir(cwd or os.curdir), patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):
+    place = nullcontext() if cwd is None else chdir(cwd)
+    with here, place, patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):
         try:
             main()
         except SystemExit as end:
@@ -34,17 +35,18 @@ def linkproof(*words, cwd=None, stderr=None):
     return subprocess.CompletedProcess(argv, code, out.getvalue(), err.getvalue())
 
 
-def process(*words, cwd=None, **environment):
+def process(*words, cwd=None, stdout=subprocess.PIPE, text=True, **environment):
     """The same of a process of its own, with more in its environment."""
     path = os.pathsep.join(filter(None, [environment.pop("PYTHONPATH", ""), str(ROOT)]))
     return subprocess.run(
         [*COMMAND, *map(str, words)],
-        capture_output=True, text=True, cwd=cwd, env=os.environ | environment | {"PYTHONPATH": path}, check=False,
+        stdout=stdout, stderr=subprocess.PIPE, text=text, cwd=cwd, check=False,
+        env=os.environ | environment | {"PYTHONPATH": path},
     )  # fmt: skip
 
 
 def refused(*words, cwd=None):
-    """What a command says that has to fail with exit code 2, nothing on stdout and one sentence on stderr."""
+    """The sentence of a command that has to fail with exit code 2, nothing on stdout and one line on stderr."""
     done = linkproof(*words, cwd=cwd)
     assert done.returncode == 2, done.stderr
     assert done.stdout == ""

@@ -1,4 +1,4 @@
-"""Counting what is done: calls of the product's own functions, and operations on the arrays it works with."""
+"""Counters of work: calls of functions of the product, and operations on its arrays."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def calls(monkeypatch, owner: object, name: str) -> list[tuple[Any, ...]]:
-    """Every call of ``owner.name`` from here on, as its arguments; what is called stays what it is."""
+    """Every call of ``owner.name`` from here on, as its arguments; the call itself is unchanged."""
     whole, seen = getattr(owner, name), []
 
     def counting(*args, **named):

@@ -1,6 +1,6 @@
 """The commands and their options: ``linkproof list | show | thread | compare | bench | …``.
 
-Only typer is imported here: what a command needs is imported when it runs, so that help comes at once.
+Only typer is imported here; a command imports the rest when it runs, so that help appears at once.
 """
 
 from __future__ import annotations
@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from typer.core import TyperGroup
 
-from reports.command_line.parameters import command
+from reports.command_line.parameters import CommandGroup, command
 from reports.requests.options.campaign import (
     BenchOptions,
     CompareOptions,
@@ -30,27 +29,9 @@ from reports.requests.options.output import OutputOptions
 if TYPE_CHECKING:
     from reports.command_line.destination import Destination
 
-GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
-
-
-class InterruptedRunError(Exception):
-    """Ctrl-C, which typer would turn into a silent exit; the message names the remaining runs."""
-
-
-class _Commands(TyperGroup):
-    def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]  # typer's own click, or click's
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt as interrupt:
-            raise InterruptedRunError(str(interrupt) or "nothing was written") from interrupt
-
-    def get_help(self, ctx: typer.Context) -> str:  # type: ignore[override]
-        return f"{super().get_help(ctx)}\n\n{GLOSSARY.read_text(encoding='utf-8')}"
-
-
 app = typer.Typer(
     name="linkproof",
-    cls=_Commands,
+    cls=CommandGroup,
     help="Torque, power and bearing forces of planar linkages, exactly; errors of simulations, and their cost.",
     no_args_is_help=True,
     rich_markup_mode=None,
@@ -66,14 +47,21 @@ Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, mass
 
 
 def destination(output: OutputOptions) -> Destination:
-    """What writes and prints as the options say."""
+    """The writer and printer for the options of output."""
     from reports.command_line.destination import Destination
 
     return Destination(**vars(output))
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _start_workers(module: str) -> None:
+    """Start the process that forks workers, which imports a module while this process imports the rest."""
+    from comparisons.runs.worker_process import start_server
+
+    start_server([module])
+
+
+def _print_version(is_requested: bool) -> None:
+    if is_requested:
         from importlib.metadata import version
 
         typer.echo(f"linkproof {version('linkproof')}")
@@ -244,10 +232,8 @@ def compare(options: CompareOptions, output: OutputOptions, standard: StandardOp
     Exit codes: 0 every error within its limit, 1 an error over its limit, a failed run, or a linkage, motion or
     key figure that differs from the baseline, 2 bad input.
     """
-    from comparisons.runs.worker_process import start_server
-
     if limits.jobs != 0:
-        start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
+        _start_workers("comparisons.campaign.campaign")
     from reports.command_line.commands import compare
 
     return compare.compare(options, destination(output), limits, standard)
@@ -287,9 +273,7 @@ def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = N
 
     Runs are made one at a time. Do not use the machine for anything else, or the times become wrong.
     """
-    from comparisons.runs.worker_process import start_server
-
-    start_server(["comparisons.work_precision.measure"])  # its imports run beside ours
+    _start_workers("comparisons.work_precision.measure")
     from reports.command_line.commands import bench
 
     return bench.bench(options, destination(output), scheduler)
@@ -303,9 +287,7 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, sch
 
     Exit code 1: an engine reported success with a wrong motion, and no check detected it.
     """
-    from comparisons.runs.worker_process import start_server
-
-    start_server(["comparisons.stress.cells"])  # its imports run beside ours
+    _start_workers("comparisons.stress.cells")
     from reports.command_line.commands import stress
 
     return stress.run(options, destination(output), jobs, scheduler)
@@ -324,9 +306,7 @@ def check_engine(
 
     Exit codes: 0 every check passed, failed as expected or was not tested, 1 a check failed, 2 nothing to check.
     """
-    from comparisons.runs.worker_process import start_server
-
-    start_server(["comparisons.conformance.conformance"])  # its imports run beside ours
+    _start_workers("comparisons.conformance.conformance")
     from reports.command_line.commands import engines
 
     return engines.check(engine, destination(OutputOptions(json=json, quiet=quiet)), jobs)
@@ -338,9 +318,7 @@ def doctor(json: Json = None) -> int:
 
     Exit codes: 0 everything that is installed works, 1 something that is installed does not.
     """
-    from comparisons.runs.worker_process import start_server
-
-    start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
+    _start_workers("comparisons.campaign.campaign")
     from reports.command_line.commands import doctor
 
     return doctor.doctor(destination(OutputOptions(json=json)))

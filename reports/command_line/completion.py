@@ -1,4 +1,4 @@
-"""What a shell may complete: names of mechanisms, engines, settings, regimes, quantities and stability maps."""
+"""Completion in a shell: names of mechanisms, engines, settings, regimes, quantities and stability maps."""
 
 from __future__ import annotations
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext, redirect_stdout
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from analytic.errors import LinkproofError
 from comparisons.runs.files import check_writable, write_bytes, write_text
 from comparisons.runs.study_folder import to_json
-from reports.command_line.progress import progress
-from reports.document.terminal import Printed, Printout, show, write
+from reports.document.terminal import Printed, Printout, harmless, show, write
 from reports.requests.options.declaring import declared
 from reports.requests.options.output import OutputOptions
 
@@ -27,10 +26,10 @@ STDOUT = "-"
 
 
 class Destination(OutputOptions):
-    """Writes and prints what a command's options of output say."""
+    """Options of output, with the methods that write and print accordingly."""
 
     def check(self, file: str) -> None:
-        """Raise LinkproofError now, rather than after the work, where options exclude each other or a file cannot be.
+        """Raise LinkproofError before the work if options exclude each other or a file cannot be written.
 
         ``file`` is a file that will be written into the folder.
         """
@@ -50,7 +49,7 @@ class Destination(OutputOptions):
         return progress(visible=not self.quiet)
 
     def own_stdout(self) -> AbstractContextManager[object]:
-        """Send what engines print in this process to stderr, where stdout is for JSON."""
+        """Send the output of engines in this process to stderr if stdout is for JSON."""
         return redirect_stdout(sys.stderr) if self.json == STDOUT else nullcontext()
 
     def print(self, *parts: Printed) -> None:
@@ -65,9 +64,9 @@ class Destination(OutputOptions):
         self.print(*printout.closing)
 
     def write_pages(self, processes: int | None = None) -> None:
-        """Renew the pages of the folder from what it holds by now, and say where they are; nothing without a folder.
+        """Write the pages of the folder from its data and print their place; does nothing without a folder.
 
-        A reason that they cannot be written is only reported: the results are saved.
+        If they cannot be written, the reason is printed: the results are saved.
         """
         if self.out is None:
             return
@@ -98,7 +97,7 @@ class Destination(OutputOptions):
             show(text, stderr=True)
 
 
-# Endings that name a format: a file of one is not written under the name of another.
+# Endings of formats: a file is not written under a name with the ending of another format.
 FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".dxf", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
 FILES: Final = ("csv", "xlsx", "json", "svg", "png", "pdf", "gif", "dxf")  # options that name a file
 BINARY: Final = {"--xlsx", "--png", "--pdf", "--gif"}
@@ -107,11 +106,10 @@ PACKAGES: Final = {"--xlsx": "openpyxl", "--dxf": "ezdxf"}
 
 
 def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
-    """Raise LinkproofError where files, by the option that names each, cannot be written, or are ``read``, by words.
+    """Raise LinkproofError for files, by option, that cannot be written or would replace a file that is ``read``.
 
-    Likewise for a name that ends as another format does, and where the package that writes a file is missing.
-
-    "-" is stdout, which holds one of them.
+    Likewise for a name with the ending of another format, and if the package that writes a format is missing. "-" is
+    stdout, which can be the place of one file.
     """
     seen: dict[str, str] = {}
     for option, file in named.items():
@@ -133,22 +131,22 @@ def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
         for what, other in read.items():
             if Path(file).resolve() == other.resolve():
                 raise LinkproofError(f"{option} '{file}' would take the place of {what}: give another name")
-        suffix, own = Path(file).suffix.lower(), f".{option.removeprefix('--')}"
-        if suffix in FORMATS and suffix != own:
+        suffix, expected = Path(file).suffix.lower(), f".{option.removeprefix('--')}"
+        if suffix in FORMATS and suffix != expected:
             raise LinkproofError(
-                f"{option}: expected the name of a {own} file, got '{file}'; {option} writes no {suffix}"
+                f"{option}: expected the name of a {expected} file, got '{file}'; {option} writes no {suffix}"
             )
 
 
 def files_of(*options: Any) -> dict[str, str]:  # noqa: ANN401 - dataclasses of options
-    """The files that are to be written, by the option that names each."""
+    """The files to write, by option."""
     declared_files = [(each, option) for each in options for option in declared(type(each)) if option.name in FILES]
     named = {f"--{option.name}": getattr(each, option.field.name) for each, option in declared_files}
     return {option: file for option, file in named.items() if file is not None}
 
 
 def write_files(contents: Mapping[str, str | bytes]) -> None:
-    """Write files, by name, once all of them are made; "-" is stdout."""
+    """Write files by name; "-" is stdout."""
     for file, content in contents.items():
         if isinstance(content, bytes):
             write_bytes(Path(file), content)
@@ -163,3 +161,27 @@ def write_out(text: str) -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8")
     write(text, sys.stdout)
+
+
+@contextmanager
+def progress(*, visible: bool = True) -> Iterator[Callable[[str, int, int], None]]:
+    """A function that shows a run by its label, its number and the number of all runs; the bar starts at the first."""
+    if not (visible and sys.stderr.isatty()):
+        yield lambda *_: None
+        return
+    from rich.console import Console  # noqa: PLC0415  a pipe needs none of it
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
+
+    label_column = TextColumn("{task.description}", markup=False)
+    columns = (label_column, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    bar = Progress(*columns, console=Console(stderr=True, markup=False), transient=True)
+    task = bar.add_task("", total=None)
+
+    def announce(label: str, number: int, total: int) -> None:
+        bar.start()
+        bar.update(task, description=harmless(label), completed=number, total=total)
+
+    try:
+        yield announce
+    finally:
+        bar.stop()

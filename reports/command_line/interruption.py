@@ -1,4 +1,4 @@
-"""What an interrupted campaign leaves: its journal, and a sentence that says how to go on."""
+"""Interrupted commands: the journal of finished runs, and the sentence that names the way to resume."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ def journal(
     resume: bool,
     files: Mapping[str, str] = MappingProxyType({}),
 ) -> Journal:
-    """The journal of a request: empty, or what was kept of the same request before where it is resumed.
+    """The journal of a request: empty, or with the finished runs of the same request if it is resumed.
 
-    The same are the command, the linkage files, other ``files`` by name with a digest of each, and the versions of
-    everything that computes.
+    Two requests are the same if the command, the linkage files, the digests of other ``files`` by name, and the
+    versions of linkproof, its libraries and the engines are equal.
     """
     facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
     facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
@@ -43,9 +43,10 @@ def journal(
 
 @contextmanager
 def interruptible(folder: Path | None, what: str = "runs") -> Iterator[Callable[[Announce], Announce]]:
-    """What makes an ``announce`` count; Ctrl-C is then raised on with a sentence on how many ``folder`` keeps.
+    """A wrapper that counts the runs passed to ``announce``.
 
-    So is the loss of the machines that make them.
+    Ctrl-C, and the loss of the machines of a cluster, raise KeyboardInterrupt with the number of runs saved in
+    ``folder``.
     """
     finished, total = 0, 0
 

@@ -25,7 +25,8 @@ def _run() -> None:
     _open_closed_streams()
     from analytic.errors import LinkproofError
     from reports.command_line import designs_app, folders_app  # noqa: F401 - they add their commands
-    from reports.command_line.app import InterruptedRunError, app
+    from reports.command_line.app import app
+    from reports.command_line.parameters import InterruptedRunError
     from reports.document.characters import accept_any_text
 
     accept_any_text()
@@ -48,7 +49,7 @@ def _run() -> None:
 
 
 def _end_badly(error: Exception) -> None:
-    """End with a sentence on the machine, where it is to blame, and on a fault of ours otherwise."""
+    """End with a sentence about the machine, if it is the cause, else about a fault of linkproof."""
     import errno
 
     if isinstance(error, FileNotFoundError) and error.filename is None:
@@ -63,25 +64,25 @@ def _end_badly(error: Exception) -> None:
 
 
 def _start_fast() -> None:
-    """Start a tenth faster: what is loaded first never becomes garbage, and schemas have no plugins."""
+    """Start a tenth faster: fewer garbage collections, no search for plugins of pydantic."""
     import gc
     import os
 
     gc.set_threshold(50_000)
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else every installed package is searched for one
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 
 def _open_closed_streams() -> None:
-    """Give a stream that was closed (>&-) somewhere to write to, or files opened later would take its place."""
+    """Replace a closed stream (>&-) by the null device, or a file opened later would get its number."""
     import os
 
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - kept to the end
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - open until the process ends
 
 
 def _discard_output() -> None:
-    """Send what stdout still holds nowhere, or Python complains of it at its end."""
+    """Discard the buffer of stdout, or Python reports an error when it exits."""
     import os
 
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

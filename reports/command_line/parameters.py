@@ -1,4 +1,4 @@
-"""Commands of typer, made of functions whose arguments are declared options, one by one or in dataclasses."""
+"""Commands of typer from functions whose arguments are declared options, single or in dataclasses."""
 
 from __future__ import annotations
 
@@ -7,17 +7,39 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import is_dataclass, replace
 from functools import wraps
+from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
+from typer.core import TyperGroup
 
 from analytic.errors import LinkproofError
 from reports.command_line import completion
 from reports.requests.options.declaring import Argument, Declared, Option, declared, item
 
+GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
 REQUIRED = inspect.Parameter.empty
 NOTHING: Mapping[str, str] = MappingProxyType({})
+
+
+class InterruptedRunError(Exception):
+    """Ctrl-C, which typer would turn into a silent exit; the message names the remaining runs."""
+
+
+class CommandGroup(TyperGroup):
+    """The commands, with a glossary of symbols below their help; Ctrl-C raises ``InterruptedRunError``."""
+
+    def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]  # typer's own click, or click's
+        """Run a command; typer would end silently at Ctrl-C."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as interrupt:
+            raise InterruptedRunError(str(interrupt) or "nothing was written") from interrupt
+
+    def get_help(self, ctx: typer.Context) -> str:  # type: ignore[override]
+        """The help of typer and the glossary."""
+        return f"{super().get_help(ctx)}\n\n{GLOSSARY.read_text(encoding='utf-8')}"
 
 
 def command(
@@ -31,8 +53,8 @@ def command(
 ) -> Callable[[Callable[..., int | None]], Callable[..., int | None]]:
     """Add a function to the commands of an app; it may give the exit code.
 
-    An argument of a dataclass becomes an option for each of its declared fields, but for those ``without`` one;
-    ``hidden`` ones are not in the help, and ``texts`` are the help of some in this command.
+    Every declared field of a dataclass becomes an option, except those ``without``; ``hidden`` options are not in the
+    help, and ``texts`` replace the help of some options in this command.
     """
 
     def added(function: Callable[..., int | None]) -> Callable[..., int | None]:
@@ -42,8 +64,8 @@ def command(
         for parameter in inspect.signature(function).parameters.values():
             kind = hints[parameter.name]
             if parameter.name in bags:
-                own = [option for option in declared(kind) if option.field.name not in without]
-                parameters += [_parameter(option, hidden, texts) for option in own]
+                chosen = [option for option in declared(kind) if option.field.name not in without]
+                parameters += [_parameter(option, hidden, texts) for option in chosen]
             elif get_origin(kind) is Annotated:
                 value, info = get_args(kind)
                 parameters.append(_typed(parameter.name, value, info, parameter.default))
@@ -51,13 +73,13 @@ def command(
         @wraps(function)
         def called(**given: Any) -> None:  # noqa: ANN401 - of all options
             for each, kind in bags.items():
-                own = {option.field.name: option for option in declared(kind) if option.field.name in given}
-                given[each] = kind(**{name: _value(option, given.pop(name)) for name, option in own.items()})
+                options = {option.field.name: option for option in declared(kind) if option.field.name in given}
+                given[each] = kind(**{name: _value(option, given.pop(name)) for name, option in options.items()})
             raise typer.Exit(function(**given) or 0)
 
         called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         called.__annotations__ = {number.name: number.annotation for number in parameters}
-        del called.__wrapped__  # whose own signature would be read in place of this one
+        del called.__wrapped__  # its signature would replace this one
         app.command(name, short_help=summary)(called)
         return function
 
@@ -81,7 +103,7 @@ def _typed(
     *,
     is_hidden: bool = False,
 ) -> inspect.Parameter:
-    """A parameter as typer reads it: a list stands for a tuple of words, a flag says that what is True is not."""
+    """A parameter in the form of typer: a tuple of words becomes a list; a flag for a field that is True sets False."""
     is_flag, member = kind is bool, item(kind)
     if member is float or kind is Any:
         kind = str | None
@@ -102,7 +124,7 @@ def _typed(
 
 
 def _value(option: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
-    """The value of a field, of what typer gives."""
+    """The value of a field, from the value that typer passes."""
     member = item(option.kind)
     if member is float:
         return None if given is None else _numbers(option.name, given)

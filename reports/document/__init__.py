@@ -1,1 +1,1 @@
-"""The one model of a report, pages down to words, and what writes it: to a terminal, as Markdown, as HTML."""
+"""The model of a report, from pages down to words, and its writers: to a terminal, as Markdown, as HTML."""

@@ -1,11 +1,11 @@
-"""Text for terminals and files of any character set: a sign that a set lacks is shown by a plain one."""
+"""Text for terminals and files of any character set: a sign that a set lacks is replaced by a plain sign."""
 
 from __future__ import annotations
 
 import codecs
 import sys
 
-# What a character set without these signs shows in their place.
+# Replacements of signs in a character set that lacks them.
 PLAIN = {
     "✓": "+", "✗": "x", "≈": "~", "≠": "!=", "○": "o", "−": "-", "²": "2", "φ": "phi", "ω": "omega", "ε": "eps",
 }  # fmt: skip

@@ -53,7 +53,7 @@ class Note:
 
 @dataclass(frozen=True)
 class Hatch:
-    """Stretches (n, 2) of a panel's x axis that are hatched over its whole height, and what that says."""
+    """Intervals (n, 2) of a panel's x axis, hatched over its whole height, and the name of the hatch."""
 
     stretches: Array
     name: str = ""
@@ -79,8 +79,8 @@ class Panel:
     """One pair of axes.
 
     ``scale`` is linear, logarithmic in y, in x or in both, or equal in both directions; ``turn``: x is the crank angle
-    of a whole turn, degrees. ``names`` says where the curves' names stand. ``rows`` name y = 0, 1, … from above.
-    What lies beyond ``span`` in y is cut off.
+    of a whole turn, degrees. ``names`` is the place of the curves' names. ``rows`` name y = 0, 1, … from above.
+    Curves are cut off outside ``span`` in y.
     """
 
     curves: tuple[Curve, ...]

@@ -18,7 +18,7 @@ from reports.document.parts import JavaScript, Mono, Page, PageFigure, PageLink,
 from reports.document.templates import FOLDER, render
 
 STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
-# What a page may load: its own folder's files, on a disk or a server, and nothing from elsewhere.
+# A page may load the files of its own folder, on a disk or a server, and no others.
 POLICY: Final = (
     "default-src 'none'; script-src 'self' file:; style-src 'self' file: 'unsafe-inline'; "
     "img-src 'self' file: data: blob:; base-uri 'none'; form-action 'none'"
@@ -42,7 +42,7 @@ class Picture(NamedTuple):
 
 
 def write(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> Path:
-    """Write a page and all that lies beside it, as ``write_all`` does; returns its path."""
+    """Write a page with its figures and data, as ``write_all`` does; returns its path."""
     return folder / write_all(page, folder, pages, png=png)[0]
 
 
@@ -52,25 +52,25 @@ def write_all(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool 
     Returns the files' names within the folder, the page's first. ``pages`` are the report's pages; ``png`` writes every
     figure as a picture of dots too.
     """
-    beside = _Beside(folder, page, png)
+    files = _PageFiles(folder, page, png)
     policy = Markup(f"{POLICY}; connect-src 'self'" if page.state else POLICY)  # a page that follows a file
-    write_text(folder / page.file, render("page.html", page=page, pages=pages, beside=beside, policy=policy))
-    return [page.file, *beside.names]
+    write_text(folder / page.file, render("page.html", page=page, pages=pages, files=files, policy=policy))
+    return [page.file, *files.names]
 
 
 def write_assets(folder: Path) -> None:
-    """Write what all pages of a report share: style sheet, scripts, Plotly."""
+    """Write the files that all pages of a report share: style sheet, scripts, Plotly."""
     assets, scripts = folder / "assets", FOLDER / "scripts"
-    own = sorted(scripts.glob("*.js"), key=lambda file: (file.name != FIRST, file.name))
+    files = sorted(scripts.glob("*.js"), key=lambda file: (file.name != FIRST, file.name))
     write_text(assets / STYLE, (FOLDER / STYLE).read_text(encoding="utf-8"))
-    write_text(assets / SCRIPTS, "\n".join(file.read_text(encoding="utf-8") for file in own if file.name != PLOTLY))
+    write_text(assets / SCRIPTS, "\n".join(file.read_text(encoding="utf-8") for file in files if file.name != PLOTLY))
     if not (assets / PLOTLY).is_file() or not cmp(scripts / PLOTLY, assets / PLOTLY, shallow=False):
         write_bytes(assets / PLOTLY, (scripts / PLOTLY).read_bytes())
 
 
 @dataclass(frozen=True)
-class _Beside:
-    """The functions of a page's template: words as markup, and files, written when they are requested."""
+class _PageFiles:
+    """The functions of a page's template: words as markup; figures and data, which are written as files."""
 
     folder: Path
     page: Page
@@ -79,7 +79,7 @@ class _Beside:
 
     @property
     def root(self) -> str:
-        """Leads from the page to the report's folder."""
+        """The relative path from the page to the report's folder."""
         return "../" * self.page.file.count("/")
 
     def inline(self, words: Words) -> Markup:

@@ -21,7 +21,7 @@ from reports.document.parts import (
 )
 
 RULES = {"l": "---", "r": "---:"}
-# What begins or ends markup: of Markdown, unless it stands within a word, and a tag or an entity of HTML.
+# Characters of markup: of Markdown, unless within a word, and of a tag or an entity of HTML.
 MARKUP: Final = re.compile(r"[\\`*\[\]]|(?<![^\W_])_|_(?![^\W_])|<(?=[A-Za-z/!?])|&(?=#?\w+;)")
 
 

@@ -59,7 +59,7 @@ def bound(value: float | None) -> str:
 
 
 def decade(value: float) -> str:
-    """The power of ten that a bound stays below: 1e-9 for 2.3e-10; of round-off, whose size says nothing, its own."""
+    """The power of ten that a bound stays below: 1e-9 for 2.3e-10; for round-off always 1e-13."""
     return f"1e{math.ceil(math.log10(max(value, ROUND_OFF)))}"
 
 

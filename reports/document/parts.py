@@ -1,4 +1,4 @@
-"""What a report is made of. Each part is described once; ``terminal``, ``markdown`` and ``html`` write it."""
+"""The parts of a report as data; ``terminal``, ``markdown`` and ``html`` write them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NOTHING: Final = Markup("")
 
 @dataclass(frozen=True)
 class PageLink:
-    """Words that lead somewhere: a path within the report's folder, "#key" on the page, or an address."""
+    """A link: ``href`` is a path within the report's folder, "#key" on the page, or an address."""
 
     text: str
     href: str
@@ -27,7 +27,7 @@ class PageLink:
 
 @dataclass(frozen=True)
 class Mono:
-    """A command, a file's name: what is typed."""
+    """A command or a file's name, in the typeface of code."""
 
     text: str
 
@@ -45,7 +45,7 @@ def as_text(words: Words) -> str:
 
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph; ``role`` says what it is for, ``colour`` is a style of the terminal."""
+    """A paragraph; ``role`` is its purpose, ``colour`` a style of the terminal."""
 
     words: Words
     role: Literal["", "lead", "verdict", "small"] = ""
@@ -68,17 +68,17 @@ class Facts:
 
 @dataclass(frozen=True)
 class Command:
-    """A command, or several lines of them, to be typed as they stand."""
+    """Commands, a line each, for a reader to copy."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class TableCell:
-    """A cell with more to it than words.
+    """A cell of a table with more than words.
 
     ``style`` is a class of the style sheet, ``colour`` a style of the terminal, ``note`` small print beneath,
-    ``tooltip`` a sentence for who points at it, ``span`` how many columns it takes.
+    ``tooltip`` a sentence under the pointer, ``span`` the number of columns.
     """
 
     words: Words
@@ -134,7 +134,7 @@ class JavaScript:
 
 @dataclass(frozen=True)
 class Widget:
-    """What moves and answers on a page: ``kind`` names its script, ``label`` says what it is.
+    """An interactive part of a page: ``kind`` names its script, ``label`` describes it for a reader.
 
     ``data`` is JSON-ready (no number that is not finite) and on the page; each of ``further`` is a file of its own,
     loaded when it is chosen, JSON-ready too or an expression: ``name`` and keys are plain file names. ``markup`` stands
@@ -169,7 +169,7 @@ class Card:
 
 @dataclass(frozen=True)
 class Cards:
-    """Boxes beside each other, as many as there is room for; two if they are ``wide``."""
+    """Boxes beside each other, as many as the width allows; two if they are ``wide``."""
 
     cards: tuple[Card, ...]
     wide: bool = False
@@ -184,7 +184,7 @@ class FigureGroup:
 
 @dataclass(frozen=True)
 class Drawn:
-    """Ready markup for a page, a moving drawing say; ``alt`` everywhere else."""
+    """Ready markup for a page, such as a moving drawing; ``alt`` replaces it in text."""
 
     markup: Markup
     alt: str
@@ -192,7 +192,7 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Section:
-    """Parts under a heading; ``key`` is its anchor. One inside another has a smaller heading."""
+    """Parts under a heading; ``key`` is its anchor. A section inside another has a smaller heading."""
 
     key: str
     heading: str
@@ -206,10 +206,10 @@ Part = (
 
 @dataclass(frozen=True)
 class Page:
-    """A page: ``file`` is its path within the report's folder, ``parts`` what stands before the first section.
+    """A page: ``file`` is its path within the report's folder, ``parts`` are before the first section.
 
-    ``title`` names it in the browser and in the links of the other pages; ``charts`` says whether it needs Plotly. A
-    page that follows a file has the file's ``state``.
+    ``title`` names it in the browser and in the links of the other pages; ``charts``: it needs Plotly. A page that
+    follows a file has the file's ``state``.
     """
 
     file: str

@@ -1,4 +1,4 @@
-"""Verdicts as a reader meets them: a sign, a word and a colour; sign and word carry the meaning without the colour."""
+"""Verdicts as a reader sees them: a sign, a word and a colour; sign and word have the meaning without the colour."""
 
 from __future__ import annotations
 

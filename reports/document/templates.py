@@ -1,4 +1,4 @@
-"""The words of reports: page templates, which escape what is not markup, and sentences as plain text."""
+"""The words of reports: page templates, which escape all values that are not markup, and sentences as plain text."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ def _environment(*, escaped: bool) -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    own = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error,
+    filters = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error,
            numbers.seconds, numbers.within_turn, plain, worded, listed, math.degrees)  # fmt: skip
-    environment.filters.update({function.__name__: function for function in own})
+    environment.filters.update({function.__name__: function for function in filters})
     return environment
 
 

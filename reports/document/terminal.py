@@ -18,12 +18,12 @@ from rich.text import Text
 from analytic.errors import printable
 from reports.document.parts import Paragraph, Table, TableCell, Words, as_text
 
-Printed = str | Paragraph | Table  # what a command prints; a text is a line, or several
+Printed = str | Paragraph | Table  # parts of a command's output; a text may have several lines
 UNBOUNDED = 1_000_000  # columns where nobody's terminal sets a width
 
 
 class Printout(NamedTuple):
-    """What a command prints: ``tables`` unless it is quiet, ``closing`` always, ``details`` where it is verbose."""
+    """The output of a command: ``tables`` unless it is quiet, ``closing`` always, ``details`` if it is verbose."""
 
     tables: Iterable[Printed]
     closing: Sequence[Printed]
@@ -31,7 +31,7 @@ class Printout(NamedTuple):
 
 
 def show(*parts: Printed, stderr: bool = False) -> None:
-    """Print parts one below the other."""
+    """Print parts below each other."""
     screen = Console(stderr=stderr, markup=False, emoji=False, highlight=False)
     if screen.is_terminal:
         screen.print(*_lines(parts), sep="\n")
@@ -49,7 +49,7 @@ def write(text: str, stream: TextIO) -> None:
 
 
 def rendered(*parts: Printed, width: int = UNBOUNDED) -> str:
-    """What a pipe is given: no colours, no spaces at the ends of lines."""
+    """The parts as text for a pipe: no colours, no spaces at the ends of lines."""
     screen = Console(width=width, no_color=True, force_terminal=False, markup=False, emoji=False, highlight=False)
     with screen.capture() as captured:
         screen.print(*_lines(parts), sep="\n")

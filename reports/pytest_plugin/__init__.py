@@ -1,7 +1,7 @@
 """linkproof in pytest: a project's linkage files are collected as tests, one for every engine and quantity.
 
-``linkproof.pytest_plugin`` begins it where there is a project. Nothing but pytest is imported until a linkage file is
-met.
+``linkproof.pytest_plugin`` registers this module in a project. Nothing but pytest is imported before the first linkage
+file.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from typing import Final
 
 import pytest
 
-FILE: Final = "linkproof.toml"  # comparisons.campaign.project says so too, and imports numpy
-ENGINES: Final = "linkproof.engines"  # and so does engines.registry
+FILE: Final = "linkproof.toml"  # as in comparisons.campaign.project, which imports numpy
+ENGINES: Final = "linkproof.engines"  # as in engines.registry, which imports numpy
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Announce the markers where there is a project."""
+    """Announce the markers in a project."""
     if config.getoption("linkproof") or _has_project(config.rootpath):
         _announce_markers(config)
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """The tests of a linkage file: one that its project lists, or that is named with ``--linkproof``.
+    """The tests of a linkage file that its project lists, or that is named with ``--linkproof``.
 
-    The file of a project is collected where it is named; else the first of its linkages brings it along.
+    The file of a project is collected if it is named; else with the first of its linkages.
     """
     if file_path.suffix.lower() != ".toml":
         return None
@@ -54,7 +54,7 @@ def _project_tests(file: Path, parent: pytest.Collector) -> pytest.Collector:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say why linkage tests were skipped, unless pytest is asked to (``-rs``)."""
+    """Print why linkage tests were skipped, unless pytest does (``-rs``)."""
     skipped = terminalreporter.stats.get("skipped", [])
     ours = [report.longrepr for report in skipped if "linkproof" in report.keywords]
     if ours and not terminalreporter.hasopt("skipped"):

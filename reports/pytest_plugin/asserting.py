@@ -1,4 +1,4 @@
-"""The fixture's comparison: as ``linkproof.compare``, and a test that fails where that has not passed."""
+"""The comparison of the fixture: as ``linkproof.compare``; the test fails if the comparison does not pass."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from comparisons.judging.records import Verdict
 from comparisons.judging.verdicts import deciding
 from comparisons.runs.plugins import engine
 from engines.registry import why_unavailable
-from reports.pytest_plugin.words import changed, failure
+from reports.pytest_plugin.campaign import changed, failure
 from reports.python.campaign import Comparison, compare
 from reports.python.keywords import words
 
@@ -23,10 +23,10 @@ class Assertion:
 
     made: dict[str, Comparison] = field(default_factory=dict)
 
-    def __call__(self, *mechanisms: str | Path, **options: Any) -> Comparison:  # noqa: ANN401 - as compare has them
+    def __call__(self, *mechanisms: str | Path, **options: Any) -> Comparison:  # noqa: ANN401 - the options of compare
         """Compare mechanisms under the options of ``linkproof.compare``; fail the test with every failed record.
 
-        Skips it where an engine that is named is not installed, and where no record says anything of an engine.
+        Skips the test if a named engine is not installed, and if no record is judged.
         """
         for name in words(options.get("engine", ())):
             absent = why_unavailable(engine(name))
@@ -36,13 +36,13 @@ class Assertion:
         if key not in self.made:
             self.made[key] = compare(*mechanisms, **{"jobs": 1, **options})
         comparison = self.made[key]
-        wanted = comparison.campaign.options
+        requested = comparison.campaign.options
         texts = [
-            failure(record, wanted, comparison.notes)
+            failure(record, requested, comparison.notes)
             for record in deciding(comparison.records)
             if _fails(record.outcome)
         ]
-        texts += [changed(figure, wanted, comparison.notes) for figure in comparison.figures if figure.changed]
+        texts += [changed(figure, requested, comparison.notes) for figure in comparison.figures if figure.changed]
         texts += comparison.departures
         if texts:
             pytest.fail("\n\n".join(texts), pytrace=False)

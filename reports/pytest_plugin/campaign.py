@@ -1,8 +1,9 @@
-"""A linkage file's campaign as its project asks for it, run by run."""
+"""The campaign of a linkage file under the options of its project, run by run."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -22,13 +23,14 @@ from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Setting
 from reports.requests.campaign import files, request
 from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.options.declaring import command_line
 from reports.requests.running import running
 from reports.requests.standard import chosen_standard, coverage_of, in_project
 
 
 @dataclass(frozen=True)
 class FileCampaign:
-    """What is run of a linkage file and by what standard it is judged; ``options`` are those of its commands."""
+    """The runs of a linkage file and the standard that judges them; ``options`` are for the commands in messages."""
 
     options: CompareOptions
     request: CampaignRequest
@@ -41,7 +43,7 @@ class FileCampaign:
         return tuple(CampaignRun(self, task) for task in tasks(self.request)) if self._moves else ()
 
     def figures(self) -> list[KeyFigure]:
-        """Every key figure beside the recorded one, where there is a baseline."""
+        """Every key figure with its recorded value, if there is a baseline."""
         return compared(self._cases, self.standard.baseline) if self._moves else []
 
     def departures(self) -> tuple[Departure, ...]:
@@ -56,16 +58,16 @@ class FileCampaign:
     @property
     def _moves(self) -> bool:
         (linkage,) = self.request.linkages
-        own = {regime.name for regime in linkage.regimes}
-        return bool(self.request.motions or own & {*self.request.own_regimes})
+        regimes = {regime.name for regime in linkage.regimes}
+        return bool(self.request.motions or regimes & {*self.request.own_regimes})
 
     def decides(self, setting: str) -> bool:
-        """Whether a failure in a setting counts: in naive only where there is no other."""
+        """Whether a failure in a setting counts: in naive only without other settings."""
         return setting != Setting.NAIVE or {*self.request.settings, *self.request.own_settings} == {Setting.NAIVE}
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is known of the file besides, in sentences."""
+        """Further remarks on the file, in sentences."""
         baseline = self.standard.baseline
         return notes(baseline) if baseline.is_recorded else ()
 
@@ -94,7 +96,7 @@ class CampaignRun:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What it is judged by."""
+        """Its judged quantities and invariants."""
         *_, names, with_invariants = self.task.job
         return (*names, *(INVARIANTS if with_invariants else ()))
 
@@ -106,7 +108,7 @@ class CampaignRun:
 
 
 def set_of_files(project: Project) -> tuple[Departure, ...] | None:
-    """Linkages that a project has and its baseline has not, or the other way round; None where nothing is recorded."""
+    """Differences between the linkages of a project and those of its baseline; None without a recorded baseline."""
     chosen = CompareOptions(mechanisms=tuple(map(str, project.linkages)))
     coverage = coverage_of(CompareOptions(), StandardOptions(), project)
     baseline = standard(files(chosen), project, coverage=coverage).baseline
@@ -114,19 +116,19 @@ def set_of_files(project: Project) -> tuple[Departure, ...] | None:
 
 
 def file_campaign(path: Path, folder: Path) -> FileCampaign:
-    """The campaign of a linkage file; its project says what is run. Commands are worded for ``folder``.
+    """The campaign of a linkage file under the options of its project, with paths relative to ``folder``.
 
-    Engines need not be installed. Raises LinkproofError for what does not exist or cannot be.
+    Engines need not be installed. Raises LinkproofError for bad input.
     """
     words, usual = CompareOptions(mechanisms=(str(path),)), StandardOptions()
     completed = in_project(words, RunLimits(), usual)
-    wanted = request(replace(completed.options, engine=()), completed.known)
-    names = tuple(dict.fromkeys(completed.options.engine)) or wanted.engines
+    requested = request(replace(completed.options, engine=()), completed.known)
+    names = tuple(dict.fromkeys(completed.options.engine)) or requested.engines
     for name in names:
         engine(name)
     options = replace(words, mechanisms=(_relative(path, folder),))
     bounds = running(completed.limits).bounds
-    return FileCampaign(options, replace(wanted, engines=names), chosen_standard(completed, usual), bounds)
+    return FileCampaign(options, replace(requested, engines=names), chosen_standard(completed, usual), bounds)
 
 
 def _relative(path: Path, folder: Path) -> str:
@@ -134,3 +136,37 @@ def _relative(path: Path, folder: Path) -> str:
         return os.path.relpath(path, folder)
     except ValueError:  # another drive
         return str(path)
+
+
+def failure(record: Record, options: CompareOptions, notes: Iterable[str] = ()) -> str:
+    """Why a requested record failed; ``notes`` are further remarks on the file."""
+    again = replace(
+        options,
+        engine=(record.engine,),
+        setting=(record.setting,),
+        regime=(record.regime,),
+        quantity=() if record.quantity in INVARIANTS else (record.quantity,),
+    )
+    run = (record.regime, f"{record.engine} {record.engine_version}".rstrip(), record.setting)
+    place = f"{record.mechanism} ({record.variant}), {', '.join(run)}: {record.quantity}"
+    return "\n".join((place, record.detail, *_size(record), *notes, f"repeat it: {command_line('compare', again)}"))
+
+
+def _size(record: Record) -> tuple[str, ...]:
+    if record.error_max is None or record.peak is None:
+        return ()
+    at = "" if record.worst_time is None else f", worst at {record.worst_time:.4g} s"
+    return (f"error {record.error_max:.3e} of the peak, {record.peak:.6g} {record.unit}".rstrip() + at,)
+
+
+def changed(figure: KeyFigure, options: CompareOptions, notes: Iterable[str] = ()) -> str:
+    """The change of a key figure, and the command that records its present value."""
+    again = replace(options, regime=(figure.regime,))
+    return "\n".join(
+        (figure.sentence, *notes, f"repeat it: {command_line('compare', again)}", f"if it is meant: {recording(again)}")
+    )
+
+
+def recording(options: CompareOptions) -> str:
+    """The command that records the requested baseline."""
+    return f"{command_line('compare', options)} --record-baseline"

@@ -1,6 +1,6 @@
-"""What pytest collects of a linkage file: a node for every run with a test for every quantity, and the key figures.
+"""The tests of a linkage file: a node for every run with a test for every quantity, and the key figures.
 
-The first linkage file of a project brings the test of its set of files along.
+The test of a project's set of files is collected with its first linkage file.
 """
 
 from __future__ import annotations
@@ -20,15 +20,22 @@ from comparisons.judging.departures import Departure
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.plugins import engine
 from engines.registry import why_unavailable
-from reports.pytest_plugin.campaign import CampaignRun, FileCampaign, file_campaign, set_of_files
-from reports.pytest_plugin.words import changed, failure, recording
+from reports.pytest_plugin.campaign import (
+    CampaignRun,
+    FileCampaign,
+    changed,
+    failure,
+    file_campaign,
+    recording,
+    set_of_files,
+)
 
 FIGURES: Final = "key-figures"
-SEEN: Final = pytest.StashKey[set[Path]]()  # files of projects that are collected
+SEEN: Final = pytest.StashKey[set[Path]]()  # collected files of projects
 
 
 def is_listed(path: Path) -> bool:
-    """Whether a file is one of its project's linkages; raises CollectError for a project that cannot be read."""
+    """Whether a file is listed in its project; raises CollectError for a project that cannot be read."""
     try:
         project = find_project(path.parent)
     except LinkproofError as error:
@@ -64,7 +71,7 @@ class LinkageTests(pytest.File):
 
 
 def is_first(file: Path, session: pytest.Session) -> bool:
-    """Whether the file of a project is met for the first time, and is not to be collected by its own name."""
+    """Whether the file of a project is new to the session, and is not collected by its own name."""
     seen = session.config.stash.setdefault(SEEN, set())
     is_new = file not in seen and not session.isinitpath(file)
     seen.add(file)
@@ -75,7 +82,7 @@ class ProjectTests(pytest.File):
     """A project: its set of files is that of its baseline."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """One test; none where nothing is recorded."""
+        """A test of the set of files, if a baseline is recorded."""
         self.add_marker("linkproof")
         try:
             departures = set_of_files(read_project(self.path))
@@ -88,7 +95,7 @@ class ProjectTests(pytest.File):
 class SetTest(pytest.Item):
     """A set of files, or of motions, is that of the baseline."""
 
-    def __init__(self, *, departures: tuple[Departure, ...], **words: Any) -> None:  # noqa: ANN401 - pytest's own
+    def __init__(self, *, departures: tuple[Departure, ...], **words: Any) -> None:  # noqa: ANN401 - arguments of pytest
         self.departures = departures
         super().__init__(**words)
 
@@ -99,14 +106,14 @@ class SetTest(pytest.Item):
             pytest.fail("\n".join(sentences), pytrace=False)
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """Where the test stands in reports."""
+        """The place of the test in reports."""
         return self.path, 0, self.name
 
 
 class RunTests(pytest.Collector):
     """One run, made when the first of its quantities is requested."""
 
-    def __init__(self, *, parent: pytest.Collector, run: CampaignRun, **words: Any) -> None:  # noqa: ANN401 - pytest's own
+    def __init__(self, *, parent: pytest.Collector, run: CampaignRun, **words: Any) -> None:  # noqa: ANN401 - arguments of pytest
         self.run = run
         name = f"{run.case.motion.regime}-{run.engine}-{run.setting}"
         super().__init__(name=name, parent=parent, **words)
@@ -122,17 +129,17 @@ class RunTests(pytest.Collector):
 
     @cached_property
     def records(self) -> tuple[Record, ...]:
-        """What the run gave."""
+        """The records of the run."""
         return self.run.records()
 
 
 class QuantityTest(pytest.Item):
-    """A quantity of a run within its limit, and within what is recorded of it."""
+    """A quantity of a run within its limit and its baseline."""
 
     parent: RunTests
 
     def runtest(self) -> None:
-        """Fail with the record's detail; skip what says nothing of the engine."""
+        """Fail with the record's detail; skip a record that is not judged."""
         records, run = self.parent.records, self.parent.run
         failed = replace(records[0], quantity=self.name, unit="")  # a failed run has no invariants
         record = next((record for record in records if record.quantity == self.name), failed)
@@ -146,7 +153,7 @@ class QuantityTest(pytest.Item):
         pytest.skip(f"{record.outcome}: {record.detail}")
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """Where the test stands in reports."""
+        """The place of the test in reports."""
         return self.path, 0, f"{self.parent.name} {self.name}"
 
 
@@ -159,13 +166,13 @@ class FigureTests(pytest.Collector):
         parent: pytest.Collector,
         campaign: FileCampaign,
         figures: list[KeyFigure],
-        **words: Any,  # noqa: ANN401 - pytest's own
+        **words: Any,  # noqa: ANN401 - arguments of pytest
     ) -> None:
         self.campaign, self.figures = campaign, figures
         super().__init__(parent=parent, **words)
 
     def collect(self) -> Iterator[pytest.Item]:
-        """A test for every figure; one that is skipped where none is recorded."""
+        """A test for every figure; a single skipped test if none is recorded."""
         if all(figure.recorded is None for figure in self.figures):
             reason = f"no key figure is recorded: {recording(self.campaign.options)}"
             self.add_marker(pytest.mark.skip(reason=reason))
@@ -176,20 +183,20 @@ class FigureTests(pytest.Collector):
 
 
 class FigureTest(pytest.Item):
-    """A key figure as it is recorded."""
+    """A key figure equals its recorded value."""
 
     parent: FigureTests
 
-    def __init__(self, *, figure: KeyFigure, **words: Any) -> None:  # noqa: ANN401 - pytest's own
+    def __init__(self, *, figure: KeyFigure, **words: Any) -> None:  # noqa: ANN401 - arguments of pytest
         self.figure = figure
         super().__init__(**words)
 
     def runtest(self) -> None:
-        """Fail with the change in words."""
+        """Fail with the sentence of the change."""
         if self.figure.changed:
             campaign = self.parent.campaign
             pytest.fail(changed(self.figure, campaign.options, campaign.notes), pytrace=False)
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """Where the test stands in reports."""
+        """The place of the test in reports."""
         return self.path, 0, f"{self.parent.name} {self.name}"

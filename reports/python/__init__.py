@@ -1,1 +1,1 @@
-"""What the package linkproof offers to Python: the commands as functions."""
+"""The commands as functions of the package linkproof."""

@@ -1,4 +1,4 @@
-"""``linkproof.compare``: engines against the closed form, as the command compares them."""
+"""``linkproof.compare``: engines compared with the closed form."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ class Comparison(PrintedResult):
 
     @property
     def figures(self) -> tuple[KeyFigure, ...]:
-        """Key figures beside what is recorded of them."""
+        """Key figures with their recorded values."""
         return tuple(self.judged.figures)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What causes no failure: changes since the baseline was recorded, and permitted differences."""
+        """Remarks that cause no failure: changes since the baseline was recorded, and permitted differences."""
         return tuple(self.judged.notes)
 
     @property
@@ -68,7 +68,7 @@ class Comparison(PrintedResult):
     def plot(self, mechanism: str | None = None, regime: str | None = None) -> Figure:
         """Every error and limit of a mechanism under a regime, the first ones by default, as a figure of matplotlib.
 
-        Raises UnknownNameError for one that was not compared.
+        Raises UnknownNameError for a name that was not compared.
         """
         from reports.charts.draw import figure  # noqa: PLC0415
         from reports.charts.errors import errors_chart  # noqa: PLC0415
@@ -98,7 +98,7 @@ class Comparison(PrintedResult):
         ``mechanism``, ``variant``, ``regime``, ``engine`` and ``setting`` stand along ``run``, with
         ``setup_seconds``, ``seconds`` of stepping and ``steps`` of each.
         """
-        import xarray  # noqa: PLC0415  half a second that records alone do not pay
+        import xarray  # noqa: PLC0415  half a second that records alone save
 
         runs = {record.run: record for record in self.records}
         quantities = list(dict.fromkeys(record.quantity for record in self.records))
@@ -130,7 +130,7 @@ def compare(
     """Simulate mechanisms in engines and compare every error with its limit, as ``linkproof compare`` does.
 
     Mechanisms are names of the catalogue and paths of files; ``time_limit`` is in s and ``memory_limit`` in GiB; a
-    client of Dask may stand for its scheduler. A ``linkproof.toml`` above the first file says what they leave open.
+    client of Dask may replace the address of its scheduler. A ``linkproof.toml`` above the first file completes them.
     Raises LinkproofError for bad input; a run that fails is a record.
     """
     for mechanism in mechanisms:
@@ -145,7 +145,7 @@ def compare(
 
 
 def _named(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
-    """What bears a name, or the first where none is given; raises UnknownNameError."""
+    """The value of a name, or the first value without a name; raises UnknownNameError."""
     if name is not None and name not in known:
         raise UnknownNameError(what, name, known)
     return known[name] if name is not None else next(iter(known.values()))

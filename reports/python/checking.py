@@ -1,4 +1,4 @@
-"""``linkproof.check``, ``check_engine`` and ``judge``: a linkage, an adapter and another tool's results looked over."""
+"""``linkproof.check``, ``check_engine`` and ``judge``: reviews of a linkage, an adapter and another tool's results."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str
 
 
 class EngineFindings(PrintedResult, list[CheckResult]):
-    """What comes of every check of an adapter, in a list; printed as the command prints it."""
+    """The results of every check of an adapter, in a list; printed as the command prints them."""
 
     def __init__(self, engine: str, checks: Sequence[CheckResult]) -> None:
         super().__init__(checks)
@@ -53,7 +53,7 @@ class EngineFindings(PrintedResult, list[CheckResult]):
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class JudgedResults(PrintedResult, ImportedJudgement):
-    """What comes of a judgement, printed as the command prints it; ``files`` are those judged."""
+    """A judgement of other results, printed as the command prints it; ``files`` are the judged files."""
 
     files: str
 
@@ -70,10 +70,10 @@ class JudgedResults(PrintedResult, ImportedJudgement):
 
 
 def check_engine(engine: Engine | str, jobs: int | None = None) -> EngineFindings:
-    """What comes of every check of an engine's adapter, by its name or as it is, in ``jobs`` worker processes.
+    """The results of every check of an adapter, given by its name or as an object, in ``jobs`` worker processes.
 
-    Each has a ``check``, a ``finding`` and a ``detail``. Raises LinkproofError where there is nothing to check, and for
-    an adapter that cannot be loaded.
+    Each has a ``check``, a ``finding`` and a ``detail``. Raises LinkproofError if there is nothing to check, or if
+    the adapter cannot be loaded.
     """
     if not isinstance(engine, str) and not hasattr(engine, "run"):
         raise LinkproofError(f"expected the name of an engine, or an adapter, got {shortened(repr(engine))}: give one")

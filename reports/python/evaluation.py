@@ -63,7 +63,7 @@ def evaluate(
 
 
 def _variables(mechanism: Mechanism) -> dict[str, list[str]]:
-    """Every variable that can be requested, with the signals that it is made of."""
+    """Every variable that can be requested, with its signals."""
     known: dict[str, list[str]] = {}
     for name in signals.table(mechanism):
         if name not in signals.DRIVE:
@@ -74,7 +74,7 @@ def _variables(mechanism: Mechanism) -> dict[str, list[str]]:
 def _chosen(
     mechanism: Mechanism, names: Sequence[str] | None, known: Mapping[str, Sequence[str]], *, moves: bool
 ) -> list[str]:
-    """The requested variables, each once; all that the motion allows where none are named."""
+    """The requested variables, each once; by default all that need no motion, or all if the crank ``moves``."""
     table = signals.table(mechanism)
     if names is None:
         whole = {name: parts for name, parts in known.items() if not name.startswith("Jeq:")}

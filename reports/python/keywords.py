@@ -23,14 +23,14 @@ from reports.requests.options.linkage import JudgeOptions, ResultsOptions
 
 Result = TypeVar("Result")
 OfLinkage = TypeVar("OfLinkage", JudgeOptions, OptimiseOptions, ResultsOptions, SweepOptions, ToleranceOptions)
-Words = str | Iterable[str]  # a name, or several
+Words = str | Iterable[str]  # a name, or several names
 UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", "GIB": " of GiB"}
 
 
 def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
-    """A function whose arguments of a dataclass are given by keywords, one for each option that is declared in it.
+    """Decorator: replaces arguments that are dataclasses by a keyword for each option declared in them.
 
-    Options ``without`` a keyword have their defaults. The function's signature and docstring name every keyword.
+    Options ``without`` a keyword have their defaults. The function's signature and docstring list every keyword.
     """
 
     def decorated(function: Callable[..., Result]) -> Callable[..., Result]:
@@ -41,7 +41,7 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
             name: {option.field.name: option for option in declared(kind) if _has_keyword(option, without)}
             for name, kind in bags.items()
         }
-        every = {name: option for own in options.values() for name, option in own.items()}
+        every = {name: option for group in options.values() for name, option in group.items()}
         plain = [parameter for parameter in signature.parameters.values() if parameter.name not in bags]
 
         @wraps(function)
@@ -50,8 +50,8 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
                 if name not in every and name not in {parameter.name for parameter in plain}:
                     known = [*(parameter.name for parameter in plain), *every]
                     raise TypeError(str(UnknownNameError("argument", name, known)))
-            for bag, own in options.items():
-                values = {name: _value(option, given.pop(name)) for name, option in own.items() if name in given}
+            for bag, group in options.items():
+                values = {name: _value(option, given.pop(name)) for name, option in group.items() if name in given}
                 given[bag] = bags[bag](**values)
             return function(*args, **given)
 
@@ -82,7 +82,7 @@ def _help(option: Declared) -> str:
 
 
 def _value(option: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
-    """The value of a field; raises LinkproofError for one of another type."""
+    """The value of a field; raises LinkproofError for a value of another type."""
     name, kinds = option.field.name, (option.kind, *get_args(option.kind))
     several = item(option.kind)
     if given is None and (type(None) in kinds or several is str):
@@ -111,12 +111,12 @@ def _number(name: str, value: Any, option: Declared) -> float:  # noqa: ANN401 -
 
 
 def words(given: Words) -> tuple[str, ...]:
-    """A name, or several, as the command line has them."""
+    """A name, or several names, as a tuple."""
     return (given,) if isinstance(given, str) else tuple(given)
 
 
 def chosen_linkage(linkage: Linkage | str | Path, variant: str | None = None, *, gravity: bool = True) -> Linkage:
-    """A linkage by its name, its file or as it is, in another variant if one is named."""
+    """A linkage by its name or its file, or itself, in another variant if ``variant`` is given."""
     if not isinstance(linkage, Linkage):
         result = load(linkage, variant)
     else:
@@ -125,7 +125,7 @@ def chosen_linkage(linkage: Linkage | str | Path, variant: str | None = None, *,
 
 
 def of_linkage(linkage: Linkage | str | Path, options: OfLinkage) -> tuple[Linkage, OfLinkage]:
-    """A linkage in the variant of the options, and the options with its name and variant as the command has them."""
+    """A linkage in the variant of the options, and the options with the name and variant for the command."""
     chosen = chosen_linkage(linkage, options.variant)
     if not isinstance(linkage, Linkage):
         return chosen, replace(options, mechanism=str(linkage))

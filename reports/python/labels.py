@@ -1,4 +1,4 @@
-"""Signals by their names as labelled arrays: what belongs together is one variable over its parts and components."""
+"""Signals by their names as labelled arrays: signals of one kind are a variable over parts and components."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ VARIABLES: Final[Mapping[str, Mapping[str, str]]] = {
 
 
 class Label(NamedTuple):
-    """Where a signal stands: its variable, the dimension and name of its part, its component; "" where none."""
+    """The place of a signal: its variable, the dimension and name of its part, its component; "" if there is none."""
 
     variable: str
     dimension: str = ""
@@ -40,7 +40,7 @@ class Label(NamedTuple):
 
 
 def label(name: str) -> Label:
-    """Where the signal of a name stands."""
+    """The place of a signal in a dataset, from its name."""
     kind, _, rest = name.partition(":")
     if kind == GROUP:
         return Label(kind, DIMENSIONS[kind], rest)
@@ -57,7 +57,7 @@ def unit(name: str, linkage: Linkage) -> str:
 
 
 def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Mapping[str, str]) -> xarray.Dataset:
-    """Signals (n,) by name over the one that is their axis, with units and what they are of in the attributes."""
+    """Signals (n,) by name over the signal ``axis``, with units, mechanism and further facts in the attributes."""
     variables: dict[str, dict[Label, str]] = {}
     for name in values:
         variables.setdefault(label(name).variable, {})[label(name)] = name

@@ -1,4 +1,4 @@
-"""``linkproof.optimise``: the best of a linkage's designs, labelled."""
+"""``linkproof.optimise``: the best design of a linkage as labelled arrays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from analytic.description.linkage import Linkage
 from comparisons.designs.design_file import design_file
 from reports.designs.optimum.optimise_terminal import document
 from reports.python.keywords import of_linkage, with_keywords
-from reports.requests.optimise import optimum
+from reports.requests.designs import optimum
 from reports.requests.options.declaring import command_line, word
 from reports.requests.options.designs import OptimiseOptions
 
@@ -42,7 +42,7 @@ def optimise(
     chosen, options = of_linkage(linkage, options)
     options = replace(
         options,
-        over=tuple(_word(*pair) for pair in over.items()),  # as the command that repeats the request has them
+        over=tuple(_word(*pair) for pair in over.items()),  # in the form of the command that repeats the request
         keep=tuple(_word(*pair) for pair in table.items()),
         step=None if step is None else str(step),
     )
@@ -68,7 +68,7 @@ def optimise(
 
 
 def _word(name: str, values: Range) -> str:
-    """The same as it is typed."""
+    """A number with its range in the form of the command line."""
     if values is None:
         return name
     if isinstance(values, tuple):

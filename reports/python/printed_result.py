@@ -1,4 +1,4 @@
-"""What a function returns as its command prints it: a line, all of its words, a notebook's cell, a table."""
+"""Results of functions, printed as their commands print them: a line, all text, a notebook's cell, a table."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ if TYPE_CHECKING:
 
 
 class PrintedResult(ABC):
-    """A result that has the words of its command."""
+    """A result with the output of its command."""
 
     @abstractmethod
     def _printout(self) -> Printout:
-        """What the command prints."""
+        """The output of the command."""
 
     @abstractmethod
     def _rows(self) -> Sequence[Any]:
-        """Data classes, a row of the table each."""
+        """Dataclasses, one for each row of the table."""
 
     def _sentence(self) -> Printed:
-        """What came of it."""
+        """The outcome in a sentence."""
         return self._printout().closing[-1]
 
     def __repr__(self) -> str:
-        """One line: the kind of result and what came of it."""
+        """A line: the kind of result and the outcome."""
         return f"<{type(self).__name__}: {rendered(self._sentence()).strip()}>"
 
     def __str__(self) -> str:
-        """What the command prints."""
+        """The output of the command."""
         printed = self._printout()
         return rendered(*printed.tables, *printed.closing).strip("\n")
 

@@ -24,9 +24,9 @@ from comparisons.designs.sweep.sweep import sweep as sweep_space
 from comparisons.runs.cluster.connecting import opened
 from reports.python.keywords import Words, of_linkage, with_keywords, words
 from reports.requests.compare import campaign
+from reports.requests.designs import check_sweep, simulated_campaign, sweep_request_of
 from reports.requests.options.designs import SweepOptions
 from reports.requests.steady import steady_case
-from reports.requests.sweep import check_sweep, request_of, simulated_campaign
 
 Array = NDArray[np.float64]
 
@@ -40,20 +40,19 @@ def sweep(
     table: Any = None,  # noqa: ANN401 - whatever has columns
     options: SweepOptions,
 ) -> xarray.Dataset:
-    """Figures of many designs of a linkage, as ``linkproof sweep`` has them: a variable each, nan where none assembles.
+    """Figures of many designs of a linkage, as by ``linkproof sweep``: a variable each, NaN for designs out of reach.
 
     ``vary`` has the values of a parameter by its name, (n,) each, and the dataset a dimension per parameter: a grid.
     ``table``, a mapping, DataFrame or Dataset of columns (n,) by name, lists designs instead, and the dimension is
     ``design``. Values go in and figures come out in the units of the linkage's file, as on the command line;
-    ``evaluate`` takes its ``designs`` in SI. ``figures`` are named as ``--quantity`` has them, "Mkr.peak" say.
+    ``evaluate`` takes its ``designs`` in SI. ``figures`` are the names of ``--quantity``, such as "Mkr.peak".
 
-    Where values are Dask arrays, so are the figures, computed chunk by chunk when they are requested. Where a
-    ``scheduler`` of Dask is named, its address, "local:N" or a client, its workers make figures of other values.
-    Extremes are those of the sampled crank ``angles``, with ``refine`` the true ones; with ``scale_mass`` masses change
-    with lengths. ``simulate`` names engines that run some of the designs, as many as ``designs``, chosen by ``seed``:
-    ``share_of_limit``, over ``engine`` and the designs, is the largest error of a design over its limit, infinite where
-    a run failed and nan where none was made. Raises LinkproofError for what cannot be, but where no design assembles
-    all is nan.
+    If values are Dask arrays, so are the figures, computed chunk by chunk on request. Figures of other values are
+    computed by the workers of a ``scheduler`` of Dask, if it is given: its address, "local:N" or a client. Extremes are
+    taken at the sampled crank ``angles``, or are exact with ``refine``; with ``scale_mass`` masses change with lengths.
+    ``simulate`` names engines that run some of the designs, as many as ``designs``, chosen by ``seed``:
+    ``share_of_limit``, over ``engine`` and the designs, is the largest error of a design over its limit, infinite if a
+    run failed and NaN without a run. Raises LinkproofError for bad input; if no design assembles, all values are NaN.
     """
     check_sweep(options)
     chosen, options = of_linkage(linkage, replace(options, quantity=words(figures)))
@@ -69,8 +68,8 @@ def sweep(
     if is_lazy and options.simulate:
         raise LinkproofError("simulate: expected arrays of numbers, got Dask's, worked out later; pass NumPy arrays")
     space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
-    request, conditions = request_of(case, space, options)
-    own_figures(request)  # complains of what no design can have
+    request, conditions = sweep_request_of(case, space, options)
+    own_figures(request)  # raises LinkproofError for figures that no design has
     rows = _lazy(request, [*values.values()]) if is_lazy else _computed(request.on_single_path(), options.scheduler)
     about = {name: value for name, value in described(request, conditions, "").items() if name != "command"}
     dataset = labelled(request, values, rows, about)
@@ -78,7 +77,7 @@ def sweep(
 
 
 def _with_engines(dataset: xarray.Dataset, request: SweepRequest, options: SweepOptions) -> xarray.Dataset:
-    """The same with the shares of their limits that engines take over some of the designs."""
+    """The dataset with the errors of engines over some of the designs, as shares of their limits."""
     with TemporaryDirectory() as folder:
         designs, wanted, limits = simulated_campaign(request, options, Path(folder))
         runs = campaign(wanted, limits=limits)
@@ -95,7 +94,7 @@ def _is_lazy(values: object) -> bool:
 
 
 def _checked(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
-    """Values of a parameter; raises LinkproofError for what is no list of finite numbers."""
+    """Values of a parameter; raises LinkproofError if they are not a list of finite numbers."""
     data = given.data if isinstance(given, xarray.DataArray) else given
     values = data if _is_lazy(data) else np.asarray(data, dtype=float)
     if len(values.shape) != 1 or values.shape == (0,) or not (_is_lazy(values) or np.all(np.isfinite(values))):
@@ -114,7 +113,7 @@ def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: b
 
 
 def _computed(request: SweepRequest, scheduler: object) -> Array:
-    """Figures of all designs, (figures, *shape), worked out here or on the workers of a scheduler."""
+    """Figures of all designs, (figures, *shape), computed here or on the workers of a scheduler."""
     values = np.empty((len(request.figures), request.space.count))
 
     def keep(number: int, block: Array) -> None:
@@ -127,7 +126,7 @@ def _computed(request: SweepRequest, scheduler: object) -> Array:
 
 def _lazy(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 - Dask's own array
     """The same as a Dask array, a chunk for every combination of the chunks of the values."""
-    import dask.array as da  # noqa: PLC0415 - nothing but its own arrays needs it
+    import dask.array as da  # noqa: PLC0415 - only Dask arrays need it
 
     shape = request.space.shape
     over = [0] * len(values) if len(shape) == 1 else range(len(shape))

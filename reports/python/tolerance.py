@@ -1,4 +1,4 @@
-"""``linkproof.tolerance``: which number of a linkage moves which result by how much."""
+"""``linkproof.tolerance``: the change of each result with each toleranced number of a linkage."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from analytic.description.linkage import Linkage
 from comparisons.designs.tolerance.tolerance_study import SHARES, ToleranceStudy, tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances, read_tolerances
 from reports.python.keywords import Words, of_linkage, with_keywords, words
+from reports.requests.designs import tolerance_request_of
 from reports.requests.options.designs import ToleranceOptions
-from reports.requests.tolerance import tolerance_request_of
 
 
 @with_keywords()
@@ -35,8 +35,8 @@ def tolerance(
     ``contribution`` (±), ``share`` (of the variance), ``worst`` (±, all together) and ``linear_deviation`` follow from
     ``derivative``, whose attribute ``derivatives`` is exact or difference. ``change`` (over ``limit``) is computed
     with one number at its limit, ``corner`` (``end``) with all; ``mean``, ``deviation`` and ``quantile`` are of random
-    designs. NaN are derivatives where two local maxima are equal, and values of designs that do not assemble. Raises
-    LinkproofError for what cannot be.
+    designs. Derivatives are NaN where two local maxima are equal, and so are values of designs that do not
+    assemble. Raises LinkproofError for bad input.
     """
     given = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))
     given = replace(given, results=given.results if results is None else words(results))
@@ -47,15 +47,15 @@ def tolerance(
 
 
 def dataset(study: ToleranceStudy) -> xarray.Dataset:
-    """A study, labelled, in the units of the linkage's file."""
+    """A study as labelled arrays in the units of the linkage's file."""
     request = study.request
     size = np.array([figure.unit.size for figure in request.figures])
-    own = np.array([tolerance.parameter.unit.size for tolerance in request.tolerances])
+    parameter_size = np.array([tolerance.parameter.unit.size for tolerance in request.tolerances])
     of, by = ("result",), ("result", "parameter")
     return xarray.Dataset(
         {
             "nominal": (of, study.nominal / size),
-            "derivative": (by, study.derivatives * own / size[:, None]),
+            "derivative": (by, study.derivatives * parameter_size / size[:, None]),
             "contribution": (by, study.contributions / size[:, None]),
             "share": (by, study.shares),
             "change": ((*by, "limit"), study.changes / size[:, None, None]),
@@ -71,7 +71,7 @@ def dataset(study: ToleranceStudy) -> xarray.Dataset:
             "units": (of, [figure.unit.name for figure in request.figures]),
             "parameter": [tolerance.name for tolerance in request.tolerances],
             "parameter_units": (("parameter",), [tolerance.parameter.unit.name for tolerance in request.tolerances]),
-            "plus_minus": (("parameter",), [tolerance.plus_minus for tolerance in request.tolerances] / own),
+            "plus_minus": (("parameter",), [tolerance.plus_minus for tolerance in request.tolerances] / parameter_size),
             "distribution": (("parameter",), [str(tolerance.distribution) for tolerance in request.tolerances]),
             "limit": ["lower", "upper"],
             "end": ["least", "largest"],

@@ -1,3 +1,3 @@
-"""What users request: options declared once, what is worked out of them, and exit codes that say how it ended."""
+"""Requests of users: the declared options, the computations that they select, and exit codes."""
 
 PASSED, FAILED, BAD_INPUT, SUITE_ERROR, INTERRUPTED = 0, 1, 2, 3, 130

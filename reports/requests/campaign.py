@@ -22,26 +22,26 @@ DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of file
 
 
 def files(options: RunsOptions) -> list[LinkageFile]:
-    """The files of the requested linkages; all of the catalogue that have the variant, where none is named.
+    """The files of the requested linkages; by default all of the catalogue that have the variant.
 
-    Files of one name from different folders have the names of folders before theirs, as many as tell them apart.
+    Files of the same name get the names of their folders before their own, as many as are needed to differ.
     """
     names = tuple(dict.fromkeys(options.mechanisms or having(catalogue(), options.variant)))
     linkage_files = [read(name) for name in names]
-    own = [file.name for file in linkage_files]
+    file_names = [file.name for file in linkage_files]
     for depth in range(1, DEEPEST_FOLDER + 1):
         counts = Counter(file.name for file in linkage_files)
         linkage_files = [
             replace(file, name=printable("-".join((*Path(path).resolve().parent.parts[-depth:], name))))
             if counts[file.name] > 1 and Path(path).suffix
             else file
-            for path, name, file in zip(names, own, linkage_files, strict=True)
+            for path, name, file in zip(names, file_names, linkage_files, strict=True)
         ]
     return linkage_files
 
 
 def having(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
-    """Of several linkages those that have a variant; all of them where none has."""
+    """The linkages that have a variant; all of them if none has."""
     return tuple(name for name in names if variant is None or variant in load(name).variants) or tuple(names)
 
 
@@ -61,7 +61,7 @@ def _check_names_differ(chosen: list[Linkage]) -> None:
 
 
 def installed(engines: Sequence[str]) -> list[str]:
-    """Those of the engines that are installed."""
+    """The installed engines among these."""
     return [name for name, engine in zip(engines, adapters(engines), strict=True) if why_unavailable(engine) is None]
 
 
@@ -75,7 +75,7 @@ def left_out(engines: Sequence[str]) -> str:
 
 
 def named(engines: Sequence[str]) -> tuple[str, ...]:
-    """Engines that are named, each once; raises LinkproofError for one that cannot be used here."""
+    """Named engines, each once; raises LinkproofError for an engine that cannot be used here."""
     for adapter in adapters(engines):
         absent = why_unavailable(adapter)
         if absent is not None:
@@ -110,7 +110,7 @@ def _own_settings(options: RunsOptions) -> tuple[Setting, ...]:
 
 
 def request(options: RunsOptions, known: Sequence[Linkage] = ()) -> CampaignRequest:
-    """The campaign's request; raises LinkproofError for anything that does not exist or cannot be.
+    """The campaign's request; raises LinkproofError for bad input.
 
     Regimes that other ``known`` linkages define may be requested: those that do not define them are not run in them.
     """

@@ -1,28 +1,58 @@
-"""The one motion of a linkage that results, sweep, optimise and tolerance are about."""
+"""The single motion of a linkage for results, sweep, optimise and tolerance, and the instants of a table."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import without
 from analytic.description.crank_motion import RPM, CrankMotion, Segment
+from analytic.description.file_units import file_unit
 from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import STEADY, range_motion
+from comparisons.datasheet.instants import Instants
 from comparisons.reference.case import Case, own_case
-from reports.requests.motions import EVERYTHING, OWN, own_regimes, prescribed
+from reports.requests.motions import EVERYTHING, OWN, check_motion, own_regimes, prescribed
+from reports.requests.options.linkage import ResultsOptions
 from reports.requests.options.motion import MotionOptions
+
+
+class RequestedResults(NamedTuple):
+    """A linkage under a motion, and the instants (n,), s, of its tables; None for the whole motion."""
+
+    case: Case
+    chosen: NDArray[np.float64] | None
+
+
+def requested_results(linkage: Linkage, options: ResultsOptions) -> RequestedResults:
+    """The motion and the instants of a request; raises LinkproofError for impossible ones."""
+    check_motion(options)
+    if options.at is not None and options.time is not None:
+        raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
+    case = requested_case(Mechanism(linkage if options.gravity else without(linkage, "gravity")), options)
+    linkage, instants = case.mechanism.linkage, Instants(case.motion, turns=not case.mechanism.linkage.is_linear)
+    if options.at is not None:
+        length = file_unit("m", linkage)
+        unit, size = (f" {length.name}", length.size) if linkage.is_linear else ("°", math.radians(1.0))
+        return RequestedResults(case, instants.at_angles(np.array(options.at), unit, size))
+    return RequestedResults(case, None if options.time is None else instants.at_times(np.array(options.time)))
 
 
 def requested_case(mechanism: Mechanism, options: MotionOptions) -> Case:
     """The linkage under the one requested motion: by default a turn at constant speed, or the range of the crank."""
     linkage = mechanism.linkage
-    own = own_regimes(options, [linkage])
+    names = own_regimes(options, [linkage])
     if len(options.regime) > 1 or {EVERYTHING, OWN} & {*options.regime}:
         raise LinkproofError(f"expected one motion, got --regime {', '.join(options.regime)}: choose one of them")
-    if own:
-        case = own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == own[0]))
+    if names:
+        case = own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == names[0]))
         return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
     if linkage.is_linear or options.swings or options.regime not in ((), (STEADY,)) or _is_timed(options):
         ((motion,), _) = prescribed(options, [linkage])

@@ -1,4 +1,4 @@
-"""``compare``: a campaign as it is requested, with the standard of its project, and what came of it."""
+"""``compare``: the requested campaign with the standard of its project, and its results."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ AS_USUAL, UNBOUND = StandardOptions(), RunLimits()
 
 @dataclass(frozen=True)
 class Campaign:
-    """A campaign that can run: nothing of it is missing or unknown.
+    """A campaign whose names are all known.
 
     ``command`` repeats it, ``saved_command`` with its standard and limits. ``recorded`` is the file that its errors are
     recorded in, if they are to be. ``options`` are those that were typed.
@@ -71,9 +71,9 @@ class Campaign:
 
 
 def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limits: RunLimits = UNBOUND) -> Campaign:
-    """The campaign of a request; what the options leave open, the project of the linkages says.
+    """The campaign of a request; the project of the linkages completes its options.
 
-    Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
+    Raises LinkproofError for bad input, before any run.
     """
     completed = in_project(options, limits, standard)
     where = running(completed.limits)

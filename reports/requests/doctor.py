@@ -1,4 +1,4 @@
-"""``doctor``: what is installed, what of it works, and where files are written."""
+"""``doctor``: the installed packages, tests of engines and compiler, and the folders that are written."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ NOT_FOR_USERS: Final = {"dev", "docs", "all"}  # extras
 
 
 @dataclass(frozen=True)
-class Trial:
-    """A test of an engine or a package: whether it ``works``, None where it is not installed; ``detail`` says how."""
+class SelfTest:
+    """A test of an engine or a package: whether it ``works``, None if it is not installed, with a ``detail``."""
 
     name: str
     version: str
@@ -39,26 +39,28 @@ class Trial:
     detail: str
 
 
-def engine_trials() -> list[Trial]:
+def engine_trials() -> list[SelfTest]:
     """A short run of every engine, the run-up of one of the catalogue's linkages, in worker processes."""
     trial = request(CompareOptions(mechanisms=tuple(catalogue()[:1]), quantity=("Mkr",)))
     tried = {record.engine: _trial(record) for run in compare(trial) for record in run.records}
     adapters = engines(engine_names())
-    absent = {each.name: Trial(each.name, "", None, reason) for each in adapters if (reason := why_unavailable(each))}
+    absent = {
+        each.name: SelfTest(each.name, "", None, reason) for each in adapters if (reason := why_unavailable(each))
+    }
     return [(absent | tried)[name] for name in engine_names()]
 
 
-def _trial(record: Record) -> Trial:
+def _trial(record: Record) -> SelfTest:
     if record.error_max is None:
-        return Trial(record.engine, record.engine_version, False, f"{record.outcome}: {record.detail}")
+        return SelfTest(record.engine, record.engine_version, False, f"{record.outcome}: {record.detail}")
     detail = f"simulates; error of the torque {record.error_max:.1e} of its peak, {record.total_seconds:.2g} s"
-    return Trial(record.engine, record.engine_version, True, detail)
+    return SelfTest(record.engine, record.engine_version, True, detail)
 
 
-def machine_code_trial() -> Trial:
+def machine_code_trial() -> SelfTest:
     """A function of one operation, compiled: Numba works where this does."""
     if not compiling.is_installed():
-        return Trial("machine code", "", None, "numba is not installed: pip install 'linkproof[compiled]'")
+        return SelfTest("machine code", "", None, "numba is not installed: pip install 'linkproof[compiled]'")
     trace, begin = OperationList(), time.perf_counter()
     number = trace.input("number")
     line = trace.line(number + 1.0)
@@ -67,22 +69,22 @@ def machine_code_trial() -> Trial:
         function = compiling.StraightFunction(trace, [number.line], [], [Result(line)])
         (result,) = function([1.0], np.zeros((1, 0)), 1)
     except Exception as error:  # whatever a broken compiler raises
-        return Trial("machine code", version, False, " ".join(f"{type(error).__name__}: {error}".split()))
-    return Trial("machine code", version, bool(result == 2.0), f"compiles, {time.perf_counter() - begin:.2g} s")
+        return SelfTest("machine code", version, False, " ".join(f"{type(error).__name__}: {error}".split()))
+    return SelfTest("machine code", version, bool(result == 2.0), f"compiles, {time.perf_counter() - begin:.2g} s")
 
 
-def optional_packages() -> list[Trial]:
-    """Packages of the extras, engines left out, each with its version, or with what installs it."""
+def optional_packages() -> list[SelfTest]:
+    """Packages of the extras except engines, each with its version, or with the command that installs it."""
     matches = [match for each in metadata.requires("linkproof") or () if (match := OPTIONAL.match(each))]
     named = {package: extra for package, extra in (match.groups() for match in matches) if extra not in NOT_FOR_USERS}
     return [_package(package, extra) for package, extra in named.items() if extra not in engine_names()]
 
 
-def _package(package: str, extra: str) -> Trial:
+def _package(package: str, extra: str) -> SelfTest:
     try:
-        return Trial(package, metadata.version(package), True, f"extra '{extra}'")
+        return SelfTest(package, metadata.version(package), True, f"extra '{extra}'")
     except metadata.PackageNotFoundError:
-        return Trial(package, "", None, f"pip install 'linkproof[{extra}]' installs it")
+        return SelfTest(package, "", None, f"pip install 'linkproof[{extra}]' installs it")
 
 
 def places() -> dict[str, str]:

@@ -11,9 +11,9 @@ from engines.registry import Unusable
 
 
 def engine_findings(adapter: Engine, processes: int | None = None) -> list[CheckResult]:
-    """What comes of every check of an engine.
+    """The results of every check of an engine.
 
-    Raises LinkproofError where nothing could be checked, AdapterError for an engine that cannot be loaded.
+    Raises LinkproofError if nothing can be checked, AdapterError for an engine that cannot be loaded.
     """
     if isinstance(adapter, Unusable):
         if adapter.error is None:

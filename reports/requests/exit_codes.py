@@ -23,10 +23,10 @@ def campaign_exit_code(
     figures: Iterable[KeyFigure] = (),
     departures: Sequence[str] = (),
 ) -> int:
-    """Of judged records; naive ones count only where nothing else ran, errata only where they are a fault of ours.
+    """The exit code of records; naive ones count only without other settings, errata only as faults of linkproof.
 
-    A key figure that is not as recorded fails, and so do ``departures`` from a baseline. Raises LinkproofError where no
-    record says anything of an engine.
+    A key figure that differs from its record fails, and so do ``departures`` from a baseline. Raises LinkproofError if
+    no record is judged.
     """
     naive, others = set[Verdict](), set[Verdict]()
     reasons: Counter[tuple[str, str]] = Counter()
@@ -46,9 +46,9 @@ def campaign_exit_code(
 
 
 def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> int:
-    """Of a benchmark's records: 1 where an engine finished no point and nothing excuses it.
+    """The exit code of a benchmark: 1 if an engine finished no point without an excuse.
 
-    Raises LinkproofError where no point of any engine could be measured.
+    Raises LinkproofError if no point of any engine could be measured.
     """
     excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
     useful = {record.engine for record in records if record.outcome in excused or record.detail == OUT_OF_TIME}
@@ -58,9 +58,9 @@ def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> i
 
 
 def stress_exit_code(cells: Iterable[CellResult]) -> int:
-    """Of the cells of stability maps: 1 where our invariants missed a wrong motion.
+    """The exit code of cells of stability maps: 1 if the invariants missed a wrong motion.
 
-    Raises LinkproofError where not one cell says anything of an engine.
+    Raises LinkproofError if no cell is judged.
     """
     reasons = {cell.verdict: cell.reason for cell in cells}
     is_judged = not reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}
@@ -69,9 +69,9 @@ def stress_exit_code(cells: Iterable[CellResult]) -> int:
 
 
 def _code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter[tuple[str, str]]) -> int:
-    """A fault of ours goes before a failure; raises LinkproofError where nothing is judged, for the commonest reason.
+    """A fault of linkproof precedes a failure; raises LinkproofError if nothing is judged, with the commonest reason.
 
-    ``counts`` are of the outcomes that say nothing, each with its reason.
+    ``counts`` are those of outcomes that are not judged, each with its reason.
     """
     if is_ours or has_failed:
         return SUITE_ERROR if is_ours else FAILED

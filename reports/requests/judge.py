@@ -20,7 +20,7 @@ from reports.requests.options.linkage import JudgeOptions
 
 
 def check_judgement(options: JudgeOptions) -> None:
-    """Raise LinkproofError for what cannot be, before anything is read."""
+    """Raise LinkproofError for bad options, before a file is read."""
     check_motion(options)
     if not 0.0 < options.limit < math.inf:
         raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {options.limit:g}")
@@ -47,9 +47,9 @@ def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) 
     """The requested regime; over the crank angle a constant speed; else None: the file's columns give the motion."""
     if len(options.regime) > 1:
         raise LinkproofError(f"--regime: expected one motion of the crank, got {', '.join(options.regime)}; name one")
-    own = own_regimes(options, [linkage])
-    if own:
-        regime = next(regime for regime in linkage.regimes if regime.name == own[0])
+    names = own_regimes(options, [linkage])
+    if names:
+        regime = next(regime for regime in linkage.regimes if regime.name == names[0])
         return own_case(Mechanism(linkage), regime).motion
     if options.regime or options.swings:
         ((motion, *_), _) = prescribed(options, [linkage])

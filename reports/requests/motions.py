@@ -1,4 +1,4 @@
-"""The motions of ``MotionOptions``, prescribed and of a linkage's own, and what cannot be among them.
+"""The motions of ``MotionOptions``: prescribed ones and the regimes of a linkage; refusals of impossible ones.
 
 Of a drive along a line ``--from``, ``--to`` and ``--speed`` are in the file's unit of length; without a speed its
 motion has the mean speed of one second, without ends it goes over the range of the drive.
@@ -23,12 +23,12 @@ TURNING, SWINGING = "run-up", "constant-speed"  # the regime where none is named
 
 
 def offered(options: MotionOptions) -> tuple[str, ...]:
-    """Regimes that every linkage can be given under these words."""
+    """Regimes that every linkage can have under these options."""
     return tuple(LAWS) if options.swings else REGIMES
 
 
 def check_motion(options: MotionOptions) -> None:
-    """Raise LinkproofError for a motion that cannot be, in the words and the units of its options."""
+    """Raise LinkproofError for an impossible motion, in the words and the units of its options."""
     if options.rpm < 0.0 and options.clockwise:
         raise LinkproofError(
             f"--speed {options.rpm:g} turns clockwise already: leave --clockwise out, or give a positive speed"
@@ -92,7 +92,7 @@ def _check(option: str, value: float, unit: str, least: float) -> None:
 
 
 def _motions(options: MotionOptions) -> tuple[CrankMotion, ...]:
-    """The requested prescribed crank motions, without those of the linkages' own."""
+    """The requested prescribed crank motions, without regimes of the linkages."""
     known = offered(options)
     usual = SWINGING if options.swings else TURNING
     names = known if EVERYTHING in options.regime else options.regime or (usual,)
@@ -114,7 +114,7 @@ def _motion(options: MotionOptions, name: str) -> CrankMotion:
 
 
 def prescribed(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
-    """The requested prescribed motions, without the linkages' own, and their conditions in words."""
+    """The requested prescribed motions, without regimes of the linkages, and their conditions in words."""
     linear = [linkage for linkage in linkages if linkage.is_linear]
     if not linear:
         return _motions(options), options.conditions
@@ -123,9 +123,9 @@ def prescribed(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tup
         raise LinkproofError(
             f"'{linkage.name}' is driven along a line and cannot share a motion with other linkages: run it separately"
         )
-    own = {regime.name for regime in linkage.regimes}
+    regimes = {regime.name for regime in linkage.regimes}
     for name in options.regime:
-        if name in offered(options) and name not in LAWS and name not in own:
+        if name in offered(options) and name not in LAWS and name not in regimes:
             raise LinkproofError(
                 f"--regime {name} turns a crank, but '{linkage.name}' is driven along a line: choose one of "
                 f"{', '.join(LAWS)} with --from and --to"
@@ -152,15 +152,15 @@ def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:
 
 def own_regimes(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[str, ...]:
     """Requested regimes that the linkages define for themselves; ``own`` and ``all`` request all of them."""
-    own = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
-    known = [*offered(options), *own, OWN, EVERYTHING]
+    regimes = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
+    known = [*offered(options), *regimes, OWN, EVERYTHING]
     for name in options.regime:
         if name not in known:
             raise UnknownNameError("regime", name, known)
-        if options.swings and name in (*own, OWN):
+        if options.swings and name in (*regimes, OWN):
             raise LinkproofError(
                 f"--regime {name} is defined in its file, and --from and --to define another motion: leave one out"
             )
     if {OWN, EVERYTHING} & set(options.regime):
-        return tuple(own)
-    return tuple(name for name in own if name in options.regime)
+        return tuple(regimes)
+    return tuple(name for name in regimes if name in options.regime)

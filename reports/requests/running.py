@@ -1,4 +1,4 @@
-"""Where runs are made, and what each of them may take."""
+"""The place of runs, and the time and memory that each may use."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Running:
     scheduler: object
 
     def pool(self, here: Pool | None = None) -> AbstractContextManager[Pool]:
-        """Where runs are made, on this machine ``here``; raises LinkproofError where they cannot be."""
+        """The pool of workers, on this machine ``here``; raises LinkproofError if it cannot be opened."""
         return opened(self.scheduler, here or LocalPool(self.processes))
 
 
 def running(limits: RunLimits) -> Running:
-    """The bounds and the place of runs; raises LinkproofError for what cannot be.
+    """The bounds and the place of runs; raises LinkproofError for bad input.
 
-    Runs have as many processes as there are cores by default, even a single one, which is apart from the command too.
+    By default there are as many worker processes as cores; a single run has a process of its own, too.
     """
     for option, value, unit in (
         ("--time-limit", limits.time_limit, "s"),

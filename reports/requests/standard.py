@@ -1,4 +1,4 @@
-"""A user's own standard: limits, a baseline, and the project that stands behind the options."""
+"""A user's standard: limits, a baseline, and the project that completes the options."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ from reports.requests.options.campaign import (
 from reports.requests.options.declaring import stated
 
 Study = TypeVar("Study", CompareOptions, BenchOptions, StressOptions)
-INSTALLATIONS = {"site-packages", "dist-packages"}  # what stands there is gone with the next installation
+INSTALLATIONS = {"site-packages", "dist-packages"}  # the next installation removes the files in them
 
 
 class InProject(NamedTuple):
-    """Options with the words of the linkages' ``project`` wherever they say nothing.
+    """Options, completed from the linkages' ``project``.
 
-    ``known`` are the project's linkages, where one of its regimes may be another linkage's than those that are named.
-    ``coverage`` says what of a baseline is compared.
+    ``known`` are the project's linkages, if a regime of the project may belong to a linkage that is not named.
+    ``coverage`` is the part of a baseline that is compared.
     """
 
     options: CompareOptions
@@ -80,7 +80,7 @@ def baseline_file(standard: StandardOptions, project: Project | None) -> Path | 
 
 
 def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard:
-    """What results are held against; raises LinkproofError for a limit or a figure of what does not exist."""
+    """The limits and the baseline for results; raises LinkproofError for unknown names in them."""
     read_files, project = files(completed.options), completed.project
     chosen = standard_of(
         read_files, project, standard.limits, standard.baseline,
@@ -91,7 +91,7 @@ def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard
         yield from read_files
         yield from _others(read_files, project)
 
-    recorded = chosen.baseline.linkages  # one that is recorded and missing has a message of its own
+    recorded = chosen.baseline.linkages  # a recorded linkage that is missing has its own message
     check_named(
         chosen.limits,
         lambda: [*_mechanisms(known()), *(Path(path).stem for path in recorded)],
@@ -103,12 +103,12 @@ def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard
 
 
 def _others(named: list[LinkageFile], project: Project | None) -> Iterator[LinkageFile]:
-    """Linkages that a limit may be for besides those named: the project's, or those beside them."""
+    """Further linkages that a limit may name: those of the project, or those in the same folder."""
     folders = dict.fromkeys(Path(file.origin).parent for file in named if not file.is_known)
     paths = project.linkages if project else [path for folder in folders for path in sorted(folder.glob("*.toml"))]
     yield from files(CompareOptions(mechanisms=tuple(map(str, paths)))) if project and paths else ()
     for path in paths:
-        with suppress(LinkproofError):  # a file beside a linkage need not be one
+        with suppress(LinkproofError):  # another file of the folder need not be a linkage
             yield read(path)
 
 
@@ -125,9 +125,9 @@ def _regimes(known: Iterable[LinkageFile]) -> list[str]:
 
 
 def coverage_of(options: CompareOptions, standard: StandardOptions, project: Project | None) -> Coverage:
-    """What of a baseline is compared: linkages and motions that are named are a part of it.
+    """The part of a baseline that is compared: all of it, or the linkages and motions that are named.
 
-    A motion that is named may be new to the project's baseline, not to one that is named itself.
+    A named motion may be missing in the project's baseline, but not in a baseline that is named itself.
     """
     names_motion = bool(stated(options.motion))
     return Coverage(
@@ -142,7 +142,7 @@ def coverage_of(options: CompareOptions, standard: StandardOptions, project: Pro
 
 
 def _project_of(names: tuple[str, ...]) -> Project | None:
-    """The project of the first linkage that is a file of a user's; of the working folder where none is named."""
+    """The project of the first linkage that is a user's file, or of the working folder if none is named."""
     if not names:
         return find_project(Path())
     origins = (file.origin for file in map(read, names) if not file.is_known)
@@ -151,10 +151,10 @@ def _project_of(names: tuple[str, ...]) -> Project | None:
 
 
 def of_project(options: Study) -> Study:
-    """A study's options with the linkages and engines of the project wherever they name none.
+    """A study's options, with the linkages and engines of the project where none are named.
 
-    The project is that of the first linkage that is named, or of the working folder. Raises LinkproofError for one that
-    cannot be read.
+    The project is that of the first named linkage, or of the working folder. Raises LinkproofError if it cannot be
+    read.
     """
     project = _project_of(options.mechanisms if isinstance(options, RunsOptions) else ())
     return options if project is None else _completed(options, project)

@@ -29,7 +29,7 @@ class SteadyCase(NamedTuple):
 
 
 def check_steady(options: SteadyOptions) -> None:
-    """Raise LinkproofError for a motion that cannot be, or is not at constant speed."""
+    """Raise LinkproofError for a motion that is impossible, or not at constant speed."""
     if options.regime not in ((), (STEADY,)):
         name = ", ".join(options.regime)
         raise LinkproofError(
@@ -42,7 +42,7 @@ def check_steady(options: SteadyOptions) -> None:
 def steady_case(linkage: Linkage, options: SteadyOptions) -> SteadyCase:
     """The requested motion, in the case of a linkage: a turn, the range of a driver that makes none, or --from to --to.
 
-    Raises LinkproofError for what cannot be.
+    Raises LinkproofError for bad input.
     """
     check_steady(options)
     linkage = replace(linkage, scales_mass=options.scale_mass)

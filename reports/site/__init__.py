@@ -1,1 +1,1 @@
-"""A report's folder: all its pages, written from what is saved in it."""
+"""A report's folder: all its pages, written from the data saved in it."""

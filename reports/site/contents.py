@@ -1,4 +1,4 @@
-"""What a report's folder holds: saved data, and the pages that come of it."""
+"""The contents of a report's folder: saved data, and the pages made of them."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ class Contents(StudyFolder):
         return len(self.sheets) == 1 and judged and self.bench is None and self.stress is None
 
     def file_of(self, sheet: Sheet) -> str:
-        """Where the page of a mechanism is."""
+        """The file of the page of a mechanism."""
         return INDEX if self.is_single else mechanism_page.file_of(sheet)
 
     def links(self) -> tuple[PageLink, ...]:
-        """Its pages in the order of a reader; raises LinkproofError where there is nothing to make one of."""
+        """Its pages in the order of a reader; raises LinkproofError if the folder has no data for a page."""
         if self.is_single:
             return (PageLink(self.sheets[0].name, INDEX),)
         studies = ((BENCH, self.bench), (STRESS, self.stress))

@@ -1,4 +1,4 @@
-"""The report of folders that were merged: grouped by hardware, each with pages of its own; nothing is ranked across."""
+"""The report of folders that were merged: grouped by hardware; nothing is ranked across machines."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _across(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:
 
 
 def _difference(before: Results | None, after: Results | None) -> FolderDifference | None:
-    """What differs between two campaigns; None where they have no run of the same linkage in common."""
+    """The differences between two campaigns; None if they have no run of the same linkage in common."""
     if before is None or after is None or not {r.run for r in before.records} & {r.run for r in after.records}:
         return None
     try:

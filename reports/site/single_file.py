@@ -1,4 +1,4 @@
-"""One page that holds a whole report, to mail: every page a section of it, all figures, scripts and data inside."""
+"""A whole report in a single page, to mail: every page is a section, all figures, scripts and data are inside."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ STYLE: Final = re.compile(r'<link rel="stylesheet" href="([^"]*)">')
 NAME: Final = re.compile(r'(?<=\bid=")[^"]+(?=")')
 FILES: Final = "'self' file:"  # where scripts come from, in the policy of a page in a folder: the first of it
 MAIN: Final = "main"  # the anchor of the first page
-PLAIN: Final = " !$&'()*+,-./:;<=>?@[]^_`{|}~"  # what an address of a picture holds as it is
+PLAIN: Final = " !$&'()*+,-./:;<=>?@[]^_`{|}~"  # characters that the address of a picture does not escape
 FEW: Final = frozenset({Setting.TUNED.value, Setting.BEST.value})  # whose curves are mailed
 
 
 def write_single_file(saved: Path, file: Path) -> Path:
-    """Write a page of all that ``saved`` holds; returns its path."""
+    """Write a page of all data in ``saved``; returns its path."""
     contents = Contents(saved)
     links = contents.links()
     page = joined_page([contents.page(link.href) for link in links])
@@ -44,15 +44,15 @@ def write_single_file(saved: Path, file: Path) -> Path:
 
 
 def joined_page(pages: Sequence[Page]) -> Page:
-    """Pages as sections of the first one; names and links are those of the page that they were on."""
+    """Pages as sections of the first page, with names and links changed so that they stay unique."""
     first, *rest = pages
     files = {first.file: "", **{page.file: _stem(page.file) for page in rest}}
     moved = {page.file: _moved((*page.parts, *page.sections), files[page.file], files) for page in rest}
     sections = (
         Section(files[page.file], page.heading, (Paragraph(page.subtitle, "small"), *moved[page.file])) for page in rest
     )
-    parts, own = _moved((first.parts, first.sections), "", files)
-    return replace(first, parts=parts, sections=(*own, *sections), charts=any(page.charts for page in pages))
+    parts, first_sections = _moved((first.parts, first.sections), "", files)
+    return replace(first, parts=parts, sections=(*first_sections, *sections), charts=any(page.charts for page in pages))
 
 
 def _stem(file: str) -> str:
@@ -60,7 +60,7 @@ def _stem(file: str) -> str:
 
 
 def _moved(result: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN401  any part of a page
-    """A part of a page, with its names and links as they are on the one page."""
+    """A part of a page, with its names and links changed for the joined page."""
     if isinstance(result, tuple):
         return tuple(_moved(entry, stem, files) for entry in result)
     if not is_dataclass(result) or isinstance(result, type):
@@ -68,18 +68,18 @@ def _moved(result: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN40
     names = ("data", "further", "drawing")
     values = {field.name: getattr(result, field.name) for field in fields(result)}
     changes = {name: _moved(value, stem, files) for name, value in values.items() if name not in names}
-    own = f"{stem}-" if stem else ""
+    prefix = f"{stem}-" if stem else ""
     if isinstance(result, PageLink):
         file, _, place = result.href.partition("#")
         if file in files or not file:
             target = files.get(file, stem)
             changes["href"] = f"#{'-'.join(filter(None, (target, place))) or MAIN}"
     elif isinstance(result, Section):
-        changes["key"] = own + result.key
+        changes["key"] = prefix + result.key
     elif isinstance(result, (PageFigure, Widget)):
-        changes["name"] = own + result.name
+        changes["name"] = prefix + result.name
     if isinstance(result, (Drawn, Widget)):
-        changes["markup"] = _renamed(result.markup, own)
+        changes["markup"] = _renamed(result.markup, prefix)
     moved = replace(result, **changes)
     return _with_few_curves(moved) if isinstance(moved, Widget) and moved.kind == "curves" else moved
 
@@ -100,20 +100,20 @@ def _with_few_curves(widget: Widget) -> Widget:
         for entry in data["regimes"]
     ]
     words = sentence("few_curves", regime=shown, settings=sorted(settings, reverse=True))
-    own = {"regimes": regimes, "curves": _of(data["curves"], settings), "left_out": words}
+    changes = {"regimes": regimes, "curves": _of(data["curves"], settings), "left_out": words}
     further = {key: _of(curves, settings) for key, curves in few.items()}
-    return replace(widget, data={**data, **own}, further=further, instead=())
+    return replace(widget, data={**data, **changes}, further=further, instead=())
 
 
 def _of(curves: Any, settings: set[str] | frozenset[str]) -> Any:  # noqa: ANN401  JSON
     return curves and {**curves, "runs": [run for run in curves["runs"] if run["setting"] in settings]}
 
 
-def _renamed(markup: Any, own: str) -> Any:  # noqa: ANN401  Markup
-    """Markup whose ids, and the classes and motions named after them, begin with the page that they were on."""
-    for name in set(NAME.findall(markup)) if own else ():
+def _renamed(markup: Any, prefix: str) -> Any:  # noqa: ANN401  Markup
+    """Markup whose ids, with the classes and motions named after them, begin with a ``prefix``."""
+    for name in set(NAME.findall(markup)) if prefix else ():
         pattern = rf'((?:[#.":]|@keyframes )){re.escape(name)}(?=-\d|[^\w-])'
-        markup = type(markup)(re.sub(pattern, rf"\g<1>{own}{name}", str(markup)))
+        markup = type(markup)(re.sub(pattern, rf"\g<1>{prefix}{name}", str(markup)))
     return markup
 
 
@@ -136,7 +136,7 @@ def _code(path: Path) -> str:
 
 
 def _picture(path: Path, style: str, attributes: str) -> str:
-    """A drawing inside the page, without what nobody sees of it."""
+    """A drawing inside the page, without its invisible parts."""
     text = " ".join(path.read_text(encoding="utf-8").partition("<svg")[2].split())
     used = set(re.findall(r"#([\w-]+)", text))
     text = re.sub(r' id="([^"]*)"', lambda match: match[0] if match[1] in used else "", text)

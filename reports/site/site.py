@@ -1,4 +1,4 @@
-"""Writing a report's folder: every page with its figures, longest first in worker processes; what is stale goes."""
+"""Writing a report's folder: every page with its figures, in worker processes; stale files are removed."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ WRITTEN: Final = "assets/written.txt"  # the files of the report, so that the ne
 
 
 def write_site(saved: Path, out: Path | None = None, *, processes: int | None = None, png: bool = False) -> Path:
-    """Write all pages of what ``saved`` holds into ``out``, by default the same folder; returns the first page's path.
+    """Write all pages of the data in ``saved`` into ``out``, by default the same folder; returns the first page's path.
 
-    ``processes`` worker processes write, one per core by default; with 0, or where none can be started, this one does.
-    ``png`` writes every figure as PNG as well. Raises LinkproofError where another command writes there.
+    ``processes`` worker processes write, one per core by default; with 0, or if none can be started, this process
+    does. ``png`` writes every figure as PNG as well. Raises LinkproofError where another command writes there.
     """
     contents = Contents(saved)
     folder, links = out or contents.path, contents.links()
@@ -51,12 +51,12 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
 
 
 def _turn(file: str) -> int:
-    """When a page is begun: those that take longest first."""
+    """The rank of a page in the order of writing: slow pages first."""
     return {BENCH.href: 1, STRESS.href: 2, INDEX: 3}.get(file, 0)
 
 
 def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: bool, file: str) -> tuple[str, ...]:
-    """Write one page; returns the names of its files. The garbage collector waits: its walks take long."""
+    """Write one page; returns the names of its files. The garbage collector is off, since it is slow."""
     gc.disable()
     try:
         if file == SUMMARY and contents.campaign is not None:

@@ -60,7 +60,7 @@ class Repository:
 
     def action(self, **inputs):
         """Exit codes of the action's own steps by name; after one that failed those alone that run always."""
-        given = {name: told["default"] for name, told in ACTION["inputs"].items()} | inputs
+        given = {name: facts["default"] for name, facts in ACTION["inputs"].items()} | inputs
         codes = {}
         for step in ACTION["runs"]["steps"]:
             if "run" in step and (not any(codes.values()) or step.get("if") == "always()"):

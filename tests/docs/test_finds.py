@@ -1,11 +1,10 @@
-"""Every script of docs/finds.md still shows its fault: what it prints is as far off as the page says."""
+"""Every script of docs/finds.md still shows its fault: its output has the words and the differences of the page."""
 
 import re
 
 import pytest
 
-from tests.docs.given import lay_out
-from tests.docs.test_snippets import FILE, PAGES, blocks, commands, shell
+from tests.docs.test_snippets import FILE, PAGES, agrees, blocks, commands, shell
 
 __all__ = ["shell"]
 (PAGE,) = (page for page in PAGES if page.name == "finds.md")
@@ -22,16 +21,16 @@ def differences(text):
 
 
 @pytest.mark.parametrize("text", SCRIPTS, ids=lambda text: re.search(r"ondsel|simbody|mujoco|pymunk", text)[0])
-def test_a_find_is_still_one(text, shell, tmp_path):
-    lay_out(tmp_path)
+def test_a_fault_of_an_engine_is_still_there(text, shell, tmp_path):
     for name, file in FILE.findall(PAGE.read_text(encoding="utf-8")):
         (tmp_path / name).write_text(file, encoding="utf-8")
     (export, _), (script, shown) = commands(text)
     assert shell(export, tmp_path).returncode == 0
-    printed = shell(script, tmp_path).stdout
+    output = shell(script, tmp_path).stdout
+    assert agrees(output, shown, measured=True), output
     if "solved" in shown:
-        assert GIVEN_UP.search(printed)[1] != GIVEN_UP.search(printed)[2]
+        assert GIVEN_UP.search(output)[1] != GIVEN_UP.search(output)[2]
         return
-    found, expected = differences(printed), differences(shown)
+    found, expected = differences(output), differences(shown)
     assert max(expected.values()) > ROUNDING
     assert not {name for name, off in expected.items() if off > ROUNDING and found[name] < STILL * off}

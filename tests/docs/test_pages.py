@@ -1,4 +1,4 @@
-"""The documentation as a site: every page is there, nothing comes from a network, tables are those of their data."""
+"""The documentation: a complete site that loads nothing from a network, with the tables and names of the program."""
 
 import re
 import shutil
@@ -12,11 +12,12 @@ import linkproof
 from analytic.description.format.json_schema import json_schema
 from comparisons.judging.limits import shipped_limits
 from docs.making.pages import keys, limits, reference
+from docs.making.readouts import renewed
 from tests.pages.browser import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 LOADED = re.compile(r"<(?:script|img|iframe|source)[^>]* src=\"?([^\" >]+)|<link[^>]* href=\"?([^\" >]+)")
-ASKED = re.compile(r"url\((https?:[^)]+)\)|@import")
+FONTS = re.compile(r"url\((https?:[^)]+)\)|@import")
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def test_a_page_loads_nothing_from_a_network(site):
     assert len(pages) > 15
     assert any(address.startswith("assets/") for address in loaded)
     assert not {address for address in loaded if re.match(r"(https?:)?//", address)}
-    assert not [sheet for sheet in site.rglob("*.css") if ASKED.search(sheet.read_text(encoding="utf-8"))]
+    assert not [sheet for sheet in site.rglob("*.css") if FONTS.search(sheet.read_text(encoding="utf-8"))]
 
 
 def test_every_page_of_the_folder_is_in_the_navigation(site):
@@ -51,26 +52,29 @@ def test_the_site_is_searched_from_the_disk(site):
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         page = browser.new_page()
         page.set_default_timeout(PATIENCE)
-        asked = []
-        page.on("request", lambda request: asked.append(request.url))
+        requested = []
+        page.on("request", lambda request: requested.append(request.url))
         page.goto((site / "index.html").as_uri())
         page.keyboard.press("/")
         page.keyboard.type("shaking force")
         page.wait_for_selector(".md-search-result__item a[href*='quantities.html']")
         browser.close()
-    assert not [url for url in asked if url.startswith("http")]
+    assert not [url for url in requested if url.startswith("http")]
 
 
-def test_every_limit_stands_with_its_reason():
-    table = limits()
-    assert all(f"| {row.reason} |" in table for row in shipped_limits().rows)
-
-
-def test_every_key_of_the_schema_is_told():
-    text = keys()
+def test_the_tables_have_every_limit_every_key_and_every_read_out():
+    assert all(f"| {row.reason} |" in limits() for row in shipped_limits().rows)
     schema = json_schema()
     names = set(schema["properties"]) | set(schema["definitions"]["RegimeTable"]["properties"])
-    assert not {name for name in names if f"| `{name}` |" not in text}
+    assert not {name for name in names if f"| `{name}` |" not in keys()}
+    page = (ROOT / "docs" / "engines.md").read_text(encoding="utf-8")
+    assert page == renewed(page), "write it anew: python -m docs.making.readouts docs/engines.md"
+
+
+def test_the_page_about_python_has_every_public_name_and_every_variable_of_results():
+    text = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    assert [name for name in linkproof.__all__ if f"`{name}" not in text and name != "__version__"] == []
+    assert [name for name in linkproof.results("juki-mf7923d", at=[0]) if f"`{name}`" not in text] == []
 
 
 def test_the_reference_has_every_public_name_with_its_arguments():

@@ -20,7 +20,8 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").g
 BLOCK = re.compile(r"^```(console|python)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^```toml (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PRINTS = re.compile(r"^ *print\(.*\)  # (.*)$", re.MULTILINE)
-# What sets up a machine; docs/your-first-engine.md has a test of its own, which installs its blocks first.
+OWN_TEST = "finds.md"  # tests/docs/test_finds.py runs its blocks
+# Commands that set up a machine; docs/your-first-engine.md has a test of its own, which installs its blocks first.
 SETTING_UP = {"git", "python3", "pip", "make", "barwork"}
 # Their figures are errors and times of engines, which differ from machine to machine.
 MEASURING = {"compare", "bench", "stress", "export", "published"}
@@ -41,7 +42,7 @@ def commands(text):
 
 
 def words(command):
-    """The words of a command, and what ``linkproof`` is asked for."""
+    """The words of a command, and the command of ``linkproof`` among them."""
     found = command.split()
     return found, found[1] if found[0] == "linkproof" else found[0]
 
@@ -55,13 +56,13 @@ def quick(command):
     return command
 
 
-def agrees(told, shown, measured):
-    """Whether the lines shown are those told, or some of them in order where a line of dots says so."""
-    told, shown = (text.rstrip().splitlines() for text in (told, shown))
-    is_alike = (lambda one, other: printed.words(one) == printed.words(other)) if measured else printed.is_same
+def agrees(output, shown, measured):
+    """Whether the lines shown are the output, or some of its lines in order where a line of dots is among them."""
+    output, shown = (text.rstrip().splitlines() for text in (output, shown))
+    is_alike = (lambda line, other: printed.words(line) == printed.words(other)) if measured else printed.is_same
     if "..." not in shown:
-        return len(told) == len(shown) and all(map(is_alike, told, shown))
-    rest = iter(told)
+        return len(output) == len(shown) and all(map(is_alike, output, shown))
+    rest = iter(output)
     return all(any(is_alike(other, line) for other in rest) for line in shown if line != "...")
 
 
@@ -83,8 +84,8 @@ def shell(tmp_path_factory):
     return run
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_what_a_page_shows_is_what_happens(page, shell, tmp_path, monkeypatch):
+@pytest.mark.parametrize("page", [page for page in PAGES if page.name != OWN_TEST], ids=lambda page: page.stem)
+def test_a_page_shows_what_its_commands_print(page, shell, tmp_path, monkeypatch):
     monkeypatch.setattr("reports.command_line.commands.compare.engine_names", lambda: SHOWN)
     lay_out(tmp_path)
     for name, text in FILE.findall(page.read_text(encoding="utf-8")):

@@ -44,15 +44,15 @@ def checked(package: Path) -> list[str]:
         for file, content in FILE.findall(text):
             (folder / file).write_text(content, encoding="utf-8")
         (folder / "script.py").write_text(SCRIPT, encoding="utf-8")
-        told = [
+        faults = [
             _differences(command, shown, run(*shlex.split(command)))
             for kind, block in blocks(README) if kind == "console"
             for command, shown in commands(block)
             if not SETTING_UP & set(command.split())
         ]  # fmt: skip
         for words in (("linkproof", "doctor"), ("mypy", "--strict", "script.py"), ("python", "script.py")):
-            told.append(_differences(shlex.join(words), "", run(*words)))
-        return [each for each in told if each]
+            faults.append(_differences(shlex.join(words), "", run(*words)))
+        return [each for each in faults if each]
 
 
 def _differences(command: str, shown: str, done: subprocess.CompletedProcess[str]) -> str:
@@ -67,8 +67,8 @@ def main() -> int:
     shutil.rmtree(folder, ignore_errors=True)
     subprocess.run([sys.executable, "-m", "hatchling", "build", "-d", str(folder)], cwd=ROOT, check=True)
     failures = {package.name: checked(package) for package in sorted(folder.iterdir())}
-    for name, told in failures.items():
-        print(f"{name}: {'passed' if not told else 'failed'}", *told, sep="\n")
+    for name, faults in failures.items():
+        print(f"{name}: {'passed' if not faults else 'failed'}", *faults, sep="\n")
     return 1 if any(failures.values()) else 0
 
 

@@ -2,36 +2,47 @@
 
 import ast
 import os
+import re
+import runpy
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import pytest
 
 import linkproof
+from engines import contract, scene
+from linkproof import pytest_plugin
 from tests.linkproof import stub
+from tests.reports.pytest_plugin.projects import run
+
+pytest_plugins = ["pytester"]
 
 ROOT = Path(__file__).parents[2]
 MOST_NAMES, MOST_LINES = 20, 110
 
 
-def _run(folder, *words):
-    """What Python says to words in a folder, which comes before the source in its path."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    environment.pop("PYTHONSAFEPATH", None)
-    command = [sys.executable, *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, check=False)
-
-
-def test_it_has_few_names_and_each_is_there():
+def test_it_has_few_names_and_each_can_be_imported():
     assert len(linkproof.__all__) <= MOST_NAMES
     assert all(getattr(linkproof, name) is not None for name in linkproof.__all__)
     assert dir(linkproof) == sorted(linkproof.__all__)
-
-
-def test_another_name_is_refused_with_those_that_there_are():
     with pytest.raises(AttributeError, match="'Mechanism': it has Comparison, Linkage"):
         _ = linkproof.Mechanism
+    files = [ROOT / "linkproof" / name for name in ("__init__.py", "engine.py")]
+    assert sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files) <= MOST_LINES
+
+
+def test_the_contract_for_plug_ins_has_every_class_of_which_an_adapter_is_made():
+    assert all(hasattr(linkproof.engine, name) for name in linkproof.engine.__all__)
+    assert sorted(linkproof.engine.__all__) == linkproof.engine.__all__
+    made = {
+        name
+        for module in (contract, scene)
+        for name, value in vars(module).items()
+        if isinstance(value, type) and value.__module__ == module.__name__
+    }
+    assert made - set(linkproof.engine.__all__) <= {"GuidedJoint"}  # what slider and slot have in common
 
 
 def test_a_type_checker_sees_the_declared_options():
@@ -42,40 +53,86 @@ def test_a_type_checker_sees_the_declared_options():
     assert {*linkproof.__all__} <= imported | functions | {"__version__"}
 
 
-def test_its_re_exports_are_short():
-    files = [ROOT / "linkproof" / name for name in ("__init__.py", "engine.py")]
-    assert sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files) <= MOST_LINES
+STARTING = """
+import sys
+HEAVY = {"numpy", "scipy", "pydantic", "xarray", "matplotlib", "rich", "analytic.kinematics", "engines.registry"}
+
+def loaded(*more):
+    print(*sorted({*HEAVY, *more} & {*sys.modules}))
+
+import linkproof, linkproof.pytest_plugin
+loaded("typer", "reports")
+sys.argv = ["linkproof", "--help"]
+from reports.command_line.main import main
+try:
+    main()
+except SystemExit:
+    loaded()
+linkproof.results
+print("matplotlib" in sys.modules)
+"""
 
 
-def test_importing_it_imports_nothing_heavy(tmp_path):
-    code = (
-        "import sys, linkproof; "
-        "print(*sys.modules.keys() & {'numpy', 'scipy', 'xarray', 'pydantic', 'typer', 'reports.python', 'engines'})"
-    )
-    assert _run(tmp_path, "-c", code).stdout == "\n"
+def test_each_entrance_imports_nothing_heavy_before_it_is_used(tmp_path):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", STARTING]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment, check=True)
+    package, *help_text, command_line, results = done.stdout.splitlines()
+    assert "  compare" in "\n".join(help_text)
+    assert (package, command_line, results) == ("", "", "False")
+
+
+@pytest.fixture
+def stranger(tmp_path, monkeypatch):
+    """Make a folder or a file the place from which one of linkproof's packages would be imported; returns its path."""
+
+    def install(name, file="__init__.py"):
+        path = tmp_path / name / file if file else tmp_path / f"{name}.py"
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+        monkeypatch.delitem(sys.modules, name)
+        monkeypatch.syspath_prepend(tmp_path)
+        return path.parent
+
+    return install
+
+
+def refused(name, place):
+    words = f"expected linkproof's package '{name}' in '{ROOT}', got another one in '{place}': "
+    return re.escape(f"{words}rename that one, or take its folder out of sys.path")
 
 
 @pytest.mark.parametrize("name", ["analytic", "engines", "comparisons", "reports"])
-def test_a_strangers_package_is_named_with_the_cure(name, tmp_path):
-    (tmp_path / name).mkdir()
-    (tmp_path / name / "__init__.py").touch()
-    told = f"expected linkproof's package '{name}' in '{ROOT}', got another one in '{tmp_path / name}'"
-    for words in (("-c", "from linkproof import load"), ("-c", "import linkproof.engine"), ("-m", "linkproof", "list")):
-        answer = _run(tmp_path, *words).stderr.splitlines()[-1]
-        assert answer == f"ImportError: {told}: rename that one, or take its folder out of sys.path"
+def test_a_strangers_package_is_named_with_the_cure_by_every_entrance(name, stranger):
+    sentence = refused(name, stranger(name))
+    with pytest.raises(ImportError, match=sentence):
+        _ = linkproof.load
+    for entrance in ("engine.py", "__main__.py"):
+        with pytest.raises(ImportError, match=sentence):
+            runpy.run_path(str(ROOT / "linkproof" / entrance), run_name="__main__")
+    with pytest.raises(pytest.UsageError, match=sentence):
+        pytest_plugin._plugin(None)
 
 
-def test_a_strangers_module_is_named_too(tmp_path):
-    (tmp_path / "engines.py").touch()
-    assert f"got another one in '{tmp_path}'" in _run(tmp_path, "-c", "import linkproof; linkproof.load").stderr
+def test_a_strangers_file_is_named_too(stranger):
+    place = stranger("engines", file=None)
+    with pytest.raises(ImportError, match=refused("engines", place)):
+        _ = linkproof.load
 
 
-def test_a_module_put_in_place_of_a_package_is_refused(tmp_path):
-    code = "import sys, types; sys.modules['reports'] = types.ModuleType('reports'); from linkproof import load"
-    assert "expected linkproof's package 'reports'" in _run(tmp_path, "-c", code).stderr
+def test_a_module_in_place_of_a_package_is_refused(monkeypatch):
+    monkeypatch.setitem(sys.modules, "reports", types.ModuleType("reports"))
+    with pytest.raises(ImportError, match=r"expected linkproof's package 'reports' in .*, got none"):
+        _ = linkproof.load
 
 
-def test_a_folder_of_that_name_without_python_does_no_harm(tmp_path):
-    (tmp_path / "reports").mkdir()
-    done = _run(tmp_path, "-m", "linkproof", "--version")
-    assert done.stdout == f"linkproof {linkproof.__version__}\n", done.stderr
+def test_a_folder_of_that_name_without_python_does_no_harm(stranger):
+    stranger("reports", file="notes.txt")
+    assert linkproof.load("juki-mf7923d").name == "juki-mf7923d"
+
+
+def test_the_plug_in_leaves_a_project_without_linkages_alone(stranger, monkeypatch, pytester):
+    stranger("reports")
+    monkeypatch.setattr(pytest_plugin, "_plugin", lambda _: pytest.fail("the plug-in began"))
+    pytester.makepyfile("def test_it():\n    pass\n")
+    run(pytester).assert_outcomes(passed=1)

@@ -1,4 +1,4 @@
-"""What a user installs: a type checker takes it for typed, and a script of the public names runs."""
+"""The installed wheel: a type checker reads its types, and a script of the public names runs."""
 
 import os
 import subprocess
@@ -24,7 +24,7 @@ def heaviest(linkage: linkproof.Linkage) -> float:
     return float(values["Jeq"].max())
 
 
-def told(engine: Engine) -> list[Channel]:
+def channels(engine: Engine) -> list[Channel]:
     return list(engine.abilities.readouts)
 
 
@@ -51,7 +51,7 @@ try:
 except linkproof.LinkproofError as error:
     print(error)
 facts = linkproof.check(needle)
-print(f"{peak:.3g}", force.attrs["units"], passed, worst < 1e-3, facts["structure"], told(Mine()))
+print(f"{peak:.3g}", force.attrs["units"], passed, worst < 1e-3, facts["structure"], channels(Mine()))
 """
 WRONG = """
 import linkproof
@@ -87,9 +87,9 @@ def test_a_users_script_is_clean_under_strict_types_and_runs(python, tmp_path):
     for name, text in (("script", SCRIPT), ("wrong", WRONG)):
         (tmp_path / f"{name}.py").write_text(text)
     mypy = (sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir=.mypy_cache")
-    told = _run(tmp_path, *mypy, f"--python-executable={python}", "script.py", "wrong.py").stdout
-    errors = [line.partition(": error:")[0] for line in told.splitlines() if ": error:" in line]
-    assert errors == [f"wrong.py:{line}" for line in (4, 5, 6, 7)], told
+    output = _run(tmp_path, *mypy, f"--python-executable={python}", "script.py", "wrong.py").stdout
+    errors = [line.partition(": error:")[0] for line in output.splitlines() if ": error:" in line]
+    assert errors == [f"wrong.py:{line}" for line in (4, 5, 6, 7)], output
     done = _run(tmp_path, str(python), "script.py")
     assert is_same(done.stdout, "9.13e-05 N True True I (crank) -> coupler + needle_bar (RRP) []\n"), done.stderr
 

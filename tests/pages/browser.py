@@ -1,4 +1,4 @@
-"""A report's pages in a headless browser: what a page loads, how large it is, and what axe-core says of it."""
+"""A report's pages in a headless browser: the files that a page loads, its size, and the violations by axe-core."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ LOAD_ALL = """async () => {
 
 @dataclass
 class Look:
-    """One page as it was seen: ``faults`` are errors of scripts and requests that failed or left the folder."""
+    """An open page: ``faults`` are errors of scripts and requests that failed or left the folder."""
 
     page: Any
     faults: list[str] = field(default_factory=list)
@@ -83,7 +83,7 @@ class Look:
         return list(self.page.evaluate(EMPTY))
 
     def grave(self) -> list[str]:
-        """What axe-core calls serious or critical."""
+        """The violations that axe-core calls serious or critical."""
         from axe_playwright_python.sync_playwright import Axe
 
         found = Axe().run(self.page, options={"preload": False}).response["violations"]
@@ -157,7 +157,7 @@ def _hear(look: Look, kind: str, text: str) -> None:
 
 
 def _note(look: Look, url: str, folder: Path) -> None:
-    """Count a file of the folder; anything else that is asked for is a fault."""
+    """Count a file of the folder; a request for anything else is a fault."""
     from urllib.parse import unquote, urlparse
 
     if url.startswith(("data:", "blob:")):

@@ -38,7 +38,7 @@ def main(words: list[str]) -> int:
             for width in WIDTHS:
                 for theme in THEMES:
                     with opened(found, page, width, theme) as look:
-                        look.empty()  # loads what is further down
+                        look.empty()  # loads the pictures further down
                         height = round(look.facts()["screens"] * HEIGHT)
                         for number, top in enumerate(range(0, height, TALLEST)):
                             box = {"x": 0, "y": top, "width": width, "height": min(TALLEST, height - top)}

@@ -23,18 +23,18 @@ def made_up_bench(
 
 
 def _engine(quantity, dearer, where):
-    told = {"quantity": quantity, **where}
+    facts = {"quantity": quantity, **where}
     second = sweep_rows(
-        [0.1 / 4**k for k in range(8)], cost=1e-3 * dearer, effort=100.0, effort_unit="iterations", **told
+        [0.1 / 4**k for k in range(8)], cost=1e-3 * dearer, effort=100.0, effort_unit="iterations", **facts
     )
-    loose = sweep_rows([0.1, 0.03, 0.03, 0.03], cost=1e-3 * dearer, effort=10.0, effort_unit="iterations", **told)
-    fourth = sweep_rows([0.1 / 16**k for k in range(6)], cost=4e-3 * dearer, setting="higher", runs=2, **told)
+    loose = sweep_rows([0.1, 0.03, 0.03, 0.03], cost=1e-3 * dearer, effort=10.0, effort_unit="iterations", **facts)
+    fourth = sweep_rows([0.1 / 16**k for k in range(6)], cost=4e-3 * dearer, setting="higher", runs=2, **facts)
     settings = [
-        setting_row(name, error, seconds * dearer, runs=runs, used="scheme <made up>", **told)
+        setting_row(name, error, seconds * dearer, runs=runs, used="scheme <made up>", **facts)
         for name, error, seconds, runs in (("naive", 0.9, 2e-3, 1), ("tuned", 4e-4, 1.7e-2, 1), ("best", 1e-12, 0.4, 4))
     ]
     failed = row(setting="torn", outcome="diverged", detail="the joints <gave> way", error_max=None, seconds=0.0,
-                 repeats=(), **told)  # fmt: skip
+                 repeats=(), **facts)  # fmt: skip
     return [*settings, *second, *loose, *fourth, failed]
 
 

@@ -24,6 +24,7 @@ from comparisons.reference.case import Case
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import ReadOut, Setting
 
+ERRORS = ("error_max", "error_rms", "peak", "worst_time", "samples", "left_out")
 SIZES = {Setting.NAIVE: 9e-2, Setting.TUNED: 1.3e-6, Setting.BEST: 4e-8}
 PRESCRIBED = tuple(name for name, quantity in QUANTITIES.items() if quantity.prescribed and not quantity.needs_thread)
 _SHEETS: dict[object, Sheet] = {}
@@ -53,8 +54,8 @@ def made_up_results(
         for setting in settings
     ]
     readouts = {name: {"torque": asdict(ReadOut("motor torque", drive="it is the drive's"))} for name in engines}
-    told = document(request, "linkproof compare juki-mf7923d --setting all", readouts=readouts)
-    return Results(told, tuple(runs), tuple(_sheet(linkage, motions) for linkage in linkages))
+    saved = document(request, "linkproof compare juki-mf7923d --setting all", readouts=readouts)
+    return Results(saved, tuple(runs), tuple(_sheet(linkage, motions) for linkage in linkages))
 
 
 def changed_results(results: Results, change: Callable[[Record], Record | None]) -> Results:
@@ -88,24 +89,13 @@ def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, V
     engine, setting, samples = maker.engine, maker.setting, maker.samples
     blank = _blank(case, engine, setting, request.conditions)
     if engine in broken:
-        told = {"origin": "", "outcome": broken[engine].value, "detail": f"{engine} <cannot> hold this scene"}
-        records = [_named(blank, name, **told) for name in request.quantities]
+        facts = {"origin": "", "outcome": broken[engine].value, "detail": f"{engine} <cannot> hold this scene"}
+        records = [_named(blank, name, **facts) for name in request.quantities]
         return run_record(records[0], records)
     size = SIZES[setting] * (1.0 + 0.7 * request.engines.index(engine))
     deviations = {name: _deviation(case, name, size, samples) for name in request.quantities}
     records = [
-        judge(
-            _named(
-                blank,
-                name,
-                error_max=found.error_max,
-                error_rms=found.error_rms,
-                peak=found.peak,
-                worst_time=found.worst_time,
-                samples=found.samples,
-                left_out=found.left_out,
-            )
-        )
+        judge(_named(blank, name, **{field: getattr(found, field) for field in ERRORS}))
         for name, found in deviations.items()
     ]
     invariants = [
@@ -122,11 +112,11 @@ def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
         time = time[np.abs(case.motion.speed(time)) >= case.least_speed]
     reference = QUANTITIES[name].reference(case, time)
     peak = float(np.max(np.abs(reference)))
-    kept = np.ones(len(time), dtype=bool)
+    judged_samples = np.ones(len(time), dtype=bool)
     if QUANTITIES[name].holds_acceleration:
-        kept = ~near_jumps(time, case.motion)
+        judged_samples = ~near_jumps(time, case.motion)
     ripple = size * peak * np.sin(37.0 * case.motion.angle(time)) * (0.3 + 0.7 * time / time[-1])
-    relative = np.abs(ripple[kept]) / peak
+    relative = np.abs(ripple[judged_samples]) / peak
     return Deviation(
         time=time,
         angle=case.motion.angle(time),
@@ -135,9 +125,9 @@ def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
         peak=peak,
         error_max=float(np.max(relative)),
         error_rms=float(np.sqrt(np.mean(relative**2))),
-        worst_time=float(time[kept][np.argmax(relative)]),
-        samples=int(kept.sum()),
-        left_out=samples - int(kept.sum()),
+        worst_time=float(time[judged_samples][np.argmax(relative)]),
+        samples=int(judged_samples.sum()),
+        left_out=samples - int(judged_samples.sum()),
     )
 
 
@@ -161,16 +151,4 @@ def _blank(case: Case, engine: str, setting: Setting, conditions: str) -> dict[s
 
 def _named(blank: dict[str, object], name: str, **values: object) -> Record:
     unit = QUANTITIES[name].unit if name in QUANTITIES else "m"
-    rest = {
-        "error_max": None,
-        "error_rms": None,
-        "limit": None,
-        "baseline": None,
-        "outcome": Verdict.PASSED.value,
-        "detail": "",
-        "peak": None,
-        "worst_time": None,
-        "samples": 0,
-        "left_out": 0,
-    }
-    return Record(**{**blank, **rest, "quantity": name, "unit": unit, **values})  # type: ignore[arg-type]
+    return Record(**{**blank, "quantity": name, "unit": unit, **values})  # type: ignore[arg-type]

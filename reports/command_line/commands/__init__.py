@@ -1,1 +1,1 @@
-"""One module per group of commands: what each does once its options are read."""
+"""The work of the commands once their options are read: a module per group of commands."""

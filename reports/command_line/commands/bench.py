@@ -1,4 +1,4 @@
-"""What ``linkproof bench`` does, once its words are parsed: measure, print, write."""
+"""``linkproof bench``: measure error against run time, print, write."""
 
 from __future__ import annotations
 
@@ -34,9 +34,8 @@ REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 def bench(options: BenchOptions, destination: Destination, scheduler: object = None) -> int:
     """Measure, write the requested files, print the tables; returns the exit code.
 
-    Where no linkages or engines are named, those of the project are measured. The workers of a ``scheduler`` measure,
-    where there is one, one run at a time on a machine.
-    Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
+    Without names, the linkages and engines of the project are measured; by the workers of a ``scheduler``, if it is
+    given, with a single run at a time on each machine. Raises LinkproofError for bad input before any run.
     """
     destination.check(f"{KIND}.html")
     options = of_project(options)
@@ -71,9 +70,9 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
 
 
 def _campaign(options: BenchOptions) -> RunsOptions:
-    """What is run, in motions of its own where none is named, and of every quantity.
+    """The runs, with the default motions if none is named, and without a choice of quantities.
 
-    A quick benchmark runs up over half a turn and turns half a turn more: as much to see as in many turns, for less.
+    A quick benchmark runs up over half a turn and turns half a turn more, which shows as much as many turns.
     """
     usual = () if options.swings else QUICK_REGIMES if options.quick else REGIMES
     options = replace(options, regime=options.regime or usual, quantity=())

@@ -1,4 +1,4 @@
-"""What ``linkproof compare``, ``report`` and ``published`` do: campaigns, pages, the figures of the sources."""
+"""``linkproof compare``, ``report`` and ``published``: campaigns, pages, figures of the sources."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def compare(
     request = wanted.request
     destination.remark(left_out(request.engines))
     if out:
-        _ = wanted.tasks  # what cannot run is refused before the folder is touched
+        _ = wanted.tasks  # a run that cannot be made is refused before the folder is touched
     with wanted.running.pool() as pool, interruptible(out) as counting:
         engines, linkages = request.engines, request.linkages
         records = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
@@ -79,7 +79,7 @@ def compare(
 
 
 def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = False, png: bool = False) -> None:
-    """Write the pages of what a folder holds, or one page of all of them; say where, and show them."""
+    """Write the pages of a folder's data, or one page of everything; print their place, and open them."""
     from reports.site.single_file import write_single_file  # noqa: PLC0415  figures cost a second
     from reports.site.site import write_site  # noqa: PLC0415
 
@@ -96,7 +96,7 @@ def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = 
 def published(names: Sequence[str], destination: Destination, *, with_literature: bool = False) -> int:
     """Print or write the published figures beside ours; returns the exit code.
 
-    ``with_literature`` takes the linkages of the literature where none is named, and asks every installed engine.
+    ``with_literature``: the default is the linkages of the literature, and every installed engine computes the figures.
     """
     names = names or (literature() if with_literature else catalogue())
     linkages = [linkage for name in names for linkage in all_variants(name)]
@@ -116,7 +116,7 @@ def published(names: Sequence[str], destination: Destination, *, with_literature
 
 
 def _answered(linkages: Sequence[Linkage], records: Sequence[PublishedRecord], destination: Destination) -> int:
-    """The same with every installed engine's answer."""
+    """The same with the figures of every installed engine."""
     with destination.progress() as announce:
         answers = list(engine_answers(linkages, installed(engine_names()), announce))
     sources = {linkage.name: linkage.source for linkage in linkages}

@@ -1,4 +1,4 @@
-"""What ``linkproof doctor`` does: say what is installed, what of it works, and what to send with a bug report."""
+"""``linkproof doctor``: list the installed packages, try engines and compiler, name the data for a bug report."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from comparisons.runs.environment import environment
 from reports.command_line.destination import Destination
 from reports.document.parts import Paragraph, Table, TableCell
 from reports.requests import FAILED, PASSED
-from reports.requests.doctor import Trial, engine_trials, machine_code_trial, optional_packages, places
+from reports.requests.doctor import SelfTest, engine_trials, machine_code_trial, optional_packages, places
 
 REPORT = (
     "With a bug report, send the file of `linkproof doctor --json doctor.json`, the linkage file, the command and what "
@@ -18,7 +18,7 @@ REPORT = (
 
 
 def doctor(destination: Destination) -> int:
-    """Try every engine and the compiler, print what came of it; returns the exit code."""
+    """Try every engine and the compiler, print the results; returns the exit code."""
     facts, engines, packages = environment(), engine_trials(), optional_packages()
     compiler, where = machine_code_trial(), places()
     trials = [*engines, compiler]
@@ -45,7 +45,7 @@ def doctor(destination: Destination) -> int:
     return FAILED if any(trial.works is False for trial in trials) else PASSED
 
 
-def _table(trials: Sequence[Trial], head: str) -> Table:
+def _table(trials: Sequence[SelfTest], head: str) -> Table:
     marks = {True: TableCell("✓", colour="green"), False: TableCell("✗", colour="red"), None: TableCell("–")}
     rows = [(trial.name, trial.version or "–", marks[trial.works], trial.detail) for trial in trials]
     return Table("", (head, "version", "", ""), rows, "l")

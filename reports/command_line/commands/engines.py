@@ -1,4 +1,4 @@
-"""What ``linkproof engines``, ``check-engine`` and ``export`` do: tell of engines, check one, write its run down."""
+"""``linkproof engines``, ``check-engine`` and ``export``: list engines, check an adapter, write a run as a script."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def list_engines(names: Sequence[str], destination: Destination) -> None:
 
 
 def _described(adapter: Engine) -> dict[str, Any]:
-    """What an engine takes and offers, and why it cannot be used here, where it cannot."""
+    """The abilities and read-outs of an engine, and the reason if it cannot be used here."""
     error = adapter.error if isinstance(adapter, Unusable) else None
     reason = why_unavailable(adapter) if error is None else str(error)
     able = adapter.abilities
@@ -106,7 +106,7 @@ def _exported_run(options: ExportOptions) -> str:
 
 
 def check(name: str, destination: Destination, processes: int | None = None) -> int:
-    """Make every check of an engine, print a line of each; returns the exit code. Raises as ``findings``."""
+    """Make every check of an engine, print a line for each; returns the exit code. Raises as ``engine_findings``."""
     adapter = engine(name)
     results = engine_findings(adapter, processes)
     destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in results]})

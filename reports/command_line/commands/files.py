@@ -1,4 +1,4 @@
-"""What ``linkproof new``, ``schema`` and ``check`` do: begin a linkage file, help an editor with it, look it over."""
+"""``linkproof new``, ``schema`` and ``check``: a template of a linkage file, its schema for editors, a review."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SCHEMA_FILE: Final = "linkproof.schema.json"
 
 
 def new(name: str, destination: Destination) -> None:
-    """Write a linkage file to fill in, and beside it the schema by which an editor completes and checks it."""
+    """Write a linkage file to fill in, and the schema with which an editor completes and checks it."""
     path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
     if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
         raise LinkproofError(f"expected a name for the new file, got '{name}': give one of letters and digits")
@@ -42,7 +42,7 @@ def new(name: str, destination: Destination) -> None:
 
 
 def _is_ours(path: Path) -> bool:
-    """Whether a schema file can be written: there is none yet, or one of ours, which may be of an older version."""
+    """Whether a schema file can be written: it does not exist, or is ours, perhaps of an older version."""
     try:
         return bool(json.loads(path.read_text(encoding="utf-8")).get("title") == TITLE)
     except FileNotFoundError:
@@ -52,9 +52,9 @@ def _is_ours(path: Path) -> bool:
 
 
 def check(name: str, variant: str | None, svg: Path | None, destination: Destination, *, strict: bool = False) -> None:
-    """Print or write all that is right with a linkage, draw it, and raise the fault that is left.
+    """Print or write the facts of a linkage up to its first fault, draw it, and raise the fault.
 
-    With ``strict`` what looks like a slip is a fault.
+    With ``strict`` a likely mistake is a fault.
     """
     linkage = load(name, variant)
     if svg is not None:

@@ -1,4 +1,4 @@
-"""What ``linkproof verify``, ``diff`` and ``merge`` do, and ``report --csv``: folders that travel."""
+"""``linkproof verify``, ``diff``, ``merge`` and ``report``: saved results from elsewhere."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from reports.requests import FAILED, PASSED
 
 
 def verify(saved: Path, limits: Path | None, destination: Destination) -> int:
-    """Judge a folder anew; returns the exit code: 1 where something differs."""
+    """Judge a folder again; returns the exit code: 1 if something differs."""
     destination.check("")
     _refuse_merged(saved)
     verification = verify_folder(saved, limits)
@@ -32,7 +32,7 @@ def verify(saved: Path, limits: Path | None, destination: Destination) -> int:
 
 
 def diff(before: Path, after: Path, destination: Destination) -> int:
-    """Print what has moved between two folders; returns the exit code: 1 where it is more than is allowed."""
+    """Print the changes between two folders; returns the exit code: 1 if a change is beyond the limits."""
     destination.check("")
     _refuse_merged(before, after)
     studies = tuple(study_differences(StudyFolder(before), StudyFolder(after)))
@@ -70,7 +70,7 @@ def _write_machines(folders: Sequence[MergedFolder], out: Path) -> None:
 def report(
     saved: Path, out: Path | None, single: Path | None, csv: Path | None, *, opens: bool = False, png: bool = False
 ) -> None:
-    """Write the pages of what a folder holds, or its curves as CSV."""
+    """Write the pages of a folder's data, or its curves as CSV."""
     merged = merging.merged_folders(saved)
     if csv is None and merged:
         if out is not None or single is not None or opens or png:

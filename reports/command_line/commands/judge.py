@@ -1,4 +1,4 @@
-"""What ``linkproof judge`` does: read another tool's results, compare them with the closed form, say what is wrong."""
+"""``linkproof judge``: compare another tool's results with the closed form, and name the probable causes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PAGE = "index.html"
 def judge(
     options: JudgeOptions, destination: Destination, pictures: JudgeFiles, write_mapping: Path | None = None
 ) -> int:
-    """Judge result files, print and write what came of it; returns the exit code."""
+    """Judge result files, print and write the verdicts; returns the exit code."""
     destination.check(PAGE)
     named = files_of(pictures, OutputOptions(json=destination.json))
     check_files(

@@ -1,4 +1,4 @@
-"""What ``linkproof list``, ``show`` and ``thread`` do: read linkages, print or write what is known of them."""
+"""``linkproof list``, ``show`` and ``thread``: read linkages, print or write their facts."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ SHELVES: Final = {
 def list_names(figures: str | None, numbers: str | None, destination: Destination) -> None:
     """Print or write the figures of a design, or the numbers of a file, by name; the linkages where neither is wanted.
 
-    Figures are those under the motion that ``linkproof sweep`` has where no option says another, extremes refined.
+    Figures are those under the default motion of ``linkproof sweep``, with refined extremes.
     """
     if figures is not None and numbers is not None:
         raise LinkproofError("--figures and --numbers make a list each: give one of them")

@@ -1,4 +1,4 @@
-"""What ``linkproof optimise`` does: the best of a linkage's designs, a file of it, and its check in an engine."""
+"""``linkproof optimise``: the best design of a linkage, its file, and its check in an engine."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import Destination
 from reports.designs.optimum.optimise_terminal import aim, closing, document, printed
 from reports.requests import PASSED
-from reports.requests.optimise import optimum
+from reports.requests.designs import optimum
 from reports.requests.options.campaign import CompareOptions
 from reports.requests.options.declaring import command_line
 from reports.requests.options.designs import OptimiseOptions
@@ -33,7 +33,7 @@ CURVES = "before-after.svg"
 
 
 def optimise(options: OptimiseOptions, destination: Destination) -> int:
-    """Look for the best design, write the requested files, print the tables; returns the exit code."""
+    """Find the best design, write the requested files, print the tables; returns the exit code."""
     destination.check(JSON)
     linkage = load(options.mechanism, options.variant)
     with destination.progress() as announce:
@@ -65,7 +65,7 @@ def optimise(options: OptimiseOptions, destination: Destination) -> int:
 
 def _picture(result: Optimum, conditions: str) -> str:
     """The curves before and after."""
-    from reports.charts.draw import svg  # noqa: PLC0415 - half a second that nothing else pays for
+    from reports.charts.draw import svg  # noqa: PLC0415 - half a second that other calls save
     from reports.designs.optimum.before_after_picture import Change, before_after_figure  # noqa: PLC0415
 
     linkage, grid = result.problem.mechanism.linkage, result.problem.maxima.grid
@@ -79,8 +79,8 @@ def _picture(result: Optimum, conditions: str) -> str:
 
 
 def _simulate(engines: tuple[str, ...], motion: MotionOptions, destination: Destination, name: str, text: str) -> int:
-    """What the engines say of the new design, as ``linkproof compare`` does; its exit code."""
-    from reports.command_line.commands.compare import compare  # noqa: PLC0415 - what no other call pays for
+    """Compare the new design in engines, as ``linkproof compare`` does; returns its exit code."""
+    from reports.command_line.commands.compare import compare  # noqa: PLC0415 - a second that other calls save
 
     with tempfile.TemporaryDirectory() as folder, destination.own_stdout():
         path = (destination.out or Path(folder)) / name

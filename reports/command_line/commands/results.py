@@ -1,4 +1,4 @@
-"""What ``linkproof results`` does: the closed form of one linkage over one motion, for its designer."""
+"""``linkproof results``: the closed form of a linkage over a motion, for its designer."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from comparisons.runs.files import check_writable, claim
 from reports.command_line.destination import STDOUT, check_files, files_of, write_files
 from reports.designs.results.files import csv_table, json_text
 from reports.document.terminal import show
+from reports.requests.case import requested_results
 from reports.requests.options.linkage import ResultsFiles, ResultsOptions
-from reports.requests.results import requested_results
 
 PAGE = "index.html"
 PICTURES = ("--svg", "--png", "--pdf")
@@ -27,7 +27,7 @@ def results(
 ) -> None:
     """Print the key figures of a linkage, or its signals at chosen instants, and write the requested files.
 
-    A browser ``opens`` the page of a folder. With ``strict`` what looks like a slip is refused.
+    A browser ``opens`` the page of a folder. With ``strict`` a likely mistake is refused.
     """
     named = files_of(files)
     _check(files, named, opens=opens)
@@ -65,17 +65,17 @@ def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:
         check_writable(files.out / PAGE)
 
 
-def _write_page(out: Path, own: Sheet, *, opens: bool, quiet: bool) -> None:
+def _write_page(out: Path, sheet: Sheet, *, opens: bool, quiet: bool) -> None:
     """Save a data sheet among those of a report's folder, and write the report's pages."""
-    from reports.site.contents import Contents  # noqa: PLC0415 - seconds that nothing else pays for
+    from reports.site.contents import Contents  # noqa: PLC0415 - seconds that other calls save
     from reports.site.site import write_site  # noqa: PLC0415
 
     _claimed = claim(out)  # until the pages are written
     sheets = load_sheets(out) if (out / FILE).is_file() else ()
-    others = [sheet for sheet in sheets if (sheet.name, sheet.variant) != (own.name, own.variant)]
-    save_sheets(out, [*others, own])
+    others = [other for other in sheets if (other.name, other.variant) != (sheet.name, sheet.variant)]
+    save_sheets(out, [*others, sheet])
     write_site(out, processes=0)
-    page = out / Contents(out).file_of(own)
+    page = out / Contents(out).file_of(sheet)
     if not quiet:
         show(f"page: {page}", stderr=True)
     if opens:
@@ -83,7 +83,7 @@ def _write_page(out: Path, own: Sheet, *, opens: bool, quiet: bool) -> None:
 
 
 def _content(option: str, result: Sheet, files: ResultsFiles) -> str | bytes:
-    """What the file of an option holds; what writes it is imported where it is needed: half a second or more."""
+    """The content of the file of an option; its writer is imported here, which takes half a second or more."""
     if option == "--xlsx":
         from reports.designs.results.workbook import workbook  # noqa: PLC0415
 

@@ -1,4 +1,4 @@
-"""What ``linkproof stress`` does, once its words are parsed: make the cells, print the counts, write the maps."""
+"""``linkproof stress``: make the cells of stability maps, print the counts, write the maps."""
 
 from __future__ import annotations
 
@@ -25,10 +25,9 @@ from reports.stress.terminal import cell_details, printout
 
 
 def run(options: StressOptions, destination: Destination, jobs: int | None = None, scheduler: object = None) -> int:
-    """Put engines under stress, on the workers of a ``scheduler`` where there is one; returns the exit code.
+    """Make stability maps or single cells, on the workers of a ``scheduler`` if it is given; returns the exit code.
 
-    Where no engine is named, those of the project are taken. Raises LinkproofError for anything that does not exist,
-    before any cell is made.
+    Without names, the engines of the project are used. Raises LinkproofError for bad input before any run.
     """
     destination.check(f"{KIND}.html")
     options = of_project(options)
@@ -65,7 +64,7 @@ def _request(options: StressOptions) -> StressRequest:
 
 
 def _alone(options: StressOptions, cells: Sequence[str], destination: Destination, where: Running) -> int:
-    """Make the cells that are named, each on its own, and print all that is known of them."""
+    """Make the named cells, each separately, and print all their details."""
     if len(cells) < len(options.words):
         raise LinkproofError("expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind")
     chosen = [find_cell(name) for name in cells]

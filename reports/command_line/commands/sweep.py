@@ -1,4 +1,4 @@
-"""What ``linkproof sweep`` does: figures over a space of designs, summed up, and written as they come."""
+"""``linkproof sweep``: figures over a space of designs, summarised, and written block by block."""
 
 from __future__ import annotations
 
@@ -23,37 +23,37 @@ from reports.command_line.interruption import interruptible, journal
 from reports.designs.sweep.sweep_terminal import SweepSummary, csv_rows
 from reports.document.terminal import Printout
 from reports.requests import PASSED
+from reports.requests.designs import check_sweep, simulated_campaign, sweep_request
 from reports.requests.options.declaring import command_line
 from reports.requests.options.designs import SweepFiles, SweepOptions
-from reports.requests.sweep import check_sweep, simulated_campaign, sweep_request
 
 PICTURE: Final = "sweep.svg"
 SIMULATED, DESIGN_FILES = "simulated", "designs"  # folders of compare's records and of the files it compares
 
 
 def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) -> int:
-    """Work a space through, print its summary and write the requested files; returns the exit code."""
+    """Compute a space of designs, print its summary and write the requested files; returns the exit code."""
     destination.check(FILE)
     destination.check(PICTURE)
     check_sweep(options)
     named, read = files_of(destination, files), {"the linkage's file": Path(options.mechanism)}
     check_files(named, read if options.table is None else {**read, "the table": options.table})
     request, conditions = sweep_request(load(options.mechanism, options.variant), options)
-    own, command = own_figures(request), command_line("sweep", options)
+    figures, command = own_figures(request), command_line("sweep", options)
     with ExitStack() as stack:
         folder = destination.out
         if folder is None and (files.csv or files.svg):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="linkproof-")))
         saved = None if folder is None else SavedSweep(request, folder, described(request, conditions, command))
-        summary = SweepSummary(request, own, _worked(options, destination, request, saved), conditions)
+        summary = SweepSummary(request, figures, _computed(options, destination, request, saved), conditions)
         if saved is not None:
             _write_rows(files.csv, saved)
             _write_pictures(files.svg, destination, saved, summary)
             saved.finish(keeps=destination.out is not None)
     destination.write_json(summary.document)
     if STDOUT not in named.values():
-        there = [destination.out / name for name in (FILE, PICTURE)] if destination.out else []
-        wrote = [f"wrote {path}" for path in there if path.exists()]
+        paths = [destination.out / name for name in (FILE, PICTURE)] if destination.out else []
+        wrote = [f"wrote {path}" for path in paths if path.exists()]
         destination.print_out(
             Printout([*summary.parts, ""], [summary.sentence, *wrote] if destination.quiet else wrote)
         )
@@ -62,7 +62,7 @@ def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) ->
 
 def _simulate(options: SweepOptions, destination: Destination, request: SweepRequest) -> int:
     """Compare engines on some of the designs, as ``linkproof compare`` does; its exit code."""
-    from reports.command_line.commands.compare import compare  # noqa: PLC0415 - what no other call pays for
+    from reports.command_line.commands.compare import compare  # noqa: PLC0415 - a second that other calls save
     from reports.designs.sweep.engines_terminal import printout  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as temporary, destination.own_stdout():
@@ -77,10 +77,10 @@ def _simulate(options: SweepOptions, destination: Destination, request: SweepReq
         )  # fmt: skip
 
 
-def _worked(
+def _computed(
     options: SweepOptions, destination: Destination, request: SweepRequest, saved: SavedSweep | None
 ) -> Summary:
-    """Work the space through, or what is left of it, here or on the workers of a scheduler."""
+    """Compute the designs that are not yet saved, here or on the workers of a scheduler."""
     done: set[int] = set()
     begun = Summary(request)
     if saved is not None:
@@ -141,7 +141,7 @@ def _write_pictures(svg: str | None, destination: Destination, saved: SavedSweep
         picture.unlink(missing_ok=True)  # that of an earlier sweep
         places += [] if destination.quiet else [str(picture)]
     if places:
-        from reports.designs.sweep.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that nothing else pays for
+        from reports.designs.sweep.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that other calls save
 
         text = sweep_svg(saved.dataset(), summary.own_parameters, summary.summary.extremes)
         for place in places:

@@ -1,4 +1,4 @@
-"""What ``linkproof tolerance`` does: which number of a linkage moves which result by how much."""
+"""``linkproof tolerance``: the change of each result with each toleranced number of a linkage."""
 
 from __future__ import annotations
 
@@ -8,18 +8,17 @@ from analytic.description.loading import load
 from comparisons.designs.tolerance.tolerance_study import ToleranceStudy, tolerance_study
 from comparisons.designs.tolerance.tolerances import read_tolerances
 from comparisons.runs.study_folder import to_json
-from reports.command_line.destination import STDOUT, check_files, files_of, write_files
-from reports.command_line.progress import progress
+from reports.command_line.destination import STDOUT, check_files, files_of, progress, write_files
 from reports.designs.tolerance.tolerance_files import csv_table, document
 from reports.designs.tolerance.tolerance_terminal import printout
 from reports.document.terminal import show
+from reports.requests.designs import tolerance_request_of
 from reports.requests.options.designs import ToleranceFiles, ToleranceOptions
 from reports.requests.steady import check_steady
-from reports.requests.tolerance import tolerance_request_of
 
 
 def tolerance(options: ToleranceOptions, files: ToleranceFiles, *, quiet: bool = False) -> None:
-    """Work the tolerances through, print the tables and write the requested files."""
+    """Compute the effects of tolerances, print the tables and write the requested files."""
     check_steady(options)
     named = files_of(files)
     check_files(named, {"the linkage's file": Path(options.mechanism), "the tolerances": options.tolerances})
@@ -39,7 +38,7 @@ def _content(option: str, study: ToleranceStudy) -> str:
         return to_json(document(study))
     if option == "--csv":
         return csv_table(study)
-    from reports.charts.draw import svg  # noqa: PLC0415 - half a second that nothing else pays for
+    from reports.charts.draw import svg  # noqa: PLC0415 - half a second that other calls save
     from reports.designs.tolerance.tornado_picture import tornado_figure  # noqa: PLC0415
 
     rows = range(len(study.request.figures))

@@ -1,4 +1,4 @@
-"""What ``linkproof watch`` does: the page of a linkage file, built anew when the file changes, and saved back to it."""
+"""``linkproof watch``: the page of a linkage file, rebuilt when the file changes, and saved back to it."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from reports.document.parts import Page, Paragraph, Widget
 from reports.document.terminal import show
 from reports.live.server import PageServer
 from reports.mechanism.page import page
+from reports.requests.case import requested_results
 from reports.requests.options.linkage import WatchOptions
-from reports.requests.results import requested_results
 
 
 def watch(options: WatchOptions) -> None:
@@ -76,7 +76,7 @@ class _WatchedFile:
         return "no file"
 
     def _built(self, state: str) -> dict[str, bytes]:
-        """The page of the linkage, or what is wrong with its file."""
+        """The files of the page of the linkage, or of the error in its file."""
         name = self.path.name
         try:
             case, _ = requested_results(loading.load(self.options.mechanism, self.options.variant), self.options)

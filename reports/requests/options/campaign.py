@@ -37,7 +37,7 @@ Scheduler = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class RunsOptions(MotionOptions):
-    """Which linkages run in which engines, and what is judged of them; empty means the default."""
+    """Linkages, engines, settings and quantities of runs; empty means the default."""
 
     mechanisms: Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")] = ()
     engine: Engines = ()
@@ -81,7 +81,7 @@ class ExportOptions(MotionOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class StressOptions:
-    """Maps or cells that ``linkproof stress`` makes; empty means the default."""
+    """Stability maps or cells for ``linkproof stress``; empty means the default."""
 
     words: Annotated[tuple[str, ...], Argument("AXIS|CELL", "axes")] = ()
     engine: Engines = ()
@@ -107,7 +107,7 @@ class StandardOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RunLimits:
-    """What each run may take, s and GiB, and where runs are made; None means the default.
+    """Limits of each run, s and GiB, and the place of runs; None means the default.
 
     ``scheduler`` is an address, or in Python a client of Dask: its workers make the runs.
     """

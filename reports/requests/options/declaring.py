@@ -1,7 +1,7 @@
-"""How an option is declared, and the command that repeats a request.
+"""The declaration of options, and the command that repeats a request.
 
 An option is an annotated field of a frozen dataclass: the command line, the keywords of the Python function and the
-command in saved results are all made of it.
+command in saved results are all derived from it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 
 @dataclass(frozen=True)
 class Option:
-    """An option of a command: its ``help``, the ``metavar`` of its value, its ``flags`` if its field has another name.
+    """An option of a command: its ``help``, the ``metavar`` of its value, its ``flags`` if they differ from its field.
 
     ``names`` is the function of ``reports.command_line.completion`` by which a shell completes it. An option that is
     not ``repeated`` does not affect the results, so a command that repeats the request leaves it out.
@@ -29,7 +29,7 @@ class Option:
 
 @dataclass(frozen=True)
 class Argument:
-    """A word of a command that stands without an option before it; the help of the command explains it."""
+    """A positional argument of a command; the help of the command explains it."""
 
     metavar: str
     names: str = ""
@@ -58,7 +58,7 @@ def declared(options: Any) -> tuple[Declared, ...]:  # noqa: ANN401 - a dataclas
 
 
 def stated(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
-    """The repeated options that differ from their defaults, by name, each with its values: none of a flag."""
+    """The repeated options that differ from their defaults, by name, each with its values; a flag has no values."""
     groups = {}
     for option in declared(type(options)):
         value = getattr(options, option.field.name)
@@ -85,7 +85,7 @@ def command_line(command: str, *options: Any) -> str:  # noqa: ANN401 - dataclas
 
 
 def item(kind: Any) -> type | None:  # noqa: ANN401 - a type
-    """The type of the members of a tuple, which may be optional; None of what is no tuple."""
+    """The type of the members of a tuple, which may be optional; None for another type."""
     kinds = (kind, *get_args(kind))
     return next((get_args(entry)[0] for entry in kinds if get_origin(entry) is tuple), None)
 

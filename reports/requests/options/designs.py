@@ -15,7 +15,7 @@ ANGLES, DESIGNS = 180, 24  # by default: crank angles of a turn, and designs tha
 
 @dataclass(frozen=True, kw_only=True)
 class SteadyOptions(MotionOptions):
-    """A motion at constant speed, and at how many crank ``angles`` it is looked at."""
+    """A motion at constant speed, and the number of crank ``angles`` at which signals are sampled."""
 
     mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)] = ""
     scale_mass: Annotated[
@@ -27,7 +27,7 @@ class SteadyOptions(MotionOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class _Designs:
-    """The designs of a sweep, and what is computed of them."""
+    """The designs of a sweep, and the figures to compute."""
 
     vary: Annotated[
         tuple[str, ...],
@@ -53,7 +53,7 @@ class _Designs:
 
 @dataclass(frozen=True, kw_only=True)
 class SweepOptions(SteadyOptions, _Designs):
-    """The designs that ``linkproof sweep`` works through, and those of them that engines simulate."""
+    """The designs of ``linkproof sweep``, and the sample that engines simulate."""
 
     refine: Annotated[bool, Option("Find the exact extremes between the sampled angles.")] = False
     simulate: Annotated[
@@ -73,7 +73,7 @@ class SweepOptions(SteadyOptions, _Designs):
 
 @dataclass(frozen=True, kw_only=True)
 class _Aim:
-    """What is minimised or maximised, over what, and what is held."""
+    """The aim of an optimisation, its variables, and the figures to hold."""
 
     minimise: Annotated[str | None, Option("Minimise this figure, such as Mkr.peak.", "FIGURE", names="figures")] = None
     maximise: Annotated[str | None, Option("Maximise it: transmission_angle.min.", "FIGURE", names="figures")] = None
@@ -97,7 +97,7 @@ class _Aim:
 
 @dataclass(frozen=True, kw_only=True)
 class OptimiseOptions(SteadyOptions, _Aim):
-    """What ``linkproof optimise`` looks for."""
+    """The optimisation of ``linkproof optimise``."""
 
     starts: Annotated[int, Option("Number of designs to start from; the first is the file's.", "N")] = 1
     seed: Annotated[int, Option("Seed of the other designs.", "N")] = 0
@@ -113,7 +113,7 @@ class OptimiseOptions(SteadyOptions, _Aim):
 
 @dataclass(frozen=True, kw_only=True)
 class ToleranceOptions(SteadyOptions):
-    """The tolerances that ``linkproof tolerance`` works through."""
+    """The tolerances of ``linkproof tolerance``."""
 
     tolerances: Annotated[Path, Argument("TOLERANCES.toml", is_required=True)] = Path()
     samples: Annotated[

@@ -31,9 +31,9 @@ class WatchOptions(ResultsOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class ResultsFiles:
-    """Files that ``linkproof results`` writes: "-" is stdout, which then holds nothing else.
+    """Files that ``linkproof results`` writes: "-" is stdout, without other output.
 
-    ``decimal`` is the point or comma in the numbers of ``csv``, ``figure`` the one picture that is drawn in place of
+    ``decimal`` is the point or comma in the numbers of ``csv``, ``figure`` the single picture to draw instead of
     all. ``out`` is the folder of a report.
     """
 
@@ -62,7 +62,7 @@ class ResultsFiles:
 
 @dataclass(frozen=True, kw_only=True)
 class JudgeOptions(MotionOptions):
-    """What ``linkproof judge`` judges; ``limit`` is a share of the peak."""
+    """The results for ``linkproof judge``; ``limit`` is a share of the peak."""
 
     mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)] = ""
     results: Annotated[tuple[Path, ...], Argument("RESULTS", is_required=True)] = ()
@@ -74,7 +74,7 @@ class JudgeOptions(MotionOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class JudgeFiles:
-    """Files that ``linkproof judge`` writes besides those of every command."""
+    """Files that ``linkproof judge`` writes, besides those of every command."""
 
     svg: Annotated[
         str | None, Option("Draw the worst curves, the differences and what the cause leaves.", "FILE|-")

@@ -1,4 +1,4 @@
-"""How the crank moves: the options of every command that moves one."""
+"""The motion of the crank: options of every command that moves a linkage."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Variant = Annotated[str | None, Option("Variant of the file; default: its own va
 
 @dataclass(frozen=True, kw_only=True)
 class MotionOptions:
-    """How the crank is to move: names, rpm, seconds and degrees; no regime means the default.
+    """The requested motion of the crank: names, rpm, seconds and degrees; without a regime the default.
 
     A negative ``speed`` turns clockwise; None is ``USUAL_SPEED``, of a drive along a line its mean. With ``from_angle``
-    and ``to_angle`` the crank swings from one to the other, and a regime is the law by which it does. Of a drive along
+    and ``to_angle`` the crank swings from one to the other, and the regime is the law of motion. Of a drive along
     a line ``speed``, ``from_angle`` and ``to_angle`` are in its file's unit of length.
     """
 
@@ -68,7 +68,7 @@ class MotionOptions:
 
     @property
     def conditions(self) -> str:
-        """Speed, direction, times and angles in words; gravity is the linkages'."""
+        """Speed, direction, times and angles in words, without gravity, which belongs to the linkages."""
         turns_back = self.turns_back
         if self.from_angle is not None and self.to_angle is not None:
             turns_back = self.to_angle < self.from_angle

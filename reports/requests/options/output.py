@@ -1,4 +1,4 @@
-"""Where the results of a command go, and how much of them it prints."""
+"""The files of a command's results, and the amount of its output."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from reports.requests.options.declaring import Option
 
 @dataclass(frozen=True, kw_only=True)
 class OutputOptions:
-    """``json`` is a file, or "-" for stdout, which then holds nothing else; ``out`` takes all files of a command.
+    """``json`` is a file, or "-" for stdout, without other output; ``out`` is a folder for all files of a command.
 
-    ``junit`` is a file of test cases, as CI services read them. ``resume`` finishes what an interrupted command left in
+    ``junit`` is a file of test cases for CI services. ``resume`` finishes an interrupted command whose results are in
     ``out``; ``quiet`` prints no progress and no tables, ``verbose`` adds every record's details.
     """
 

@@ -1,4 +1,4 @@
-"""What an interrupted campaign says of itself, and what makes two campaigns the same."""
+"""The sentence of an interrupted campaign, and what makes two campaigns the same request."""
 
 import dataclasses
 from pathlib import Path
@@ -11,37 +11,40 @@ from reports.requests.campaign import request
 from reports.requests.options.campaign import CompareOptions
 from reports.requests.options.declaring import command_line
 
-CHOICE = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",))
+OPTIONS = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",))
 
 
-def begun(folder, choice=CHOICE, text="the file", *, resume):
-    asked = request(choice)
-    linkages = tuple(dataclasses.replace(linkage, text=text) for linkage in asked.linkages)
-    return journal(folder, command_line("compare", choice), asked.engines, linkages, resume=resume)
+def begun(folder, options=OPTIONS, text="the file", *, resume):
+    campaign = request(options)
+    linkages = tuple(dataclasses.replace(linkage, text=text) for linkage in campaign.linkages)
+    return journal(folder, command_line("compare", options), campaign.engines, linkages, resume=resume)
 
 
-def interrupted(folder, *heard, by=lambda *_: None):
-    """Announce these, then press Ctrl-C."""
-    with interruptible(folder) as counting:
-        announce = counting(by)
-        for words in heard:
-            announce(*words)
-        raise KeyboardInterrupt
+@pytest.mark.parametrize(
+    ("folder", "announced", "sentence"),
+    [
+        (
+            Path("out"),
+            [("first", 0, 90), ("last", 37, 90)],
+            "37 of 90 runs are saved in out: repeat the command with --resume to finish",
+        ),
+        (None, [("label", 1, 90)], ""),
+        (Path("out"), [], ""),
+    ],
+)
+def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sentence):
+    passed_on = []
 
+    def pressed():
+        with interruptible(folder) as counting:
+            announce = counting(lambda *words: passed_on.append(words))
+            for words in announced:
+                announce(*words)
+            raise KeyboardInterrupt
 
-def test_an_interruption_tells_how_many_runs_are_kept():
-    heard = []
-    with pytest.raises(KeyboardInterrupt) as told:
-        interrupted(Path("out"), ("first", 0, 90), ("last", 37, 90), by=lambda *words: heard.append(words))
-    assert str(told.value) == "37 of 90 runs are saved in out: repeat the command with --resume to finish"
-    assert heard == [("first", 0, 90), ("last", 37, 90)]
-
-
-@pytest.mark.parametrize(("folder", "heard"), [(None, [("label", 1, 90)]), (Path("out"), [])])
-def test_an_interruption_without_anything_kept_says_nothing(folder, heard):
-    with pytest.raises(KeyboardInterrupt) as told:
-        interrupted(folder, *heard)
-    assert str(told.value) == ""
+    with pytest.raises(KeyboardInterrupt) as error:
+        pressed()
+    assert (str(error.value), passed_on) == (sentence, announced)
 
 
 def test_other_faults_pass():
@@ -49,20 +52,14 @@ def test_other_faults_pass():
         raise ValueError("as it was")
 
 
-def test_the_same_request_is_resumed_and_begun_anew(tmp_path):
+def test_the_same_request_is_resumed_and_another_one_is_refused(tmp_path):
     begun(tmp_path, resume=False).keep("run", {})
     assert begun(tmp_path, resume=True).records.keys == ["run"]
+    faster = dataclasses.replace(OPTIONS, speed=2000.0)
+    for other, words in (
+        ({"text": "the file, changed"}, "file of juki-mf7923d"),
+        ({"options": faster}, "got `linkproof compare juki-mf7923d --speed 2000 --engine direct`"),
+    ):
+        with pytest.raises(LinkproofError, match=words):
+            _ = begun(tmp_path, resume=True, **other).records
     assert begun(tmp_path, resume=False).records.keys == []
-
-
-def test_a_changed_linkage_file_is_another_request(tmp_path):
-    begun(tmp_path, resume=False).keep("run", {})
-    with pytest.raises(LinkproofError, match="file of juki-mf7923d"):
-        _ = begun(tmp_path, text="the file, changed", resume=True).records
-
-
-def test_another_command_is_another_request(tmp_path):
-    begun(tmp_path, resume=False).keep("run", {})
-    faster = dataclasses.replace(CHOICE, speed=2000.0)
-    with pytest.raises(LinkproofError, match="got `linkproof compare juki-mf7923d --speed 2000 --engine direct`"):
-        _ = begun(tmp_path, faster, resume=True).records

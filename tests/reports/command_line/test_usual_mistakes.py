@@ -53,7 +53,7 @@ POINTS, ANGLES, UNITS = "points = { O2 = [0, 0], B = [45, 0] }", "angle = [0, 90
 SLIDER = 'points = { B = [0, 0] }\nslides = { point = "B", through = [0, 0] }'
 TORQUE = '\n[[torques]]\nlink = "rocker"\ntorque = 500\n[[springs]]'
 
-# What is replaced, by what, the place that is named (a line, or a name where there is no one line), and the cure.
+# The replaced text, its replacement, the place in the message (a line, or a name), and the cure.
 REFUSED = {
     "comma in a point": ("O2 = [60, 0]", "O2 = [60,5, 0]", ":6: ground.O2", "write decimals with a dot"),
     "comma in a number": ("mass = 0.15", "mass = 0,15", ":16: ", "write a dot, such as 0.3"),
@@ -115,7 +115,7 @@ WARNED = {
 
 
 def reviewed(folder, old, new):
-    """What ``check`` says of the sound file with one part replaced."""
+    """The review by ``check`` of the sound file with one part replaced."""
     assert SOUND.count(old) >= 1
     (folder / "mine.toml").write_text(SOUND.replace(old, new, 1), encoding="utf-8")
     return linkproof("check", "mine.toml", cwd=folder)
@@ -140,5 +140,5 @@ def test_it_is_refused(tmp_path, mistake):
 def test_it_is_warned_of(tmp_path, mistake):
     *change, place, cure = WARNED[mistake]
     done = reviewed(tmp_path, *change)
-    said = " ".join(done.stdout.split()).split("warning: ")
-    assert any(place in one and cure in one for one in said[1:]), done.stdout + done.stderr
+    warnings = " ".join(done.stdout.split()).split("warning: ")[1:]
+    assert any(place in warning and cure in warning for warning in warnings), done.stdout + done.stderr

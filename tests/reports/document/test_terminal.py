@@ -1,4 +1,4 @@
-"""What is printed: no markup, no control characters, no text lost."""
+"""Printed text: no markup, no control characters, no loss of text."""
 
 import io
 import sys

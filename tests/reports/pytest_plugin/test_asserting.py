@@ -1,4 +1,4 @@
-"""The fixture for tests of one's own: green, red with the words of a record, skipped; equal calls compare once."""
+"""The fixture for a user's tests: green, red with the words of a record, skipped; equal calls compare once."""
 
 from types import SimpleNamespace
 
@@ -17,23 +17,23 @@ CALL = 'linkproof_compare("linkages/bar.toml", engine="direct", quantity="Mkr", 
 
 
 def in_test(pytester, *lines):
-    """Run a test of one's own that has the fixture."""
+    """Run a user's test that has the fixture."""
     body = "\n    ".join(lines)
     pytester.makepyfile(f"def test_bar(linkproof_compare):\n    {body}\n")
     return run(pytester, "-rs", "test_in_project.py")
 
 
 @pytest.fixture(autouse=True)
-def own_test(pytester, monkeypatch):
+def _named_test(pytester, monkeypatch):
     """The test's file has one name, whatever test of ours writes it."""
     monkeypatch.setattr(pytester, "_name", "test_in_project")
 
 
 def test_a_comparison_that_passes_is_given(pytester):
     project(pytester)
-    told = ["found = " + CALL, "assert [r.quantity for r in found.records] == ['Mkr']", "assert found.passed",
-            "assert '500 rpm' in found.records[0].conditions"]  # fmt: skip
-    in_test(pytester, *told).assert_outcomes(passed=1)
+    lines = ["found = " + CALL, "assert [r.quantity for r in found.records] == ['Mkr']", "assert found.passed",
+             "assert '500 rpm' in found.records[0].conditions"]  # fmt: skip
+    in_test(pytester, *lines).assert_outcomes(passed=1)
 
 
 def test_one_over_its_limit_fails_with_the_command_that_repeats_it(pytester):
@@ -57,15 +57,13 @@ def test_an_engine_that_is_not_installed_skips_the_test(pytester, monkeypatch):
 
 
 def test_where_nothing_is_judged_the_test_is_skipped(pytester, monkeypatch):
-    told = Record(
-        "bar", "base", "run-up", "", "direct", "0", "tuned", outcome="unsupported", detail="it has no springs"
-    )
-    judged = JudgedCampaign(None, [run_record(told, [told])], (), ())
+    record = Record("bar", "base", "run-up", "", "direct", "0", "tuned", outcome="unsupported", detail="no springs")
+    judged = JudgedCampaign(None, [run_record(record, [record])], (), ())
     campaign = SimpleNamespace(options=CompareOptions())
     monkeypatch.setattr(asserting, "compare", lambda *_, **__: Comparison(judged, campaign))
     done = in_test(pytester, CALL)
     done.assert_outcomes(skipped=1)
-    done.stdout.fnmatch_lines(["SKIPPED * unsupported: it has no springs"])
+    done.stdout.fnmatch_lines(["SKIPPED * unsupported: no springs"])
 
 
 def test_equal_calls_compare_once(pytester, monkeypatch):

@@ -1,4 +1,4 @@
-"""``linkproof.compare``: the command's words, records as a table, limits and baselines of one's own."""
+"""``linkproof.compare``: records as a table and a picture, files of limits and baselines, refusals."""
 
 import numpy as np
 import pytest
@@ -11,15 +11,7 @@ from comparisons.campaign.standards import JudgedCampaign
 FAST = {"engine": "direct", "jobs": 0}
 
 
-@pytest.fixture
-def press(tmp_path):
-    """A linkage file of one's own."""
-    path = tmp_path / "press.toml"
-    path.write_text(read("juki-mf7923d").text, encoding="utf-8")
-    return path
-
-
-def test_records_are_a_table_by_run_and_quantity():
+def test_records_are_a_table_and_a_picture_by_run_and_quantity():
     found = linkproof.compare("juki-mf7923d", setting=["naive", "tuned"], **FAST)
     assert found.passed
     assert found.command == "linkproof compare juki-mf7923d --engine direct --setting naive --setting tuned"
@@ -35,30 +27,16 @@ def test_records_are_a_table_by_run_and_quantity():
         assert (row["outcome"].item(), row["steps"].item()) == (record.outcome, record.steps)
 
 
-def test_limits_of_ones_own_decide(press):
-    limits = press.parent / "limits.toml"
+def test_a_file_of_limits_and_the_project_of_the_first_file_are_used(tmp_path):
+    press, limits = tmp_path / "press.toml", tmp_path / "limits.toml"
+    press.write_text(read("juki-mf7923d").text, encoding="utf-8")
     limits.write_text('[[limit]]\nquantities = ["Mkr"]\nvalue = 1e-30\nreason = "none can"\n')
     found = linkproof.compare(press, quantity=("Mkr", "Jeq"), limits=limits, **FAST)
     assert [record.outcome for record in found.records] == ["over-limit", "passed"]
     assert not found.passed
-
-
-def test_a_mass_changed_by_a_hundredth_is_seen_in_a_figure(press):
-    baseline = press.parent / "baseline.json"
-    assert linkproof.compare(press, baseline=baseline, record_baseline=True, **FAST).passed
-    text = press.read_text(encoding="utf-8")
-    assert "mass   = 0.076" in text
-    press.write_text(text.replace("mass   = 0.076", "mass   = 0.07676"), encoding="utf-8")
-    found = linkproof.compare(press, baseline=baseline, **FAST)
-    assert "Mkr.peak" in [figure.figure for figure in found.figures if figure.changed]
-    assert "press.toml has changed" in found.notes[0]
-    assert not found.passed
-
-
-def test_the_project_says_what_the_words_leave_open(press):
-    (press.parent / "linkproof.toml").write_text('engines = ["direct"]\nsettings = ["best"]\n')
-    found = linkproof.compare(press, quantity="S", jobs=0)
-    assert [(record.engine, record.setting, record.quantity) for record in found.records] == [("direct", "best", "S")]
+    (tmp_path / "linkproof.toml").write_text('engines = ["direct"]\nsettings = ["best"]\n')
+    (record,) = linkproof.compare(press, quantity="S", jobs=0).records
+    assert (record.engine, record.setting) == ("direct", "best")
 
 
 def test_where_nothing_can_be_judged_it_has_neither_passed_nor_failed():
@@ -67,15 +45,13 @@ def test_where_nothing_can_be_judged_it_has_neither_passed_nor_failed():
         _ = found.passed
 
 
-def test_bad_words_are_refused():
-    with pytest.raises(linkproof.LinkproofError, match="unknown engine 'diretc': did you mean 'direct'"):
-        linkproof.compare("juki-mf7923d", engine="diretc")
-    with pytest.raises(linkproof.LinkproofError, match="--time-limit: expected a positive"):
-        linkproof.compare("juki-mf7923d", engine="direct", time_limit=-1)
-
-
-def test_a_linkage_in_place_of_its_file_is_refused_in_a_sentence():
-    with pytest.raises(
-        linkproof.LinkproofError, match=r"expected names and paths of linkages, got a Linkage: give its"
-    ):
-        linkproof.compare(linkproof.load("juki-mf7923d"), **FAST)
+@pytest.mark.parametrize(
+    ("linkage", "options", "words"),
+    [
+        ("juki-mf7923d", {"engine": "diretc"}, "unknown engine 'diretc': did you mean 'direct'"),
+        (3, {}, r"expected names and paths of linkages, got a int: give its"),
+    ],
+)
+def test_bad_input_is_refused_in_a_sentence(linkage, options, words):
+    with pytest.raises(linkproof.LinkproofError, match=words):
+        linkproof.compare(linkage, **options)

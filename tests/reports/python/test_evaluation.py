@@ -25,16 +25,16 @@ def test_the_stroke_of_a_slider_crank_is_the_textbooks():
 
 
 @pytest.mark.parametrize("name", ["rimoldi-164", str(LINKAGES / "drives" / "linear-motor.toml")])
-def test_all_of_it_is_as_in_results(name):
-    told = linkproof.results(name, speed=12.0, regime="constant-speed")
-    found = linkproof.evaluate(name, told["phi"], speed=12.0)
-    shared = [variable for variable in found if variable in told and variable != "S"]
+def test_every_quantity_is_that_of_results(name):
+    expected = linkproof.results(name, speed=12.0, regime="constant-speed")
+    found = linkproof.evaluate(name, expected["phi"], speed=12.0)
+    shared = [variable for variable in found if variable in expected and variable != "S"]
     assert {"Mkr", "Peq", "v", "a", "joint_force", "point_acceleration", "link_alpha", "shaking_moment"} <= {*shared}
     for variable in shared:
-        size = float(np.abs(told[variable]).max()) or 1.0
-        assert np.allclose(found[variable].values, told[variable].values, rtol=0.0, atol=1e-11 * size), variable
-        assert found[variable].attrs == told[variable].attrs
-    assert np.allclose(found["S"].values, told["S"].values, rtol=0.0, atol=1e-11)
+        size = float(np.abs(expected[variable]).max()) or 1.0
+        assert np.allclose(found[variable].values, expected[variable].values, rtol=0.0, atol=1e-11 * size), variable
+        assert found[variable].attrs == expected[variable].attrs
+    assert np.allclose(found["S"].values, expected["S"].values, rtol=0.0, atol=1e-11)
 
 
 def test_acceleration_and_speed_are_of_each_angle():
@@ -46,13 +46,13 @@ def test_acceleration_and_speed_are_of_each_angle():
     assert np.array_equal(found["joint_force"][..., 1], moving["joint_force"][..., 0])
 
 
-def test_without_a_speed_there_is_what_needs_none():
+def test_without_a_speed_it_gives_the_quantities_that_need_none():
     found = linkproof.evaluate("juki-mf7923d", [0.0, 1.0])
     still = {"Jeq", "Q", "S", "damping", "half_slope", "link_angle", "point_position", "transmission_angle"}
     assert still == {*found.data_vars}
 
 
-def test_designs_are_each_by_itself():
+def test_every_design_is_evaluated_by_itself():
     phi, rods = np.array([0.2, 1.5]), np.array([0.2, 0.25, 0.01])
     slider_crank = LINKAGES / "centric-slider-crank.toml"
     found = linkproof.evaluate(slider_crank, phi, ["v", "Jeq"], speed=60.0, designs={"rod.D.x": rods})
@@ -67,7 +67,7 @@ def test_designs_are_each_by_itself():
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "sentence"),
     [
         (([0.0], "Mkr"), "expected the crank's speed in rpm for Mkr, got none"),
         (([0.0], "omega"), "unknown quantity 'omega'"),
@@ -75,11 +75,11 @@ def test_designs_are_each_by_itself():
         (([], "Jeq"), "expected a flat list of crank angles"),
     ],
 )
-def test_what_cannot_be_is_said(words, told):
-    with pytest.raises(linkproof.LinkproofError, match=told):
+def test_bad_input_is_refused(words, sentence):
+    with pytest.raises(linkproof.LinkproofError, match=sentence):
         linkproof.evaluate("juki-mf7923d", *words)
 
 
-def test_many_designs_have_no_dead_centre():
+def test_many_designs_have_no_stroke():
     with pytest.raises(linkproof.LinkproofError, match="unknown quantity 'S'"):
         linkproof.evaluate("juki-mf7923d", [0.0], "S", designs={"coupler.D.x": [0.05]})

@@ -34,7 +34,7 @@ def test_a_new_option_of_a_request_is_everywhere():
         seen.append(options)
 
     @with_keywords()
-    def asked(linkage: str, options: Lubricated) -> Lubricated:
+    def called(linkage: str, options: Lubricated) -> Lubricated:
         """Results of a linkage."""
         return options
 
@@ -44,9 +44,9 @@ def test_a_new_option_of_a_request_is_everywhere():
     assert (done.exit_code, len(seen)) == (0, 1), done.output
     assert seen == [Lubricated(mechanism="press", film=3.0, at=(0.0, 30.0), gravity=False)]
     assert command_line("ask", seen[0]) == "linkproof ask press --at 0,30 --film 3 --no-gravity"
-    assert asked("press", film=3, at=[0, 30], gravity=False).film == 3
-    assert "film" in inspect.signature(asked).parameters
-    assert "film: Thickness of the oil film." in asked.__doc__
+    assert called("press", film=3, at=[0, 30], gravity=False).film == 3
+    assert "film" in inspect.signature(called).parameters
+    assert "film: Thickness of the oil film." in called.__doc__
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,5 @@
 """Exit codes tell engines' failures from faults of ours and from runs that say nothing."""
 
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import pytest
@@ -16,7 +13,6 @@ from comparisons.stress.cells import find_cell
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
-from tests.commands import COMMAND, linkproof
 from tests.comparisons.bench_rows import row
 
 
@@ -56,10 +52,9 @@ def test_an_erratum_counts_where_it_is_a_fault_of_ours(outcome, code):
     assert campaign_exit_code([_record("passed")], [erratum]) == code
 
 
-@pytest.mark.parametrize("outcome", ["unsupported", "unavailable", "undefined", "computed", "not-provided"])
-def test_nothing_judged_is_no_success(outcome):
-    with pytest.raises(LinkproofError, match=f"got none: {outcome}, it is {outcome}$"):
-        campaign_exit_code([_record(outcome), _record(outcome)])
+def test_nothing_judged_is_no_success():
+    with pytest.raises(LinkproofError, match=r"got none: unsupported, it is unsupported \(and 1 other reasons\)$"):
+        campaign_exit_code([_record("unsupported"), _record("unsupported"), _record("computed")])
     with pytest.raises(LinkproofError, match="no run at all"):
         campaign_exit_code([])
 
@@ -91,43 +86,3 @@ def test_what_is_not_judged_is_counted_apart():
     *_, text = rendered(*printout([result]).closing).splitlines()
     assert text.startswith("2 deviations: 2 passed, 1 not judged")
     assert "1 unavailable" in text
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="a working folder cannot be deleted there")
-def test_a_working_folder_that_was_deleted_is_one_sentence(tmp_path):
-    gone = tmp_path / "gone"
-    gone.mkdir()
-    script = (
-        f"import os, sys; sys.argv = ['linkproof', 'compare', 'juki-mf7923d']; os.rmdir({str(gone)!r})\n"
-        "from reports.command_line.main import main; main()"
-    )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    command = [sys.executable, "-c", script]
-    done = subprocess.run(command, cwd=gone, env=environment, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert "a working folder" in done.stderr
-
-
-def test_a_fault_of_ours_is_one_sentence_and_exit_code_3(monkeypatch):
-    def fail(_):
-        raise TypeError("a slip")
-
-    monkeypatch.setattr("reports.command_line.commands.mechanisms.list_mechanisms", fail)
-    done = linkproof("list")
-    assert done.returncode == 3
-    assert done.stderr.startswith("linkproof: this is a fault of linkproof: TypeError: a slip (reports/command_line/")
-    assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="pipes differ there")
-def test_a_reader_that_leaves_costs_no_report(tmp_path):
-    words = ("--quantity", "Jeq", "--json", "-", "--out", "o")
-    command = [*COMMAND, "compare", "juki-mf7923d", "--engine", "direct", *words]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    reading, writing = os.pipe()
-    os.close(reading)
-    with os.fdopen(writing, "wb") as pipe:
-        done = subprocess.run(command, cwd=tmp_path, env=environment, stdout=pipe, stderr=subprocess.PIPE, check=False)
-    assert done.returncode == 0, done.stderr
-    saved = {"compare", "index.html", "mechanisms.json", "RESULTS.md"}
-    assert saved <= {path.name for path in (tmp_path / "o").iterdir()}

@@ -1,5 +1,6 @@
-"""A project's words stand where options say nothing; what is recorded goes to a file that a user names."""
+"""A project's values replace options that are not given; a baseline is recorded into a file that a user names."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -75,8 +76,7 @@ def test_the_project_is_that_of_the_first_file(folder, monkeypatch):
 
 def test_a_linkage_without_a_regime_of_the_project_is_not_run_in_it(folder):
     choice, *_, known = _in_project(CompareOptions(mechanisms=("b/press.toml",)))
-    wanted = request(choice, known)
-    assert [motion.regime for motion in wanted.motions] == ["run-up"]
+    assert [motion.regime for motion in request(choice, known).motions] == ["run-up"]
     (folder / "linkproof.toml").write_text(PROJECT.replace("coast", "cost"))
     choice, *_, known = _in_project(CompareOptions(mechanisms=("b/press.toml",)))
     with pytest.raises(UnknownNameError, match="unknown regime 'cost': did you mean 'coast'"):
@@ -90,13 +90,10 @@ def test_a_variant_takes_those_of_the_project_that_have_it(folder):
 
 
 def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(folder):
-    deep = [folder / name / "parts" / "press.toml" for name in ("a", "b")]
-    for path in deep:
-        path.parent.mkdir()
-        path.write_text((folder / "b" / "press.toml").read_text(encoding="utf-8"), encoding="utf-8")
-    names = ("a/press.toml", *(str(path.relative_to(folder)) for path in deep))
-    named = files(CompareOptions(mechanisms=names))
-    assert [file.name for file in named] == [
+    for name in ("a", "b"):
+        shutil.copytree(folder / name, folder / name / "parts")
+    paths = ("a/press.toml", "a/parts/press.toml", "b/parts/press.toml")
+    assert [file.name for file in files(CompareOptions(mechanisms=paths))] == [
         "a-press",
         "a-parts-press",
         "b-parts-press",
@@ -107,8 +104,12 @@ def test_recording_needs_a_file_of_the_users_own(folder, tmp_path):
     with pytest.raises(LinkproofError, match=r"--record-baseline: .* --baseline, or put a linkproof.toml"):
         baseline_file(StandardOptions(record_baseline=True), None)
     assert baseline_file(StandardOptions(record_baseline=True), _in_project()[2])
-    with pytest.raises(LinkproofError, match="cannot write"):
-        baseline_file(StandardOptions(baseline=tmp_path, record_baseline=True), None)
+    for place, words in (
+        (tmp_path, "cannot write"),
+        (tmp_path / "lib" / "site-packages" / "base.json", r"your own, got .*base\.json' among installed packages"),
+    ):
+        with pytest.raises(LinkproofError, match=words):
+            baseline_file(StandardOptions(baseline=place, record_baseline=True), None)
 
 
 def test_the_words_ask_for_the_same_standard(tmp_path):
@@ -117,15 +118,7 @@ def test_the_words_ask_for_the_same_standard(tmp_path):
     assert command_line("compare", CompareOptions(), mine) == words
 
 
-def test_nothing_is_recorded_among_installed_packages(tmp_path):
-    file = tmp_path / "lib" / "site-packages" / "base.json"
-    with pytest.raises(
-        LinkproofError, match=r"expected a file of your own, got .*base\.json' among installed packages"
-    ):
-        baseline_file(StandardOptions(baseline=file, record_baseline=True), None)
-
-
-def test_an_unknown_engine_of_a_project_is_said_with_its_file(folder):
+def test_an_unknown_engine_of_a_project_is_named_with_its_file(folder):
     (folder / "linkproof.toml").write_text(PROJECT.replace('"direct"', '"adams"'))
     with pytest.raises(UnknownNameError, match=r"unknown engine of .*linkproof\.toml 'adams'"):
         _in_project()

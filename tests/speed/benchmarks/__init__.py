@@ -1,1 +1,1 @@
-"""The hot paths of linkproof, timed by asv at two commits; asv asks for this file."""
+"""The hot paths of linkproof, timed by asv at two commits; asv needs this file."""

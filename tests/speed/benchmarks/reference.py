@@ -6,24 +6,20 @@ import numpy as np
 
 from . import lacking
 
-SWEEP = 100_000
+SWEEP = 100_000  # crank angles
 DESIGNS, ANGLES = 1000, 100
 QUANTITIES = ("S", "v", "a", "Jeq", "Mkr")
 
 
 class Sweep:
-    """S, v, a, Jeq and Mkr over 100 000 crank angles, NumPy."""
+    """S, v, a, Jeq and Mkr over the crank angles, NumPy."""
 
     params = ("juki-mf7923d", "rimoldi-164", "slotted-takeup")
     param_names = ("mechanism",)
 
     def setup(self, name):
-        loading, mechanism = (
-            lacking.module("analytic.description.loading"),
-            lacking.module("analytic.kinematics.mechanism"),
-        )
         self.evaluate = lacking.module("analytic.evaluation").evaluate
-        self.mechanism = mechanism.Mechanism(loading.load(name))
+        self.mechanism = lacking.mechanism(name)
         self.angle = np.linspace(0.0, 100.0, SWEEP)
 
     def time_evaluate(self, _name):
@@ -38,7 +34,6 @@ class CompiledSweep(Sweep):
     def setup(self, name):
         super().setup(name)
         lacking.module("numba")
-        lacking.check_parameter(self.evaluate, "path")
         self.time_evaluate(name)
 
     def time_evaluate(self, _name):
@@ -46,18 +41,14 @@ class CompiledSweep(Sweep):
 
 
 class Designs:
-    """Jeq of 1000 six-bars of other rods at 100 crank angles, compiled, one core."""
+    """Jeq of six-bars of other rods, compiled, one core."""
 
     timeout = 300.0
 
     def setup(self):
-        loading, mechanism = (
-            lacking.module("analytic.description.loading"),
-            lacking.module("analytic.kinematics.mechanism"),
-        )
         lacking.module("numba")
         self.evaluate = lacking.module("analytic.designs.values").evaluate_designs
-        self.mechanism = mechanism.Mechanism(loading.load("rimoldi-164"))
+        self.mechanism = lacking.mechanism("rimoldi-164")
         self.rods = {"rod.B.x": np.linspace(0.174, 0.176, DESIGNS)}
         self.angle = np.linspace(0.0, 6.0, ANGLES)
         self.time_inertia()
@@ -67,27 +58,23 @@ class Designs:
 
 
 class DesignFigures:
-    """Peaks of 2000 six-bars of other rods over 72 crank angles, compiled, one core."""
+    """Peaks of twice as many six-bars over 72 crank angles, compiled, one core."""
 
     timeout = 300.0
     params = ("Mkr", "joint_force:A:magnitude")
     param_names = ("signal",)
 
     def setup(self, signal):
-        loading, mechanism = (
-            lacking.module("analytic.description.loading"),
-            lacking.module("analytic.kinematics.mechanism"),
-        )
         lacking.module("numba")
         figures = lacking.module("analytic.designs.figures")
         self.figures = lacking.module("analytic.designs.results").design_figures
-        self.mechanism = mechanism.Mechanism(loading.load("rimoldi-164"))
+        self.mechanism = lacking.mechanism("rimoldi-164")
         self.rods = {"rod.B.x": np.linspace(0.174, 0.176, 2 * DESIGNS)}
         self.angle = np.arange(72) * (2.0 * np.pi / 72)
-        self.asked = {one: [figures.Figure(one, figures.Reduction.PEAK)] for one in self.params}
+        self.requested = [figures.Figure(signal, figures.Reduction.PEAK)]
         self.time_peak(signal)
 
-    def time_peak(self, signal):
+    def time_peak(self, _signal):
         return self.figures(
-            self.mechanism, self.rods, self.asked[signal], self.angle, speed=100.0, cores=1, path="compiled"
+            self.mechanism, self.rods, self.requested, self.angle, speed=100.0, cores=1, path="compiled"
         )

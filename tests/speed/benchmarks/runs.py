@@ -8,12 +8,8 @@ from . import lacking
 
 
 def _case():
-    loading, mechanism = (
-        lacking.module("analytic.description.loading"),
-        lacking.module("analytic.kinematics.mechanism"),
-    )
     motion = lacking.module("analytic.description.crank_motion").crank_motion("run-up")
-    return lacking.module("comparisons.reference.case").Case(mechanism.Mechanism(loading.load("juki-mf7923d")), motion)
+    return lacking.module("comparisons.reference.case").Case(lacking.mechanism("juki-mf7923d"), motion)
 
 
 def _run(engine):

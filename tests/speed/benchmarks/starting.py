@@ -28,8 +28,7 @@ class File:
 
     def setup(self, _name):
         self.loading = lacking.module("analytic.description.loading")
-        self.mechanism = lacking.module("analytic.kinematics.mechanism").Mechanism
 
     def time_load(self, name):
         self.loading.parse.cache_clear()
-        return len(self.mechanism(self.loading.load(name)).structure.bodies)
+        return len(lacking.mechanism(name).structure.bodies)

@@ -14,19 +14,16 @@ from analytic.description.changes import numbers
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load as load_campaign
-from comparisons.designs.sweep import sweep as sweeps
 from comparisons.folders.verification import verify
 from reports.command_line.commands.sweep import sweep
 from reports.command_line.destination import Destination
 from reports.requests.options.designs import SweepFiles, SweepOptions
-from tests.analytic.drives import path_of
-from tests.commands import linkproof
 from tests.comparisons.faults import announce
 from tests.options import shared_out
-from tests.reports.command_line.test_app import completed
 
 VARY = ("rod.B.x=160:18cm:5", "rod.mass=100g:0.2:3")
 PLAIN = {"mechanism": "rimoldi-164", "vary": VARY, "quantity": ("Mkr.peak", "stroke"), "angles": 12}
+QUICK = {"vary": ("rod.B.x=166:178:13",), "quantity": ("Mkr.peak",), "speed": 120.0, "jobs": 1}
 
 
 def swept(folder=None, *, quiet=True, **options):
@@ -40,31 +37,18 @@ def table(path):
     return lines[0].split(","), np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
 
 
-def test_it_says_how_many_assemble_and_where_figures_are_least_and_largest(tmp_path):
-    done = linkproof(
-        "sweep", "rimoldi-164", "--vary", VARY[0], "--vary", VARY[1], "--quantity", "stroke", "--speed", "-500",
-        "--out", tmp_path / "out",
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    lines = done.stdout.splitlines()
-    assert lines[0].startswith("rimoldi-164 (as-built): constant-speed, 500 rpm clockwise, φ from 0° to -360°")
-    assert lines[0].endswith("gravity on, sampled at 180 crank angles, masses as in the file")
+def test_every_file_has_the_same_values_and_the_summary_counts_assembled_designs(tmp_path, capsys):
+    out = tmp_path / "out"
+    swept(out, csv=str(tmp_path / "t.csv"), json=str(tmp_path / "t.json"), quiet=False)
+    lines = capsys.readouterr().out.splitlines()
     assert lines[1] == (
         "15 (5 × 3) designs, of which 9 (60 %) assemble at every angle: rod.B.x from 170 to 180 mm, rod.mass from 0.1 "
         "to 0.2 kg"
     )
-    assert [line.split()[-2:] for line in lines[4:7]] == [["180", "0.1"], ["175", "0.17"], ["170", "0.1"]]
-    assert lines[4].split()[:3] == ["stroke", "[mm]", "least"]
-    assert lines[-2:] == [f"wrote {tmp_path / 'out' / name}" for name in ("sweep.nc", "sweep.svg")]
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"sweep.nc", "sweep.svg"}
-
-
-def test_every_file_tells_the_same(tmp_path):
-    out = tmp_path / "out"
-    swept(out, csv=str(tmp_path / "t.csv"), json=str(tmp_path / "t.json"))
+    assert lines[-2:] == [f"wrote {out / name}" for name in ("sweep.nc", "sweep.svg")]
     head, rows = table(tmp_path / "t.csv")
     assert head == ["rod.B.x [mm]", "rod.mass [kg]", "Mkr.peak [N*m]", "stroke [mm]"]
-    told = json.loads((tmp_path / "t.json").read_text())
+    document = json.loads((tmp_path / "t.json").read_text())
     with xarray.open_dataset(out / "sweep.nc") as dataset:
         assert dataset.sizes == {"rod.B.x": 5, "rod.mass": 3}
         np.testing.assert_allclose(dataset["stroke"].values.ravel(), rows[:, 3], rtol=1e-14)
@@ -73,72 +57,18 @@ def test_every_file_tells_the_same(tmp_path):
             "--quantity stroke --angles 12"
         )
         assert (dataset.attrs["angles"], dataset.attrs["refined"]) == (12, 0)
-    assert (told["designs"], told["assembled"]) == (15, 9)
-    least = told["figures"]["stroke"]["least"]
+    assert (document["designs"], document["assembled"]) == (15, 9)
+    least = document["figures"]["stroke"]["least"]
     row = rows[np.nanargmin(rows[:, 3])]
     assert [least["at"]["rod.B.x"], least["at"]["rod.mass"], round(least["value"], 9)] == [*row[:2], round(row[3], 9)]
     peak = rows[np.nanargmax(np.abs(rows[:, 2])), 2]
-    assert told["figures"]["Mkr.peak"]["largest"]["value"] == pytest.approx(peak, rel=1e-14)
+    assert document["figures"]["Mkr.peak"]["largest"]["value"] == pytest.approx(peak, rel=1e-14)
 
 
-@pytest.mark.parametrize("extra", [(), ("rod.mass=0.1:0.2:2",)])
-def test_the_speed_may_be_varied_and_torques_without_gravity_go_as_its_square(tmp_path, extra):
-    swept(csv=str(tmp_path / "t.csv"), vary=("speed=500:1500rpm:3", *extra), gravity=False)
-    head, rows = table(tmp_path / "t.csv")
-    assert head[0] == "speed [rpm]"
-    for mass in np.unique(rows[:, 1]) if extra else [None]:
-        some = rows if mass is None else rows[rows[:, 1] == mass]
-        np.testing.assert_allclose(some[:, -2] / some[0, -2], (some[:, 0] / 500.0) ** 2, rtol=1e-12)
-        np.testing.assert_allclose(some[:, -1], some[0, -1], rtol=1e-12)
-
-
-def test_a_table_gives_what_a_grid_of_the_same_designs_does(tmp_path):
-    swept(csv=str(tmp_path / "grid.csv"))
-    head, rows = table(tmp_path / "grid.csv")
-    (tmp_path / "designs.csv").write_text(
-        "rod.mass [g], rod.B.x\n" + "\n".join(f"{1e3 * mass},{x}" for x, mass in rows[:, :2])
-    )
-    swept(tmp_path / "out", vary=(), table=tmp_path / "designs.csv", csv=str(tmp_path / "list.csv"))
-    other, again = table(tmp_path / "list.csv")
-    assert [other[1], other[0], *other[2:]] == head
-    np.testing.assert_allclose(again[:, [1, 0, 2, 3]], rows, rtol=1e-11)
-    with xarray.open_dataset(tmp_path / "out" / "sweep.nc") as dataset:
-        assert dataset["stroke"].dims == ("design",)
-
-
-def test_an_interrupted_sweep_is_finished_and_another_is_not(tmp_path, monkeypatch):
-    monkeypatch.setattr(sweeps, "PLACES", 12 * 6)
-    real, made = sweeps.sweep_block, []
-
-    def interrupted(request, first, last):
-        made.append(first)
-        if len(made) == 2:
-            raise KeyboardInterrupt
-        return real(request, first, last)
-
-    monkeypatch.setattr(sweeps, "sweep_block", interrupted)
-    with pytest.raises(KeyboardInterrupt, match="6 of 15 designs are saved in"):
-        swept(tmp_path / "out")
-    with pytest.raises(LinkproofError, match="expected the request that was begun"):
-        swept(tmp_path / "out", angles=13, resume=True)
-    swept(tmp_path / "out", resume=True)
-    assert made == [0, 6, 6, 12]
-    swept(tmp_path / "whole")
-    finished, whole = (xarray.load_dataset(tmp_path / name / "sweep.nc") for name in ("out", "whole"))
-    xarray.testing.assert_identical(finished, whole)
-
-
-def test_a_drive_along_a_line_has_places_and_speeds_in_its_unit(tmp_path):
-    motion = ("--from", 400, "--to", 300, "--speed", 50, "--angles", 9)
-    lines = linkproof("sweep", path_of("boom"), "--vary", "rod.mass=1:2:3", *motion).stdout.splitlines()
-    assert lines[0] == (
-        "boom (base): constant-speed, 50 mm/s, φ from 400 mm to 300 mm in 2 s, gravity on, sampled at 9 places, a "
-        "numerical reference: Newton's method solves a group"
-    )
-    assert lines[1] == "3 designs, all of which assemble at every angle"
-
-
-def test_a_picture_is_drawn_where_it_is_asked_for_and_into_a_folder(tmp_path):
+def test_a_picture_is_drawn_on_request_and_into_a_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    swept()
+    assert list(tmp_path.iterdir()) == []
     swept(svg=str(tmp_path / "t.svg"))
     assert ET.parse(tmp_path / "t.svg").getroot().tag.endswith("svg")
     assert [path.name for path in tmp_path.iterdir()] == ["t.svg"]
@@ -147,14 +77,6 @@ def test_a_picture_is_drawn_where_it_is_asked_for_and_into_a_folder(tmp_path):
     assert picture.read_text() == (tmp_path / "t.svg").read_text()
     swept(picture.parent)  # quiet
     assert not picture.exists()
-    swept(picture.parent, svg=str(picture))
-    assert picture.exists()
-
-
-def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    swept()
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -162,13 +84,11 @@ def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch)
     [
         ({"vary": ("rod.B.q=1:2:3",)}, "unknown parameter of 'rimoldi-164' 'rod.B.q': did you mean"),
         ({"vary": ("rod.B.x=170:180:0",)}, "expected a number of values"),
-        ({"vary": ("rod.B.x=1kg:2kg:3",)}, "unknown length unit 'kg'"),
         ({"vary": ("speed=-10:10:3",)}, "speed: expected speeds on one side of 0, got -10 to 10"),
         ({"vary": ("speed=1kg:2kg:3",)}, "speed: expected rpm, got 'kg'"),
         ({"vary": ()}, "got neither"),
         ({"table": Path("designs.csv")}, "got both"),
         ({"vary": (), "table": Path("designs.csv")}, "No such file"),
-        ({"vary": ("rod.mass=-1:1:3",)}, "expected no negative mass"),
         ({"vary": ("rod.B.x=100:110:3",)}, "expected designs that assemble, got none of 3, for 'rimoldi-164' cannot"),
         ({"vary": (f"rod.B.x=1:2:{10**7}", f"rod.mass=1:2:{10**7}")}, "designs at most"),
         ({"vary": (f"rod.B.x=170:180:{10**6}", f"rod.mass=1:2:{10**5}")}, "expected room for 100000000000 designs"),
@@ -177,37 +97,23 @@ def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch)
         ({"designs": 8}, "--designs is for designs that are simulated: name an engine with --simulate"),
         ({"simulate": ("direct",), "seed": -1}, "--seed: expected a whole number, 0 or more, got -1"),
         ({"quantity": ("Mkr",)}, "unknown figure 'Mkr': did you mean"),
-        ({"quantity": ("nothing.peak",)}, "unknown figure 'nothing.peak'"),
-        ({"angles": 3}, "--angles: expected 8 crank angles or more, got 3"),
         ({"jobs": 0}, "--jobs: expected 1 or more cores, got 0"),
-        ({"speed": 0.0}, "--speed: expected"),
-        ({"from_angle": 10.0}, "add --to"),
-        ({"mechanism": "rimoldi"}, "did you mean 'rimoldi-164'"),
     ],
 )
 def test_bad_input_is_a_sentence_and_writes_nothing(tmp_path, monkeypatch, options, words):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=10**9))
-    files = {"csv": "t.csv", "json": "t.json"}
-    with pytest.raises(LinkproofError) as told:
-        swept(tmp_path / "new" / "out", **files, **options)
-    assert words in str(told.value)
+    with pytest.raises(LinkproofError) as error:
+        swept(tmp_path / "new" / "out", csv="t.csv", json="t.json", **options)
+    assert words in str(error.value)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_parameters_and_figures_are_completed():
-    assert completed("sweep", "rimoldi-164", "--vary", "rod.B.") == ["rod.B.x=", "rod.B.y="]
-    assert completed("sweep", "rimoldi-164", "--quantity", "Mkr.p") == ["Mkr.peak"]
-
-
-QUICK = {"vary": ("rod.B.x=166:178:13",), "quantity": ("Mkr.peak",), "speed": 120.0, "jobs": 1}
 
 
 def test_designs_are_simulated_in_a_campaign_of_their_own(tmp_path, capsys):
     out = tmp_path / "out"
     swept(out, **QUICK, simulate=("direct",), designs=4, quiet=False)
-    text = capsys.readouterr().out
-    assert "direct tuned: within limits on 4 of 4 designs judged; with 95 % certainty fewer than 75% of such" in text
+    sentence = "direct tuned: within limits on 4 of 4 designs judged; with 95 % certainty fewer than 75% of such"
+    assert sentence in capsys.readouterr().out
     verified = verify(out / "simulated")
     assert verified.records
     assert not verified.findings
@@ -219,7 +125,7 @@ def test_designs_are_simulated_in_a_campaign_of_their_own(tmp_path, capsys):
     assert (out / "simulated" / "index.html").is_file()
 
 
-def test_the_number_that_tells_failing_designs_apart_is_named(tmp_path, monkeypatch, capsys):
+def test_the_number_that_separates_failing_designs_is_named(tmp_path, monkeypatch, capsys):
     announce(tmp_path, "flawed", {"short-sighted": "tests.comparisons.designs.engines_with_flaws:ShortSighted"})
     monkeypatch.syspath_prepend(str(tmp_path))
     assert swept(**QUICK, simulate=("short-sighted",), designs=13, quiet=False) == 1
@@ -233,5 +139,5 @@ def test_a_crank_that_makes_no_turn_is_simulated_over_its_range(tmp_path, capsys
     text = load("rimoldi-164").text.replace("A = [12, 0]", "A = [30, 0]").replace("[-5, 175]", "[-5, 190]")
     (tmp_path / "long.toml").write_text(text)  # its crank is so long that the rocker stops it
     options = {**QUICK, "mechanism": str(tmp_path / "long.toml"), "vary": ("rod.mass=0.1:0.2:3",)}
-    swept(**options, simulate=("direct",), designs=2, quiet=False)
-    assert "within limits on 2 of 2 designs judged" in capsys.readouterr().out
+    swept(**options, simulate=("direct",), designs=1, quiet=False)
+    assert "within limits on 1 of 1 designs judged" in capsys.readouterr().out

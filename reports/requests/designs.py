@@ -1,8 +1,9 @@
-"""``sweep``: a space of designs and their figures, and the campaign of engines that simulate some of them."""
+"""``sweep``, ``optimise`` and ``tolerance``: many designs of a linkage at a steady speed."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -12,15 +13,18 @@ from analytic.description.file_units import file_unit
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.designs.named_figures import named_figures
+from comparisons.designs.optimum.optimisation import OptimisationRequest, Optimum, optimise
 from comparisons.designs.parameters import mass_words
 from comparisons.designs.sweep.simulated_designs import SimulatedDesigns, simulated_designs
 from comparisons.designs.sweep.space import DesignSpace, Grid, steps
 from comparisons.designs.sweep.sweep import SweepRequest, usual_figures
 from comparisons.designs.sweep.table import read_table
+from comparisons.designs.tolerance.tolerance_request import ToleranceRequest, tolerance_request
+from comparisons.designs.tolerance.tolerances import Tolerances
 from comparisons.runs.files import write_text
 from reports.requests.campaign import named
 from reports.requests.options.campaign import CompareOptions, RunLimits
-from reports.requests.options.designs import DESIGNS, SweepOptions
+from reports.requests.options.designs import DESIGNS, OptimiseOptions, SweepOptions, ToleranceOptions
 from reports.requests.running import running
 from reports.requests.steady import SteadyCase, steady_case
 
@@ -34,7 +38,7 @@ class SimulatedCampaign(NamedTuple):
 
 
 def check_sweep(options: SweepOptions) -> None:
-    """Raise LinkproofError for cores and simulations that cannot be, before anything is worked out."""
+    """Raise LinkproofError for impossible cores and simulations, before any computation."""
     if options.designs < 1:
         raise LinkproofError(f"--designs: expected 1 design or more to simulate, got {options.designs}; give more")
     if options.seed < 0:
@@ -56,11 +60,11 @@ def sweep_request(linkage: Linkage, options: SweepOptions) -> tuple[SweepRequest
             f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: give one of the two"
         )
     case = steady_case(linkage, options)
-    request, conditions = request_of(case, designs_of(case.mechanism.linkage, options), options)
+    request, conditions = sweep_request_of(case, designs_of(case.mechanism.linkage, options), options)
     return request.on_single_path(), conditions
 
 
-def request_of(case: SteadyCase, space: DesignSpace, options: SweepOptions) -> tuple[SweepRequest, str]:
+def sweep_request_of(case: SteadyCase, space: DesignSpace, options: SweepOptions) -> tuple[SweepRequest, str]:
     """The figures of a space of designs, and the conditions in words; raises LinkproofError for unknown names."""
     linkage = case.mechanism.linkage
     figures = named_figures(case.mechanism, options.quantity) if options.quantity else usual_figures(case.mechanism)
@@ -92,3 +96,37 @@ def simulated_campaign(request: SweepRequest, options: SweepOptions, folder: Pat
     files = tuple(str(folder / f"{name}.toml") for name in designs.files)
     campaign = CompareOptions(mechanisms=files, engine=options.simulate, **vars(of_files))
     return SimulatedCampaign(designs, campaign, RunLimits(jobs=options.jobs, scheduler=options.scheduler))
+
+
+def optimisation_request_of(options: OptimiseOptions) -> OptimisationRequest:
+    """The aim and the constraints of an optimisation; raises LinkproofError for bad input before the search."""
+    if (options.minimise is None) == (options.maximise is None):
+        got = "neither" if options.minimise is None else "both"
+        raise LinkproofError(f"expected --minimise FIGURE or --maximise FIGURE, got {got}; give one, such as Mkr.peak")
+    request = OptimisationRequest(
+        options.minimise or options.maximise or "", options.over, options.keep, options.minimise is not None,
+        options.starts, options.seed, options.everywhere, options.step or "",
+    )  # fmt: skip
+    request.check()
+    named(options.simulate)
+    return request
+
+
+def optimum(
+    linkage: Linkage, options: OptimiseOptions, announce: Callable[[str, int, int], None] = lambda *_: None
+) -> tuple[Optimum, str]:
+    """The best design, and the conditions in words."""
+    request = optimisation_request_of(options)
+    mechanism, motion, conditions = steady_case(linkage, options)
+    best = optimise(mechanism, motion, request, announce)
+    return best, conditions + mass_words(mechanism.linkage, best.after)
+
+
+def tolerance_request_of(linkage: Linkage, tolerances: Tolerances, options: ToleranceOptions) -> ToleranceRequest:
+    """The request, at the speed of the file of tolerances if it has one; raises LinkproofError for bad input."""
+    if tolerances.speed is not None:
+        options = replace(options, speed=tolerances.speed)
+    mechanism, motion, conditions = steady_case(linkage, options)
+    return tolerance_request(
+        mechanism, motion, tolerances, samples=options.samples, seed=options.seed, conditions=conditions
+    )
