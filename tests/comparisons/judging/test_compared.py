@@ -1,6 +1,5 @@
 """Deviations of quantities, relative to the reference's peak, without samples that have no single truth."""
 
-import dataclasses
 from dataclasses import replace
 
 import numpy as np
@@ -67,10 +66,8 @@ def test_zeros_come_from_the_engines_own_motion_where_its_samples_show_them(samp
         quantity = QUANTITIES[name]
         assert bool(quantity.shared(case, motion)) != own
         assert deviation(case, quantity, motion).error_max < 1e-11
-    moved = dataclasses.replace(
-        motion.history.position, values=motion.history.position.values + np.array([0.0, 1e-3, 0.0])
-    )
-    shifted = ObservedMotion(motion.scene, dataclasses.replace(motion.history, position=moved))
+    moved = replace(motion.history.position, values=motion.history.position.values + np.array([0.0, 1e-3, 0.0]))
+    shifted = ObservedMotion(motion.scene, replace(motion.history, position=moved))
     error = deviation(case, QUANTITIES["S"], shifted).error_max
     assert (error < 1e-11) == own
 
@@ -86,7 +83,7 @@ def abrupt_motion(abrupt_case):
 
 
 def _with_torque(motion, torque):
-    history = dataclasses.replace(motion.history, torque=Signal(motion.history.torque.time, torque))
+    history = replace(motion.history, torque=Signal(motion.history.torque.time, torque))
     return ObservedMotion(motion.scene, history)
 
 
@@ -165,10 +162,10 @@ def test_interpolation_across_a_jump_is_no_error_of_an_engine():
 
 
 def test_what_is_zero_for_want_of_any_mass_is_not_judged(abrupt_case, abrupt_motion):
-    links = {name: dataclasses.replace(link, mass=0.0) for name, link in abrupt_case.mechanism.linkage.links.items()}
+    links = {name: replace(link, mass=0.0) for name, link in abrupt_case.mechanism.linkage.links.items()}
     for name, link in links.items():
-        links[name] = dataclasses.replace(link, inertia=None if link.inertia is None else 0.0)
-    bare = Case(Mechanism(dataclasses.replace(abrupt_case.mechanism.linkage, links=links)), abrupt_case.motion)
+        links[name] = replace(link, inertia=None if link.inertia is None else 0.0)
+    bare = Case(Mechanism(replace(abrupt_case.mechanism.linkage, links=links)), abrupt_case.motion)
     still = perfect_motion(bare.mechanism, bare.motion)
     for name in ("Jeq", "Teq", "Mkr", "Peq"):
         with pytest.raises(NoSampleError, match="is zero throughout, as no link has a mass"):

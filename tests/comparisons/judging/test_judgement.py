@@ -1,6 +1,5 @@
 """Limits, the baseline, and a record judged by both."""
 
-import dataclasses
 import itertools
 import json
 from dataclasses import replace
@@ -87,8 +86,8 @@ def _with(*records, figures=()):
 
 
 def test_recording_allows_three_times_the_value_and_keeps_other_records():
-    other = dataclasses.replace(RECORD, engine="other")
-    found = _with(RECORD, other).recorded([dataclasses.replace(RECORD, error_max=2e-5)], {})
+    other = replace(RECORD, engine="other")
+    found = _with(RECORD, other).recorded([replace(RECORD, error_max=2e-5)], {})
     assert found.allowed(RECORD) == pytest.approx(6e-5)
     assert found.allowed(other) == pytest.approx(3 * 1.235e-5)
 
@@ -96,11 +95,11 @@ def test_recording_allows_three_times_the_value_and_keeps_other_records():
 def test_what_is_not_the_same_run_has_a_baseline_of_its_own():
     found = _with(RECORD)
     for change in ({"conditions": "2000 rpm"}, {"variant": "w"}, {"regime": "s"}, {"setting": "best"}):
-        assert found.allowed(dataclasses.replace(RECORD, **change)) is None
+        assert found.allowed(replace(RECORD, **change)) is None
 
 
 def test_round_off_is_never_judged_by_growth():
-    assert _with(dataclasses.replace(RECORD, error_max=1e-15)).allowed(RECORD) == pytest.approx(1e-7)
+    assert _with(replace(RECORD, error_max=1e-15)).allowed(RECORD) == pytest.approx(1e-7)
 
 
 def test_a_file_holds_what_was_recorded_and_says_what_changed_since(tmp_path):
@@ -115,7 +114,7 @@ def test_a_file_holds_what_was_recorded_and_says_what_changed_since(tmp_path):
 
 
 def test_a_file_is_the_same_for_the_same_records_in_any_order(tmp_path):
-    records = [RECORD, dataclasses.replace(RECORD, engine="a"), dataclasses.replace(RECORD, quantity="Jeq")]
+    records = [RECORD, replace(RECORD, engine="a"), replace(RECORD, quantity="Jeq")]
     _with(*records).write(tmp_path / "one.json")
     _with(*reversed(records)).write(tmp_path / "two.json")
     assert (tmp_path / "one.json").read_bytes() == (tmp_path / "two.json").read_bytes()

@@ -1,7 +1,6 @@
 """The axes' conditions become scenes and motions."""
 
-import dataclasses
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -93,7 +92,7 @@ def test_the_closed_form_does_not_notice_units(name, length, mass, time):
 
 
 def test_one_link_gets_heavier_and_no_other():
-    plain, heavy = linkage(JUKI), linkage(dataclasses.replace(JUKI, link="coupler", mass_factor=1e3))
+    plain, heavy = linkage(JUKI), linkage(replace(JUKI, link="coupler", mass_factor=1e3))
     assert heavy.links["coupler"].mass == pytest.approx(1e3 * plain.links["coupler"].mass)
     assert heavy.links["coupler"].inertia == pytest.approx(1e3 * plain.links["coupler"].inertia)
     assert heavy.links["coupler"].centre == plain.links["coupler"].centre
@@ -119,19 +118,19 @@ def test_a_reversal_turns_round_and_back_without_a_jump(hold, change):
 
 
 def test_motions_take_the_turns_they_are_given():
-    held = motion(dataclasses.replace(JUKI, motion="constant-speed", turns=7.0))
+    held = motion(replace(JUKI, motion="constant-speed", turns=7.0))
     assert float(held.angle(held.duration) - held.angle(0.0)) == pytest.approx(14.0 * np.pi)
-    ramped = motion(dataclasses.replace(JUKI, ramp_turns=3.0, hold_turns=2.0))
+    ramped = motion(replace(JUKI, ramp_turns=3.0, hold_turns=2.0))
     assert float(ramped.angle(ramped.duration) - ramped.angle(0.0)) == pytest.approx(10.0 * np.pi)
-    slow = motion(dataclasses.replace(JUKI, scaled="time", scale=50.0))
+    slow = motion(replace(JUKI, scaled="time", scale=50.0))
     assert slow.duration == pytest.approx(50.0 * motion(JUKI).duration)
-    assert dataclasses.replace(JUKI, steps_per_turn=120.0).step == pytest.approx(0.06 / 120.0)
+    assert replace(JUKI, steps_per_turn=120.0).step == pytest.approx(0.06 / 120.0)
 
 
 @pytest.mark.parametrize("what", ["position", "velocity"])
 @pytest.mark.parametrize("size", [1e-9, 1e-3])
 def test_a_disturbed_start_is_off_by_so_much_and_no_more(what, size):
-    conditions = dataclasses.replace(JUKI, motion="constant-speed", disturbed=what, disturbance=size)
+    conditions = replace(JUKI, motion="constant-speed", disturbed=what, disturbance=size)
     true = case(conditions)
     given, fits = scene(conditions, true), true.scene(frozenset(Channel))
     scale = scene_size(fits) * (conditions.rate if what == "velocity" else 1.0)
@@ -142,7 +141,7 @@ def test_a_disturbed_start_is_off_by_so_much_and_no_more(what, size):
 
 
 def test_only_conditions_that_differ_from_a_plain_run_up_are_saved():
-    told = dataclasses.replace(JUKI, link="coupler", mass_factor=10.0, at=(1.0, 2.0)).differing
+    told = replace(JUKI, link="coupler", mass_factor=10.0, at=(1.0, 2.0)).differing
     assert told == {"linkage": "juki-mf7923d", "link": "coupler", "mass_factor": 10.0, "at": [1.0, 2.0]}
     assert Conditions(**{k: tuple(v) if isinstance(v, list) else v for k, v in told.items()}).mass_factor == 10.0
 

@@ -1,6 +1,5 @@
 """A campaign in the terminal, in the summary and as JUnit's XML."""
 
-import dataclasses
 import re
 from dataclasses import replace
 from xml.etree import ElementTree
@@ -25,7 +24,7 @@ def _text(printout):
 
 
 def _result(**changes):
-    records = [dataclasses.replace(RECORD, quantity=q, **changes) for q in ("Jeq", "joint_force:A", "joint_force:B")]
+    records = [replace(RECORD, quantity=q, **changes) for q in ("Jeq", "joint_force:A", "joint_force:B")]
     return run_record(records[0], records)
 
 
@@ -47,7 +46,7 @@ def test_computed_figures_are_not_called_read(origin, runs, words, line):
 
 def test_the_worst_joint_stands_for_all():
     result = _result()
-    worse = dataclasses.replace(result.records[2], error_max=7.7e-3, outcome="over-limit", detail="over its limit")
+    worse = replace(result.records[2], error_max=7.7e-3, outcome="over-limit", detail="over its limit")
     text = _text(printout([run_record(worse, (*result.records[:2], worse))]))
     assert "7.7e-03 ✗" in text
 
@@ -75,13 +74,13 @@ CHECKED = ("joint_gap", "closure", "crank_phase", "torque_two_routes", "force_ba
 )
 def test_rows_that_fail_together_have_their_meaning_once(failing, words):
     rows = {
-        name: dataclasses.replace(
+        name: replace(
             RECORD, engine="e", quantity=name, outcome="over-limit" if name in failing else "passed", detail=""
         )
         for name in ("Mkr", "joint_force:A", *CHECKED)
     }
     run = run_record(RECORD, [rows["Mkr"], rows["joint_force:A"]], [rows[name] for name in CHECKED])
-    text = rendered(*printout([dataclasses.replace(run, engine="e")] * 2).closing, width=400)
+    text = rendered(*printout([replace(run, engine="e")] * 2).closing, width=400)
     assert text.count("check-engine e'") == bool(words)
     assert words in text
 
