@@ -105,10 +105,7 @@ class FreeMotion:
         return float(np.max(np.abs(angle - control.angle_at(time))))
 
     def _closed_form_error(self, time: Array, angle: Array) -> float:
-        """Bound on the error of the closed form, in the angle.
-
-        Roundings of the moment may all have one sign; those of ½Jeq' are in proportion to it, else they would do work.
-        """
+        """Roundings of the moment may all have one sign; those of ½Jeq' are proportional to it, else they do work."""
         seen = np.linspace(0.0, self.duration, SEEN)
         path = self.equation.mechanism.sweep(self.angle(seen))
         _, first, second = relative_bounds(path)

@@ -37,7 +37,6 @@ TRIALS = [
 DERIVATIVE = 1e-12  # 8e-14 is reached
 NONE = 1e-12
 LEAST = 1e-20  # what is smaller is zero
-GIVEN = ("phi", "omega", "epsilon", "S")  # or no signal of one angle
 NUDGE = mpf(10) ** -20  # and as small is the error of a difference over it
 HERE = frozenset()  # no nudge
 
