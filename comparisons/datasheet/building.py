@@ -47,10 +47,12 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
     Motions of the linkage's own count by the names of their ``regimes``, after those ``prescribed``.
     """
     reach = mechanism.crank_range()
-    own = {regime.name: regime.motion for regime in mechanism.linkage.regimes if isinstance(regime, PrescribedRegime)}
-    motions = (*prescribed, *(motion for name, motion in own.items() if name in regimes))
+    of_file = {
+        regime.name: regime.motion for regime in mechanism.linkage.regimes if isinstance(regime, PrescribedRegime)
+    }
+    motions = (*prescribed, *(motion for name, motion in of_file.items() if name in regimes))
     if not reach.is_full_turn:
-        return Case(mechanism, next(iter((*motions, *own.values())), None) or range_motion(reach))
+        return Case(mechanism, next(iter((*motions, *of_file.values())), None) or range_motion(reach))
     speed = float(motions[0].speed(motions[0].duration)) or motions[0].peak_speed if motions else USUAL_SPEED
     start, duration = (mechanism.period if speed < 0.0 else 0.0), mechanism.period / abs(speed)
     return Case(mechanism, CrankMotion(STEADY, (Segment(0.0, duration, (start, speed)),)))
@@ -176,13 +178,13 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     names = _besides_parts(curves)
     whole, part = _sheet(curves, names), partial(_part, missing)
     values = _thinned(curves, names, [whole.peaks[name].time or 0.0 for name in names])
-    own = {name: regime for name, regime in linkage.released.items() if name in regimes}
+    chosen = {name: regime for name, regime in linkage.released.items() if name in regimes}
     tried = {
-        name: part(f"released.{name}", partial(own_motion, mechanism, regime), None) for name, regime in own.items()
+        name: part(f"released.{name}", partial(own_motion, mechanism, regime), None) for name, regime in chosen.items()
     }
     motions = {name: motion for name, motion in tried.items() if motion is not None}
     releases = {
-        n: part(f"released.{n}", partial(released, mechanism, own[n], motion), None) for n, motion in motions.items()
+        n: part(f"released.{n}", partial(released, mechanism, chosen[n], motion), None) for n, motion in motions.items()
     }
     return replace(
         whole,

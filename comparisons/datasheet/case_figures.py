@@ -45,8 +45,8 @@ def _resting_angle(mechanism: Mechanism) -> float:
 
 
 def _time_ratio(mechanism: Mechanism) -> float:
-    there = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
-    strokes = sorted((there, FULL_TURN - there))
+    stroke = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
+    strokes = sorted((stroke, FULL_TURN - stroke))
     return strokes[1] / strokes[0]
 
 
@@ -87,13 +87,13 @@ def figure_unit(name: str, linkage: Linkage) -> str:
     return unit("S" if name == STROKE else name.rpartition("@")[0] or name.rpartition(".")[0], linkage)
 
 
-def case_figures(curves: Curves, wanted: Mapping[str, Figure | MechanismFigure]) -> dict[str, float]:
+def case_figures(curves: Curves, figures: Mapping[str, Figure | MechanismFigure]) -> dict[str, float]:
     """Values of the figures of ``named`` over the motion, SI.
 
     Raises LinkproofError for a place that the motion does not pass, and for what the mechanism lacks.
     """
-    of_signals = {name: entry for name, entry in wanted.items() if isinstance(entry, Figure)}
-    values = {name: entry(curves.case.mechanism) for name, entry in wanted.items() if not isinstance(entry, Figure)}
+    of_signals = {name: entry for name, entry in figures.items() if isinstance(entry, Figure)}
+    values = {name: entry(curves.case.mechanism) for name, entry in figures.items() if not isinstance(entry, Figure)}
 
     def height(end: SignalExtreme) -> Measure:
         return lambda at: end.height(curves.of(at, end.signal))

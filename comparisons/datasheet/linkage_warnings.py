@@ -138,11 +138,11 @@ def _sizes(linkage: Linkage) -> Iterator[str]:
     rest, parts = rest[known], [part for _, part in load_forces(loaded.sweep(places[known]))]
     for load, part in zip(loads, parts, strict=True):
         besides = sum((other for other in parts if other is not part), rest)
-        own, others = (float(np.max(np.abs(values), initial=0.0)) for values in (part, besides))
-        if own > MOST_TIMES * others > NOISE * own:
+        moved, others = (float(np.max(np.abs(values), initial=0.0)) for values in (part, besides))
+        if moved > MOST_TIMES * others > NOISE * moved:
             at = "" if linkage.is_linear else f" at {SPEED:g} rpm"
             yield (
-                f"the {_name(load)} moves the drive {own / others:.2g} times as much as all else together{at}: check "
+                f"the {_name(load)} moves the drive {moved / others:.2g} times as much as all else together{at}: check "
                 f"its size{_unit_slip(load, linkage)}"
             )
 

@@ -170,12 +170,12 @@ def motion_of(mechanism: Mechanism, entry: Published) -> PrintedMotion:
 def case_of(mechanism: Mechanism, printed: PrintedMotion) -> Case:
     """The case of a motion, the same for all figures that are printed for it."""
     regime, speed, end = printed
-    own = {entry.name: entry for entry in mechanism.linkage.regimes}
-    if regime in own:
-        return own_case(mechanism, own[regime])
+    regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
+    if regime in regimes:
+        return own_case(mechanism, regimes[regime])
     if regime is not None:
         if regime not in REGIMES:
-            raise UnknownNameError(f"regime of '{mechanism.linkage.name}'", regime, [*own, *REGIMES])
+            raise UnknownNameError(f"regime of '{mechanism.linkage.name}'", regime, [*regimes, *REGIMES])
         return Case(mechanism, crank_motion(regime))
     way = FULL_TURN
     if end is None:

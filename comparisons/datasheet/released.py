@@ -33,7 +33,7 @@ PER_TURN, FEWEST, MOST = 60, 2000, 100_000  # instants at which a motion is look
 LAST_TURN: Final = 361
 
 
-def released(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> Released:
+def released(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> Released:
     """Facts and curves of a regime of the linkage's file in which the crank is released.
 
     The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
@@ -42,18 +42,18 @@ def released(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> R
     (``ending``) and of the rotation that would repeat itself (``settled``), where there are such; the largest errors of
     the articles' integrator (``coarse``), None where it broke down or was not used; φ at the ``end`` within a turn.
     """
-    ending = _attempt(lambda: last_turns(motion)) if own.torque else None
-    settled = _attempt(lambda: steady_state(mechanism, own.torque)) if own.torque else None
+    ending = _attempt(lambda: last_turns(motion)) if regime.torque else None
+    settled = _attempt(lambda: steady_state(mechanism, regime.torque)) if regime.torque else None
     facts: dict[str, Any] = {
-        "torque": own.torque,
-        "over": "angle" if own.over_angle is not None else "time" if own.over_time is not None else "",
-        "rests": [{"angle": rest.angle, "stable": bool(rest.stable)} for rest in equilibria(mechanism, own.torque)],
+        "torque": regime.torque,
+        "over": "angle" if regime.over_angle is not None else "time" if regime.over_time is not None else "",
+        "rests": [{"angle": rest.angle, "stable": bool(rest.stable)} for rest in equilibria(mechanism, regime.torque)],
         "damping": periodic_mean(reduced.damping_coefficient(mechanism.sweep(grid()))),
         "error_bound": finite(motion.error_bound),
         "balance": finite(energy_imbalance(motion)),
         "ending": _speeds(ending),
         "settled": _speeds(settled),
-        "coarse": _coarse(mechanism, own, motion),
+        "coarse": _coarse(mechanism, regime, motion),
         "end": float(in_turn(float(motion.angle(motion.duration)))),
     }
     time = _instants(motion)
@@ -114,12 +114,12 @@ def _last_turn(motion: FreeMotion, ending: Rotation | None) -> dict[str, Array]:
     return {name: curve[order] for name, curve in zip(("phi", "omega", "epsilon"), curves, strict=True)}
 
 
-def _coarse(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> dict[str, float | None] | None:
+def _coarse(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> dict[str, float | None] | None:
     """How far the articles' integrator is off; None under a torque that they have not."""
-    if own.over_angle is not None or own.over_time is not None:
+    if regime.over_angle is not None or regime.over_time is not None:
         return None
-    begins = {"torque": own.torque, "start_angle": own.start_angle, "start_speed": own.start_speed}
-    result = _attempt(lambda: fixed_step(mechanism, duration=own.duration, **begins))  # type: ignore[arg-type]
+    begins = {"torque": regime.torque, "start_angle": regime.start_angle, "start_speed": regime.start_speed}
+    result = _attempt(lambda: fixed_step(mechanism, duration=regime.duration, **begins))  # type: ignore[arg-type]
     if result is None:
         return {"steps": PUBLISHED_STEPS, "phi": None, "omega": None}
     errors = (result.angle - motion.angle(result.time), result.speed - motion.speed(result.time))

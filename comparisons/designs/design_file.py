@@ -22,24 +22,24 @@ def design_file(mechanism: Mechanism, numbers: Mapping[str, float], new_variant:
     A speed among them is left out, for files have none. Raises LinkproofError for numbers that describe no linkage,
     AssemblyError where the design has no such sketch.
     """
-    own, structure = mechanism.linkage, mechanism.structure
+    original, structure = mechanism.linkage, mechanism.structure
     numbers = {name: value for name, value in numbers.items() if name != SPEED}
-    if own.scales_mass:
-        before, after = numbers_of(own), numbers_of(with_numbers(own, numbers))
+    if original.scales_mass:
+        before, after = numbers_of(original), numbers_of(with_numbers(original, numbers))
         numbers = {name: value for name, value in after.items() if value != before[name]}
     signs = tuple(dyad.sign for dyad in structure.dyads)
-    text = rewritten(own.text, own.name, own.variant, numbers, new_variant=new_variant)
+    text = rewritten(original.text, original.name, original.variant, numbers, new_variant=new_variant)
     try:
-        new = Mechanism(parse(text, own.name, own.name))
+        new = Mechanism(parse(text, original.name, original.name))
         if structure.is_numerical or tuple(dyad.sign for dyad in new.structure.dyads) == signs:
             return text
     except StructureError:  # the sketch leaves a mode open
         pass
-    design = with_numbers(own, numbers)
+    design = with_numbers(original, numbers)
     sweep = Sweep(design, find_structure(design).with_signs(signs), np.asarray(design.sketch_angle))
     sketch = {
         f"sketch.{point}.{axis}": float(value)
         for point in design.sketch
         for axis, value in zip("xy", sweep.point(point), strict=True)
     }
-    return rewritten(own.text, own.name, own.variant, {**numbers, **sketch}, new_variant=new_variant)
+    return rewritten(original.text, original.name, original.variant, {**numbers, **sketch}, new_variant=new_variant)

@@ -74,8 +74,8 @@ class Parameter:
 
 def parameters(linkage: Linkage) -> dict[str, Parameter]:
     """Every number of a linkage that its designs may differ in, by name."""
-    own = design_numbers(linkage).items()
-    return {name: Parameter(name, kind, value, _unit(linkage, kind)) for name, (kind, value) in own}
+    numbers = design_numbers(linkage).items()
+    return {name: Parameter(name, kind, value, _unit(linkage, kind)) for name, (kind, value) in numbers}
 
 
 def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:

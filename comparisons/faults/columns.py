@@ -268,10 +268,10 @@ def _single_samples(evidence: Evidence) -> Iterator[Fault]:
             lambda at: f"{name} has the other sign in {_counted(at)}", usual=(tuple(evidence.time[flipped]),),
         )  # fmt: skip
     elif _are_few(stray):
-        own = evidence.time
+        instants = evidence.time
         yield changed(
             f"stray samples:{name}", Kind.SEVERAL, (name,),
-            lambda t, y, at: np.where(np.isin(t, at), np.interp(t, own, values), y),
+            lambda t, y, at: np.where(np.isin(t, at), np.interp(t, instants, values), y),
             lambda at: f"{name} is off in {_counted(at)}", usual=(tuple(evidence.time[stray]),),
         )  # fmt: skip
 

@@ -182,8 +182,8 @@ def planted(history: History, scene: Scene, channel: Channel, misreading: Misrea
         elif channel is Channel.TORQUE:
             changed = replace(before, values=values[:, 0])
         else:
-            own = before[reading.name]
-            changed = {**before, reading.name: replace(own, values=values.reshape(own.values.shape))}
+            force = before[reading.name]
+            changed = {**before, reading.name: replace(force, values=values.reshape(force.values.shape))}
         history = replace(history, **{channel.value: changed})
     return history
 
@@ -208,8 +208,8 @@ def _bodies(reading: Reading) -> list[str]:
     """The body of a vector, or those of its joint."""
     ends = {pin.name: (pin.first, pin.second) for pin in reading.scene.pins}
     ends |= {joint.name: (joint.body, joint.host) for joint in reading.scene.guided}
-    own = ends[reading.name] if reading.channel is Channel.JOINT_FORCE else (reading.name,)
-    return [end for end in own if end != GROUND] if reading.columns == PLACE else []
+    bodies = ends[reading.name] if reading.channel is Channel.JOINT_FORCE else (reading.name,)
+    return [end for end in bodies if end != GROUND] if reading.columns == PLACE else []
 
 
 def _in_frame(reading: Reading, body: str) -> Array:
@@ -251,11 +251,11 @@ def _without_crank(reading: Reading, _: str) -> Array:
     velocity, second = (reading.other(level, crank.name, reading.time) for level in LEVELS[1:])
     force = crank.mass * (second[:, :2] - scene.gravity)
     if scene.driver_kind is DriverKind.SLIDER:
-        own = force @ np.array(scene.driven_slider.along)
+        taken = force @ np.array(scene.driven_slider.along)
     else:
         speed = np.where(velocity[:, 2] == 0.0, 1.0, velocity[:, 2])
-        own = np.einsum("nk,nk->n", force, velocity[:, :2]) / speed + (crank.inertia or 0.0) * second[:, 2]
-    return np.asarray(reading.values - own[:, None])
+        taken = np.einsum("nk,nk->n", force, velocity[:, :2]) / speed + (crank.inertia or 0.0) * second[:, 2]
+    return np.asarray(reading.values - taken[:, None])
 
 
 MISREADINGS: Final = (

@@ -189,9 +189,9 @@ class _Search:
             return result
         for signal in self.evidence:
             if signal.name in open_names:
-                own = Fitting(self.simulation, [signal.thinned(MOST_FITTED)])
-                of_column = column_faults(own.evidence[0], self.simulation, names)
-                result += [self._spread(fit, signal.name) for fault in of_column if (fit := own.best(fault))]
+                fitting = Fitting(self.simulation, [signal.thinned(MOST_FITTED)])
+                of_column = column_faults(fitting.evidence[0], self.simulation, names)
+                result += [self._spread(fit, signal.name) for fault in of_column if (fit := fitting.best(fault))]
         return result
 
     def pair(self, names: Sequence[str], column: CrankColumn | None) -> FaultFinding | None:
@@ -215,9 +215,9 @@ class _Search:
 
     def _spread(self, fit: Fit, name: str) -> Fit:
         """A fit of one column beside all others, which it leaves as they are."""
-        own = np.arange(len(self.rms)) == self.places[name]
+        here = np.arange(len(self.rms)) == self.places[name]
         largest = np.array([float(np.nanmax(np.abs(signal.residual), initial=0.0)) for signal in self.evidence])
-        return replace(fit, rms=np.where(own, fit.rms, self.rms), largest=np.where(own, fit.largest, largest))
+        return replace(fit, rms=np.where(here, fit.rms, self.rms), largest=np.where(here, fit.largest, largest))
 
     def is_harmless(self, fit: Fit) -> bool:
         """Whether a fit makes no signal worse beyond its rounding."""

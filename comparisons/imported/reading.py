@@ -197,9 +197,9 @@ def _instants(column: Column, name: Axis) -> tuple[NDArray[np.intp], str]:
         row = int(back[0])
         before, after = column.values[row], column.values[row + 1]
         cure = "export one run a file, its rows in order" if name == "time" else "export the time beside it"
-        wanted = "a time that grows" if name == "time" else "a crank angle that runs one way"
+        expected = "a time that grows" if name == "time" else "a crank angle that runs one way"
         raise LinkproofError(
-            f"{column.place}: expected {wanted} in '{shortened(column.header)}', got {after:g} after {before:g} "
+            f"{column.place}: expected {expected} in '{shortened(column.header)}', got {after:g} after {before:g} "
             f"(row {row + 2} of the table); {cure}"
         )
     rows = np.flatnonzero(np.append(steps != 0.0, True))

@@ -118,8 +118,8 @@ def engines_over_designs(designs: SimulatedDesigns, records: Iterable[Record]) -
     for record in records:
         engines.setdefault(f"{record.engine} {record.setting}", []).append(record)
     trusted = []
-    for engine, own in engines.items():
-        judged = [record for record in own if Verdict(record.outcome).judged]
+    for engine, records_of in engines.items():
+        judged = [record for record in records_of if Verdict(record.outcome).judged]
         failing = {record.mechanism for record in judged if Verdict(record.outcome).failed}
         silent = tuple(name for name in designs.files if name not in {record.mechanism for record in judged})
         worst = max(judged, key=share_of_limit, default=None)
@@ -158,13 +158,13 @@ def telling_number(numbers: Mapping[str, Array], fails: NDArray[np.bool_]) -> Te
 
     if not np.any(fails) or np.all(fails):
         return None
-    there = {name: values for name, values in numbers.items() if np.all(np.isfinite(values))}
-    tests = {name: ks_2samp(values[fails], values[~fails]) for name, values in there.items()}
+    complete = {name: values for name, values in numbers.items() if np.all(np.isfinite(values))}
+    tests = {name: ks_2samp(values[fails], values[~fails]) for name, values in complete.items()}
     name = min(tests, key=lambda key: float(tests[key].pvalue))
     chance = min(1.0, float(tests[name].pvalue) * len(tests))
     if chance >= BY_CHANCE:
         return None
     below, value = bool(tests[name].statistic_sign > 0), float(tests[name].statistic_location)
-    side = (there[name] <= value) == below
+    side = (complete[name] <= value) == below
     failing, others = (int(np.sum(side & values)) for values in (fails, ~fails))
     return TellingNumber(name, below, value, (failing, int(np.sum(fails))), (others, int(np.sum(~fails))), chance)

@@ -108,12 +108,12 @@ class Summary:
 
     def add(self, first: int, figures: Array) -> None:
         """Count in the figures (figures, designs) of the designs from number ``first`` on; blocks come in any order."""
-        there = ~np.all(np.isnan(figures), axis=0)
-        self.designs += len(there)
-        self.assembled += int(np.count_nonzero(there))
-        if not np.any(there):
+        assembles = ~np.all(np.isnan(figures), axis=0)
+        self.designs += len(assembles)
+        self.assembled += int(np.count_nonzero(assembles))
+        if not np.any(assembles):
             return
-        shown = self.request.space.shown(first, first + len(there))[:, there]
+        shown = self.request.space.shown(first, first + len(assembles))[:, assembles]
         self.reach[:, 0] = np.fmin(self.reach[:, 0], np.min(shown, axis=1))
         self.reach[:, 1] = np.fmax(self.reach[:, 1], np.max(shown, axis=1))
         for row, values in enumerate(figures):
@@ -125,9 +125,9 @@ class Summary:
 
 def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
     """The figures where nobody names any: peaks of torque, forces and transmission angles, and the stroke."""
-    there = names(mechanism)
-    usual = [name for name in USUAL if any(key.partition(":")[0] == name.partition(".")[0] for key in there)]
-    return named_figures(mechanism, [*usual, *([STROKE] if "S" in there else [])])
+    signals = names(mechanism)
+    usual = [name for name in USUAL if any(key.partition(":")[0] == name.partition(".")[0] for key in signals)]
+    return named_figures(mechanism, [*usual, *([STROKE] if "S" in signals else [])])
 
 
 def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
@@ -158,8 +158,8 @@ def own_figures(request: SweepRequest) -> Array:
                 f"{parameter.name}: expected no negative {parameter.kind}, got {least:g} {parameter.unit.name}; "
                 "correct the range"
             )
-    own = {name: np.array([value]) for name, value in request.own.items()}
-    return _figures(replace(request, path="numpy"), own)[:, 0]
+    design = {name: np.array([value]) for name, value in request.own.items()}
+    return _figures(replace(request, path="numpy"), design)[:, 0]
 
 
 def sweep(
@@ -216,9 +216,9 @@ def why_not(request: SweepRequest) -> str:
     """Why the first design cannot be assembled through all of the motion, in a sentence; "" where it can."""
     mechanism = Mechanism(request.linkage)
     first = request.space.block(0, 1)
-    own = {name: float(values[0]) for name, values in first.items()}
+    design = {name: float(values[0]) for name, values in first.items()}
     try:
-        moved = mechanism.redesigned(with_numbers(mechanism.linkage, own)).sweep(request.motion.places)
+        moved = mechanism.redesigned(with_numbers(mechanism.linkage, design)).sweep(request.motion.places)
         for body in mechanism.structure.bodies:
             moved.rates(body)
     except AssemblyError as error:

@@ -55,16 +55,16 @@ class ToleranceRequest:
 
         Masses and inertias that a wide normal distribution makes negative are zero.
         """
-        own, table = self._own, {}
+        nominal, table = self._own, {}
         polar: dict[str, dict[str, Array]] = {}
         for tolerance, offset in zip(self.tolerances, offsets, strict=True):
             if tolerance.point:
                 polar.setdefault(tolerance.point, {})[tolerance.name.removeprefix(tolerance.point)] = offset
             else:
                 least = 0.0 if tolerance.parameter.kind in ("mass", "inertia") else -math.inf
-                table[tolerance.name] = np.maximum(own[tolerance.name] + offset, least)
+                table[tolerance.name] = np.maximum(nominal[tolerance.name] + offset, least)
         for point, moved in polar.items():
-            x, y = own[f"{point}.x"], own[f"{point}.y"]
+            x, y = nominal[f"{point}.x"], nominal[f"{point}.y"]
             length, angle = math.hypot(x, y) + moved.get(LENGTH, 0.0), moved.get(ANGLE, np.zeros(offsets.shape[1]))
             c, s = (length / math.hypot(x, y) * part for part in (np.cos(angle), np.sin(angle)))
             table |= {f"{point}.x": c * x - s * y, f"{point}.y": s * x + c * y}
@@ -82,16 +82,16 @@ class ToleranceRequest:
 
     def derivatives(self) -> Array:
         """Derivatives of the results by what has a tolerance, (results, tolerances)."""
-        own = self._own
+        nominal = self._own
         figures = [figure.figure for figure in self.figures]
-        _, gradients = self.motion.gradients(self.mechanism, {name: own[name] for name in self.names}, figures)
+        _, gradients = self.motion.gradients(self.mechanism, {name: nominal[name] for name in self.names}, figures)
         by = dict(zip(self.names, gradients.T, strict=True))
         columns = []
         for tolerance in self.tolerances:
             if not tolerance.point:
                 columns.append(by[tolerance.name])
                 continue
-            (x, y), (over_x, over_y) = ([of[f"{tolerance.point}.{part}"] for part in "xy"] for of in (own, by))
+            (x, y), (over_x, over_y) = ([of[f"{tolerance.point}.{part}"] for part in "xy"] for of in (nominal, by))
             turns = tolerance.name.endswith(ANGLE)
             columns.append(x * over_y - y * over_x if turns else (x * over_x + y * over_y) / math.hypot(x, y))
         return np.stack(columns, axis=1)

@@ -123,8 +123,8 @@ def tolerances(
     are not a positive ±, and where a point has tolerances of x or y and of length or angle.
     """
     driven = {SPEED: parameter(linkage, SPEED, speed)}
-    own, known = parameters(linkage) | driven, _known(linkage) | driven
-    result = tuple(_tolerance(own, known, name, value, where) for name, value in _flat(table))
+    xy, known = parameters(linkage) | driven, _known(linkage) | driven
+    result = tuple(_tolerance(xy, known, name, value, where) for name, value in _flat(table))
     cartesian = {entry.name[:-2] for entry in result if not entry.point}
     for tolerance in result:
         if tolerance.point and tolerance.point in cartesian:
@@ -162,7 +162,7 @@ def _known(linkage: Linkage) -> dict[str, Parameter]:
     return numbers
 
 
-def _tolerance(own: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str) -> Tolerance:
+def _tolerance(xy: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str) -> Tolerance:
     if name not in known:
         raise LinkproofError(f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known, LISTED)}")
     distribution = Distribution.NORMAL
@@ -179,7 +179,7 @@ def _tolerance(own: Collection[str], known: Mapping[str, Parameter], name: str, 
         raise LinkproofError(f"{where}{name}: expected a ± up to the number itself, got a larger one; lessen it")
     if name == SPEED and size > 0.5 * known[name].value:  # so that no random one is on the other side of zero
         raise LinkproofError(f"{where}speed: expected a ± up to half of the speed, got a larger one; lessen it")
-    return Tolerance(known[name], size, distribution, "" if name in own else name.rpartition(".")[0])
+    return Tolerance(known[name], size, distribution, "" if name in xy else name.rpartition(".")[0])
 
 
 def _size(number: Parameter, value: object, where: str) -> float:

@@ -43,9 +43,9 @@ class ResultText:
         return LinkproofError(f"{self.name}:{line}: {message}")
 
 
-def read_text(path: Path, wanted: str = "a text file of results, such as a CSV") -> ResultText:
+def read_text(path: Path, expected: str = "a text file of results, such as a CSV") -> ResultText:
     """The text of a file; raises LinkproofError if it is not readable text."""
-    check_file(path, f"expected {wanted}")
+    check_file(path, f"expected {expected}")
     content, name = path.read_bytes(), printable(str(path))
     encoding = next((encoding for mark, encoding in MARKS if content.startswith(mark)), None) or _without_mark(content)
     try:
@@ -59,7 +59,7 @@ def read_text(path: Path, wanted: str = "a text file of results, such as a CSV")
     control = CONTROL.search(text)
     if control:
         line = text.count("\n", 0, control.start()) + 1
-        raise LinkproofError(f"{name}:{line}: expected {wanted}, got a binary file; export the results as CSV")
+        raise LinkproofError(f"{name}:{line}: expected {expected}, got a binary file; export the results as CSV")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if not text.isascii():  # sign by sign is faster than str.translate, by far
         for sign, simple in PLAIN.items():
@@ -67,22 +67,22 @@ def read_text(path: Path, wanted: str = "a text file of results, such as a CSV")
     return ResultText(name, text)
 
 
-def check_file(path: Path, wanted: str) -> None:
+def check_file(path: Path, expected: str) -> None:
     """Raise LinkproofError for a path that is no file that can be read, or one that is too large."""
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):  # a pipe would wait for whoever writes into it
             kind = "folder" if path.is_dir() else "pipe or device"
-            raise LinkproofError(f"{wanted}, got the {kind} '{path}'; give a file")
+            raise LinkproofError(f"{expected}, got the {kind} '{path}'; give a file")
         if status.st_size > LARGEST:
             raise LinkproofError(
-                f"{wanted} of at most {LARGEST >> 20} MB, got '{path}' of {status.st_size >> 20} MB; export fewer "
+                f"{expected} of at most {LARGEST >> 20} MB, got '{path}' of {status.st_size >> 20} MB; export fewer "
                 "columns or a coarser step"
             )
         path.open("rb").close()
     except (OSError, ValueError) as error:  # a name with a zero character is a ValueError
         reason = getattr(error, "strerror", None) or "no file can have this name"
-        raise LinkproofError(f"{wanted}, got '{path}' ({reason}); check the path") from error
+        raise LinkproofError(f"{expected}, got '{path}' ({reason}); check the path") from error
 
 
 def _without_mark(content: bytes) -> str:

@@ -138,18 +138,18 @@ def drawn_designs(dataset: xarray.Dataset, own: Mapping[str, float], always: Col
     ``always`` are numbers of designs that are among them, in the order of the dimensions.
     """
     shape = tuple(dataset.sizes.values())
-    count, wanted = math.prod(shape), np.array(sorted(always), dtype=int)
+    count, always_drawn = math.prod(shape), np.array(sorted(always), dtype=int)
     if ONE_BY_ONE not in dataset.dims and len(shape) < 3:
         most = round(SAMPLE ** (1.0 / len(shape)))
         chosen = {}
-        for name, size, there in zip(dataset.dims, shape, np.unravel_index(wanted, shape), strict=True):
+        for name, size, indices in zip(dataset.dims, shape, np.unravel_index(always_drawn, shape), strict=True):
             places = np.linspace(0, size - 1, min(size, most)).round().astype(int)
-            chosen[name] = np.union1d(places, there)
+            chosen[name] = np.union1d(places, indices)
         thinned = dataset.isel(chosen)
         return DrawnDesigns(thinned.sortby(list(thinned.dims)), own, count)
     rng = np.random.default_rng(0)
     some = np.arange(count) if count <= LINES else rng.choice(count, LINES, replace=False, shuffle=False)
-    chosen_at = np.unravel_index(np.union1d(some, wanted), shape)
+    chosen_at = np.unravel_index(np.union1d(some, always_drawn), shape)
     drawn = dataset.isel({name: (ONE_BY_ONE, at) for name, at in zip(dataset.dims, chosen_at, strict=True)})
     return DrawnDesigns(drawn, own, count)
 

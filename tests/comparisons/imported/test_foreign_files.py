@@ -40,7 +40,7 @@ NAMED = {
 }  # fmt: skip
 
 
-NIGHTLY = ("w_rpm_only", "mo_degs", "phi_deg_as_rad", "g8", "r_26", "de_nm_lie", "de_many")
+NIGHTLY = ("w_rpm_only", "mo_degs", "de_piston066", "phi_deg_as_rad", "g8", "r_26", "de_nm_lie", "de_many")
 
 
 @cache

@@ -19,7 +19,7 @@ from tests.reports.designs.results.samples import SPEED, TURN, piston, piston_te
 BACK = CrankMotion("constant-speed", (Segment(0.0, 2.0 * np.pi / SPEED, (0.0, -SPEED)),))
 
 
-FRAMES = 12  # of a test
+FRAMES = 6  # of a test
 
 
 def frames(found):

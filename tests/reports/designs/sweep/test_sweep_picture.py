@@ -37,13 +37,9 @@ CASES = {
     "eleven lines": (sweep(9, figures=11), 9),
     "eleven parallel": (sweep(5, 6, 7, figures=11, fails=0.3), 1),
     "a row": (sweep(1, 9), 1),
-    "nothing assembles": (sweep(9, fails=1.1), 1),
-    "nothing assembles, map": (sweep(9, 9, fails=1.1), 1),
     "nothing assembles, table": (sweep(9, 9, fails=1.1, table=True), 1),
     "constant map": (sweep(9, 9, change=lambda values: 0.0 * values), 1),
-    "constant table": (sweep(9, 9, table=True, change=lambda values: 0.0 * values - 3.0), 1),
-    "huge": (sweep(9, 9, change=lambda values: -1e200 * values), 1),
-    "tiny": (sweep(9, change=lambda values: -1e-200 * values), 1),
+    "huge": (sweep(9, change=lambda values: -1e200 * values), 1),
 }
 
 
