@@ -18,10 +18,9 @@ from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case, unpickled
 from comparisons.runs.failures import Failure, Lost, blamed_on
-from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import run_engine
-from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.study import Announce, Journal, Study, Task
 from comparisons.runs.worker_process import host
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Engine, Outcome, Setting

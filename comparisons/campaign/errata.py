@@ -22,8 +22,7 @@ from comparisons.judging.records import RunRecord
 from comparisons.reference.case import Case, own_case
 from comparisons.reference.motion import Spin
 from comparisons.reference.printed_models import printed_motion
-from comparisons.runs.journal import Journal
-from comparisons.runs.study import Study, Task
+from comparisons.runs.study import Journal, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting, Signal
 

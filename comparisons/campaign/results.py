@@ -7,10 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final, NotRequired
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, TypeAdapter
+from typing_extensions import TypedDict
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.linkage import Linkage, Vector
@@ -19,7 +21,6 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.campaign.saved_document import FORM
 from comparisons.campaign.standards import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
@@ -28,6 +29,58 @@ from comparisons.judging.limits import LimitTable, shipped_limits, table_of
 from comparisons.judging.records import Record, RunRecord
 from comparisons.runs.environment import environment
 from comparisons.runs.study_folder import has_study, load_study, save_study
+from engines.contract import ReadOut
+
+# The form of a campaign's saved document, by which it is checked when it is read back.
+
+
+class MotionRow(TypedDict):
+    """A crank motion: its pieces from one instant to another, s, each a polynomial of the angle, rad."""
+
+    regime: str
+    segments: Annotated[list[tuple[float, float, Annotated[list[float], Field(min_length=1)]]], Field(min_length=1)]
+
+
+class LimitData(TypedDict):
+    """A row of the table of limits, as its file has it."""
+
+    quantities: list[str]
+    settings: list[str]
+    regimes: list[str]
+    mechanisms: list[str]
+    value: float
+    reason: str
+
+
+class DescriptionRow(TypedDict):
+    """A linkage as it was described, under a gravity, m/s²."""
+
+    name: str
+    variant: str
+    gravity: tuple[float, float]
+    text: str
+    checksum: str
+
+
+class SavedCampaign(TypedDict):
+    """All but the runs."""
+
+    command: str
+    conditions: str
+    environment: Mapping[str, str]
+    errata: list[ErratumRecord]
+    readouts: Mapping[str, Mapping[str, ReadOut]]  # by engine and channel
+    motions: list[MotionRow]
+    descriptions: list[DescriptionRow]
+    limits: NotRequired[list[LimitData]]
+    figures: NotRequired[list[KeyFigure]]
+    notes: NotRequired[list[str]]
+    departures: NotRequired[list[str]]
+    judgement: NotRequired[list[str]]
+
+
+FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedCampaign)
+
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,7 @@ from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.energy import energy_imbalance
-from analytic.motion.released import FreeMotion
+from analytic.motion.released import FreeMotion, energy_imbalance
 from analytic.motion.rkfixed import PUBLISHED_STEPS, fixed_step
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.extremes import grid, in_turn, periodic_mean

@@ -11,8 +11,7 @@ from analytic.errors import LinkproofError
 from comparisons.judging.verdicts import grouped
 from comparisons.runs.environment import environment
 from comparisons.runs.failures import GIB
-from comparisons.runs.journal import Journal
-from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.study import Announce, Journal, Study, Task
 from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.border import COARSE, PRECISE, bisected, borders

@@ -10,9 +10,8 @@ from dataclasses import replace
 
 from comparisons.reference.case import Case, unpickled
 from comparisons.runs.failures import Failure, Lost
-from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
-from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.study import Announce, Journal, Study, Task
 from comparisons.runs.workers import Bounds, Pool
 from comparisons.work_precision.measure import measure, point_record
 from comparisons.work_precision.points import Extent, Point, PointSweep

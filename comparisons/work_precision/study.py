@@ -18,9 +18,8 @@ from analytic.description.linkage import Linkage
 from analytic.errors import UnknownNameError
 from comparisons.reference.case import Case
 from comparisons.runs.environment import environment
-from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
-from comparisons.runs.study import Announce
+from comparisons.runs.study import Announce, Journal
 from comparisons.runs.timing import WORK
 from comparisons.runs.workers import ONE_BY_ONE, Pool
 from comparisons.work_precision import costs

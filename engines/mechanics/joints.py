@@ -28,17 +28,7 @@ import numpy as np
 
 from analytic.description.linkage import GROUND, Vector
 from engines.mechanics.driver import Driver, Span
-from engines.mechanics.states import (
-    Numbers,
-    Pose,
-    Reals,
-    across,
-    body_masses,
-    body_numbers,
-    dot,
-    pose_of,
-    start_motion,
-)
+from engines.mechanics.states import Numbers, Pose, Reals, across, body_masses, body_numbers, dot, pose_of, start_motion
 from engines.scene import Scene
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Final
 
 from markupsafe import Markup
 
@@ -10,11 +11,12 @@ from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.verdicts import grouped
 from engines.contract import Setting
-from reports.campaign.cards import card
-from reports.campaign.verdict import CHECKS, EngineRanking, EngineRecords, listed, ratio, verdict
+from reports.campaign.verdict import CHECKS, EngineRanking, EngineRecords, listed, ratio, share, verdict
+from reports.charts.moving import moving_scheme
 from reports.document import numbers
 from reports.document.parts import (
     Bullets,
+    Card,
     Cards,
     Command,
     Drawn,
@@ -22,6 +24,7 @@ from reports.document.parts import (
     Fold,
     Mono,
     Page,
+    PageLink,
     Paragraph,
     Part,
     Section,
@@ -31,11 +34,55 @@ from reports.document.parts import (
 )
 from reports.document.templates import lines, sentence
 from reports.mechanism.engines import errors_fold
+from reports.mechanism.page import file_of
+from reports.mechanism.shown import key_figures
 from reports.records import matrix
 from reports.records.differences import changed_figures
 from reports.records.environment import environment_facts, side_by_side
 from reports.records.origins import exceptions, origin_words, readout_table
 from reports.records.views import family_title, views
+
+# A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
+
+
+SIZE: Final = (156, 112)  # of a scheme, points
+FRAMES: Final = 60
+FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke")
+
+
+def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
+    """The card of a mechanism, which leads to its page; without a campaign it tells of no engine."""
+    linkage = sheet.linkage
+    words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
+    engine = _engine(sheet, trust) if trust is not None else ""
+    rows = (*_key_figures(sheet), *((("worst error", engine),) if engine else ()))
+    return Card(PageLink(words, file_of(sheet)), (*_scheme(sheet), Facts(rows)))
+
+
+def _scheme(sheet: Sheet) -> Iterator[Part]:
+    if sheet.positions is not None:
+        markup = moving_scheme(
+            sheet.linkage, sheet.positions, f"card {sheet.name} {sheet.variant}", size=SIZE, frames=FRAMES
+        )
+        yield Drawn(markup, f"Moving scheme of {sheet.linkage.title}.")
+
+
+def _key_figures(sheet: Sheet) -> tuple[tuple[str, str], ...]:
+    return tuple((what, value) for what, value, _ in key_figures(sheet) if what in FIGURES)
+
+
+def _engine(sheet: Sheet, trust: EngineRanking) -> str:
+    """The worst engine of a mechanism at the deciding setting, in words."""
+    setting = trust.settings[0]
+    records = [
+        record
+        for engine in trust.engines
+        for record in trust.records(engine, setting)
+        if record.run[:2] == (sheet.name, sheet.variant) and record.error_max is not None and record.limit
+    ]
+    worst = max(records, key=share, default=None)
+    return "" if worst is None else f"{ratio(worst)} of its limit: {worst.engine}, {family_title(worst.quantity)}"
+
 
 FILE, TITLE = "index.html", "Overview"
 PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving schemes</label>')

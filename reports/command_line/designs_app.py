@@ -7,13 +7,7 @@ from __future__ import annotations
 
 from reports.command_line.app import Quiet, app, destination
 from reports.command_line.parameters import command
-from reports.requests.options.designs import (
-    OptimiseOptions,
-    SweepFiles,
-    SweepOptions,
-    ToleranceFiles,
-    ToleranceOptions,
-)
+from reports.requests.options.designs import OptimiseOptions, SweepFiles, SweepOptions, ToleranceFiles, ToleranceOptions
 from reports.requests.options.motion import TIMED
 from reports.requests.options.output import OutputOptions
 

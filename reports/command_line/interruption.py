@@ -10,8 +10,8 @@ from types import MappingProxyType
 
 from analytic.description.linkage import Linkage
 from comparisons.runs.environment import INCIDENTAL, environment
-from comparisons.runs.journal import Journal
 from comparisons.runs.plugins import engine
+from comparisons.runs.study import Journal
 from comparisons.runs.workers import PoolLostError
 
 Announce = Callable[[str, int, int], None]

@@ -17,7 +17,7 @@ from engines.contract import Setting
 from reports.document import html
 from reports.document.parts import Drawn, Page, PageFigure, PageLink, Paragraph, Section, Widget
 from reports.document.templates import sentence
-from reports.site.contents import Contents
+from reports.site.site import Contents
 
 PICTURE: Final = re.compile(r'<a class="picture"([^>]*?) href="[^"]*"><img src="([^"]*)"([^>]*)></a>')
 SCRIPT: Final = re.compile(r'<script src="([^"]*)" defer></script>\n?')

@@ -2,22 +2,206 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import statistics
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 from comparisons.judging.verdicts import grouped
 from comparisons.runs.record_file import RECORDS
-from comparisons.work_precision.places import PlaceFacts, by_regime, places
-from comparisons.work_precision.records import KIND, Bench
-from reports.document.numbers import seconds
-from reports.document.parts import Bullets, Command, Facts, FigureGroup, Fold, Mono, Page, Paragraph, Part, Section
-from reports.document.templates import lines, sentence
+from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes, by_regime, places
+from comparisons.work_precision.records import KIND, SETTING, Bench, BenchRecord, MeasuredCost
+from engines.contract import Outcome
+from reports.document.numbers import ABSENT, error, seconds
+from reports.document.parts import (
+    Bullets,
+    Command,
+    Facts,
+    FigureGroup,
+    Fold,
+    Mono,
+    Page,
+    Paragraph,
+    Part,
+    Section,
+    Table,
+    TableCell,
+    Widget,
+)
+from reports.document.templates import lines, plain, sentence
 from reports.records.environment import environment_facts
+from reports.records.views import anchor, once
 from reports.work_precision import choices
-from reports.work_precision.costs import cost_section
-from reports.work_precision.diagram import widget
-from reports.work_precision.methods import method_section
-from reports.work_precision.overview import figures, inks
-from reports.work_precision.words import engine_labels, failed_methods, label_of, noise_note, noise_share
+from reports.work_precision.overview import drawn_error, figures, inks
+from reports.work_precision.words import (
+    comparison_words,
+    effort_words,
+    engine_label,
+    engine_labels,
+    failed_methods,
+    judged_by,
+    label_of,
+    limit_words,
+    noise_note,
+    noise_share,
+    way,
+)
+
+# The cost of a whole scene beside those of scenes with less in them.
+
+
+def cost_section(costs: Sequence[MeasuredCost]) -> Section:
+    """The section of a page."""
+    return Section("costs", "What each output and load costs", (Paragraph(sentence("bench_costs")), cost_table(costs)))
+
+
+def cost_table(costs: Sequence[MeasuredCost]) -> Table:
+    """Least times, with their shares of the whole scene's: scenes down, engines across, the control last."""
+    ordered = sorted(costs, key=lambda cost: cost.is_control)
+    solvers, scenes = dict.fromkeys(map(_label, ordered)), dict.fromkeys(cost.reduction for cost in costs)
+    whole = {_label(cost): min(cost.seconds) for cost in costs if cost.reduction == next(iter(scenes))}
+    cells = {(cost.reduction, _label(cost)): _cell(cost, whole[_label(cost)]) for cost in costs}
+    rows = tuple((scene, *(cells.get((scene, name), "") for name in solvers)) for scene in scenes)
+    notes = sentence("cost_notes", costs=costs)
+    return Table(sentence("cost_of_runs", first=costs[0]), ("scene", *solvers), rows, "lr", notes)
+
+
+def _label(cost: MeasuredCost) -> str:
+    return engine_label(cost.solver, cost.is_control)
+
+
+def _cell(cost: MeasuredCost, whole: float) -> TableCell:
+    if cost.outcome != Outcome.FINISHED:
+        return TableCell(cost.outcome, "failed", tooltip=cost.reason)
+    least, median = min(cost.seconds), statistics.median(cost.seconds)
+    more = f"median {seconds(median)}; stepping {seconds(min(cost.stepping, default=0.0))}, {cost.steps} steps"
+    return TableCell(f"{seconds(least)} ({100.0 * least / whole:.0f} %)", tooltip=more)
+
+
+# The diagram of error over cost, as data for its script: any mechanism, quantity and measure of the cost.
+
+
+LABEL = "Error over cost: a point is a method at one step, or a setting"
+# What the points of a sweep share, and what each has of its own: cost, s, steps and work.
+SHARED = ("engine", "engine_version", "kind", "setting", "runs", "work_unit")
+OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "readout_seconds", "steps",
+       "solver_work", "used")  # fmt: skip
+
+
+def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
+    """The diagram of all places; the first one is on the page, the others are loaded when they are chosen."""
+    places = {
+        anchor(facts.mechanism, facts.variant, facts.regime): facts for factses in regimes.values() for facts in factses
+    }
+    colours, (first, *others) = inks(labels), places
+    data = {
+        "places": [[key, f"{place.mechanism}, {place.regime}"] for key, place in places.items()],
+        "engines": [[name, label, colours[name]] for name, label in labels.items()],
+        "first": place_data(places[first]),
+    }
+    return Widget("bench", "diagram", LABEL, data, {key: place_data(places[key]) for key in others})
+
+
+def place_data(place: PlaceFacts) -> dict[str, Any]:
+    """Sweeps and settings of one mechanism and regime, JSON-ready.
+
+    A quantity is its name, a reader's, its unit and the closed form's peak; the foremost is the first. A sweep's
+    ``ends`` have by quantity what limits the error, and the order; a point's ``errors`` are, over the peak, the largest
+    as drawn, the largest and the root mean square.
+    """
+    names = sorted(place.quantities, key=lambda name: name != place.foremost)
+    sweeps: dict[tuple[object, ...], dict[str, Any]] = {}
+    peaks = {}
+    for facts in (entry for name in names for entry in place.engines(name)):
+        for record in facts.records:
+            if record.finished and (quantity_record := record.error):
+                point = _point(sweeps.setdefault(_sweep(record), _shared(facts, record)), record)
+                errors = (drawn_error(record), quantity_record.error_max, quantity_record.error_rms)
+                point["errors"][record.quantity] = [*map(_digits, errors)]
+                peaks[record.quantity] = [quantity_record.unit, _digits(quantity_record.peak)]
+        for sweep in facts.sweeps:
+            sweeps[_sweep(sweep.first)]["ends"][sweep.first.quantity] = [limit_words(sweep), _digits(sweep.order)]
+    tables = [{**sweep, "points": list(sweep["points"].values())} for sweep in sweeps.values()]
+    return {"quantities": [[name, plain(name), *peaks[name]] for name in names], "sweeps": tables}
+
+
+def _sweep(record: BenchRecord) -> tuple[object, ...]:
+    return (record.engine, record.kind, record.setting, record.effort)
+
+
+def _shared(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
+    own, solver = record.kind == SETTING or facts.is_own(record), effort_words(record.effort, record.effort_unit)
+    table = {name: getattr(record, name) for name in SHARED}
+    return {**table, "way": way(facts, record), "own": own, "solver": solver, "ends": {}, "points": {}}
+
+
+def _point(sweep: dict[str, Any], record: BenchRecord) -> dict[str, Any]:
+    words = {name: _digits(getattr(record, name)) for name in OWN}
+    table: dict[str, Any] = sweep["points"].setdefault(record.step, {**words, "errors": {}})
+    return table
+
+
+def _digits(value: object) -> object:
+    """A number to four digits, which is all that a reader sees; anything else as it is."""
+    return float(f"{value:.4g}") if isinstance(value, float) else value
+
+
+# The settings compared with the methods of their engine, and the methods' orders and floors.
+
+
+# Of one engine in one place: a row's head and its cell there.
+Rows = Callable[[EngineFacts], Iterator[tuple[TableCell, TableCell]]]
+
+
+def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise: float) -> Section:
+    """Settings, orders and floors; times closer than the share ``noise`` are the same.
+
+    ``methods`` are what the benchmark's document says of each.
+    """
+    about = {(method["engine"], method["name"]): method["about"] for method in methods}
+
+    def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
+        for setting_comparison in facts.setting_comparisons:
+            comparison = comparison_words(setting_comparison, facts, noise).lstrip(":; ") if facts.sweeps else ""
+            words = (
+                f"{error(setting_comparison.record.error_max)} in {seconds(setting_comparison.record.total_seconds)}"
+            )
+            yield (
+                TableCell(setting_comparison.record.setting),
+                TableCell(words.replace(" ", "\u00a0"), note=comparison.partition(":")[0], tooltip=comparison),
+            )
+
+    def sweeps(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
+        for method in facts.methods:
+            order = "no order" if method.order is None else f"order {method.order:.1f}"
+            row = TableCell(way(facts, method.first), note=about[facts.engine, method.first.setting])
+            yield row, TableCell(order, note=limit_words(method), tooltip=method.floor.evidence)
+
+    orders = _by_mechanism(regimes, "bench_orders", "Method", sweeps)
+    folds = (Fold("The methods: orders and floors", (orders,)),) if orders.rows else ()
+    name = "bench_standings" if folds else "bench_settings"
+    table = _by_mechanism(regimes, name, "Setting", settings)
+    heading = "The settings against the methods" if folds else "The settings"
+    return Section("settings", heading, (table, *folds))
+
+
+def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
+    """Engines and their rows down, mechanisms by regime across; an engine is named in its first row."""
+    places = [place for part in regimes.values() for place in part]
+    table: dict[str, dict[TableCell, dict[int, TableCell]]] = {}
+    for column, place in enumerate(places):
+        for facts in place.engines(place.foremost):
+            for row, cell in rows_of(facts):
+                table.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
+    none = TableCell(ABSENT, "absent")
+    rows = once(
+        (label, row, *(mine.get(column, none) for column in range(len(places))))
+        for label, cells in table.items()
+        for row, mine in cells.items()
+    )
+    groups = (("", 2), *((f"regime {regime}", len(part)) for regime, part in regimes.items()))
+    head = ("Engine", name, *(place.mechanism for place in places))
+    return Table(sentence(about, judged=judged_by(regimes)), head, tuple(rows), "l", groups=groups)
+
 
 FILE_NAME = "bench.html"
 

@@ -13,7 +13,7 @@ from reports.document.parts import Paragraph, Table
 from reports.document.templates import plain
 from reports.document.terminal import Printed, Printout
 from reports.work_precision import words
-from reports.work_precision.costs import cost_table
+from reports.work_precision.page import cost_table
 from reports.work_precision.words import engine_label, label_of
 
 CHOICES = ("engine", "to get", "time", "by")

@@ -26,8 +26,8 @@ from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.judging.records import RunRecord
 from comparisons.runs.cluster.connecting import opened
-from comparisons.runs.journal import Journal
 from comparisons.runs.record_file import Array
+from comparisons.runs.study import Journal
 from comparisons.runs.workers import EVERY_CORE, PoolLostError
 from engines.contract import Setting
 from tests.targets.endurance import losses

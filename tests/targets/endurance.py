@@ -29,8 +29,8 @@ from comparisons.campaign.results import load as load_results
 from comparisons.campaign.sheets import sheets
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.judging.records import RunRecord
-from comparisons.runs.journal import Journal
 from comparisons.runs.record_file import RECORDS
+from comparisons.runs.study import Journal
 from comparisons.runs.worker_process import START
 from comparisons.runs.workers import LocalPool
 from engines.contract import Setting

@@ -23,7 +23,7 @@ from comparisons.designs.named_figures import NamedFigure
 from comparisons.designs.parameters import Parameter
 from comparisons.designs.sweep.space import ONE_BY_ONE
 from comparisons.designs.sweep.sweep import SweepRequest
-from comparisons.runs.journal import FOLDER, HEADER, Journal
+from comparisons.runs.study import FOLDER, HEADER, Journal
 
 if TYPE_CHECKING:
     import xarray

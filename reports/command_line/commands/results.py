@@ -67,8 +67,7 @@ def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:
 
 def _write_page(out: Path, sheet: Sheet, *, opens: bool, quiet: bool) -> None:
     """Save a data sheet among those of a report's folder, and write the report's pages."""
-    from reports.site.contents import Contents  # noqa: PLC0415 - seconds that other calls save
-    from reports.site.site import write_site  # noqa: PLC0415
+    from reports.site.site import Contents, write_site  # noqa: PLC0415  figures cost a second
 
     _claimed = claim(out)  # until the pages are written
     sheets = load_sheets(out) if (out / FILE).is_file() else ()

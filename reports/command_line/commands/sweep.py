@@ -17,7 +17,7 @@ from comparisons.designs.sweep.sweep import Summary, SweepRequest, own_figures, 
 from comparisons.designs.sweep.sweep import sweep as sweep_space
 from comparisons.runs.cluster.connecting import opened
 from comparisons.runs.files import write_file, write_text
-from comparisons.runs.journal import Journal
+from comparisons.runs.study import Journal
 from reports.command_line.destination import STDOUT, Destination, check_files, files_of, write_out
 from reports.command_line.interruption import interruptible, journal
 from reports.designs.sweep.sweep_terminal import SweepSummary, csv_rows

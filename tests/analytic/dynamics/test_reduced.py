@@ -8,15 +8,7 @@ from hypothesis import strategies as st
 from analytic.dynamics import reduced
 from analytic.numerics.extremes import grid
 from tests.analytic.fifty_digits import exact
-from tests.analytic.linkages import (
-    EVERY,
-    FULL_TURN,
-    angles,
-    four_bars,
-    from_text,
-    mechanism,
-    text_of,
-)
+from tests.analytic.linkages import EVERY, FULL_TURN, angles, four_bars, from_text, mechanism, text_of
 from tests.analytic.tolerances import FIFTY_DIGITS, FULL_TURN_WORK, SAME_FIGURES
 
 SPEED, ACCELERATION = -37.0, 410.0  # rad/s, rad/s²: inertia, gravity and damping all matter

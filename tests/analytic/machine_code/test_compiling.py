@@ -114,7 +114,7 @@ def test_it_is_compiled_where_that_saves_time(monkeypatch):
 def test_small_evaluations_do_not_import_numba():
     code = (
         "import sys, numpy as np\n"
-        "from analytic.designs.values import evaluate_designs\n"
+        "from analytic.designs.samples import evaluate_designs\n"
         "from analytic.evaluation import evaluate\n"
         "from analytic.description.loading import load\n"
         "from analytic.kinematics.mechanism import Mechanism\n"

@@ -16,19 +16,12 @@ from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.energy import energy_imbalance
-from analytic.motion.released import free_motion
+from analytic.motion.released import energy_imbalance, free_motion
 from analytic.motion.rkfixed import fixed_step
 from tests.analytic import article_000
 from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.swinging import double_rocker_text
-from tests.analytic.textbook import (
-    DOUBLE_ROCKER,
-    PENDULUM,
-    PENDULUM_RATE,
-    ROTOR,
-    needs_extended_precision,
-)
+from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, PENDULUM_RATE, ROTOR, needs_extended_precision
 
 # rad. What the reference aims at over the published 10 s; the engines it judges reach 5e-7 and 1e-6.
 FREE, DRIVEN = 1e-11, 1e-8

@@ -11,14 +11,7 @@ from analytic.description.schema import EyeReference
 from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.turn.required_feed import RequiredFeed, compare_feed, read_required_feed
-from analytic.turn.thread_feed import (
-    contour,
-    contour_length,
-    eye_travel,
-    feed,
-    feed_diagram,
-    reference_angle,
-)
+from analytic.turn.thread_feed import contour, contour_length, eye_travel, feed, feed_diagram, reference_angle
 from tests.analytic.articles import FORMULAS
 from tests.analytic.linkages import angles, from_text, mechanism
 from tests.analytic.textbook import ROTOR

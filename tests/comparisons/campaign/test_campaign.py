@@ -17,7 +17,7 @@ from comparisons.judging import deviations
 from comparisons.judging.records import Verdict
 from comparisons.runs import worker_pool
 from comparisons.runs.failures import GIB
-from comparisons.runs.journal import Journal
+from comparisons.runs.study import Journal
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel

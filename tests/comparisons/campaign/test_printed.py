@@ -10,7 +10,7 @@ from comparisons.campaign.errata import judge_errata
 from comparisons.campaign.printed_answers import engine_answers
 from comparisons.datasheet.published import all_variants, compare_published
 from comparisons.judging.records import Verdict
-from comparisons.runs.journal import Journal
+from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool
 from reports.document.terminal import rendered
 from reports.mechanism import terminal

@@ -17,8 +17,8 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from analytic.errors import LinkproofError
 from comparisons.runs import files
 from comparisons.runs.files import check_writable, write_file, write_text
-from comparisons.runs.journal import HEADER, Journal
 from comparisons.runs.record_file import CURVES, RECORDS, RecordFile
+from comparisons.runs.study import HEADER, Journal
 
 
 def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
@@ -184,7 +184,7 @@ OTHER = """
 import sys
 from pathlib import Path
 from analytic.errors import LinkproofError
-from comparisons.runs.journal import Journal
+from comparisons.runs.study import Journal
 try:
     Journal(Path(sys.argv[1]), "another").records
 except LinkproofError as error:

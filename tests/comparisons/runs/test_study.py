@@ -3,8 +3,7 @@
 import pytest
 
 from comparisons.runs.failures import Failure, Lost
-from comparisons.runs.journal import Journal
-from comparisons.runs.study import Study, Task
+from comparisons.runs.study import Journal, Study, Task
 from comparisons.runs.workers import LocalPool
 from tests.comparisons.faults import job
 

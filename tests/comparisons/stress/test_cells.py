@@ -9,8 +9,8 @@ import pytest
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.runs import environment
 from comparisons.runs.failures import AdapterError, Failure, Lost
-from comparisons.runs.journal import Journal
 from comparisons.runs.record_file import RECORDS
+from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress

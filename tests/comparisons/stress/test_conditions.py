@@ -17,8 +17,19 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import FreeMotion
 from comparisons.reference.case import own_motion
 from comparisons.stress.axes import axes, chosen_axes
-from comparisons.stress.scenes import RELEASED, Conditions, case, linkage, motion, reversal, scene
-from comparisons.stress.stiff_motion import MOST_RELAXATIONS, StiffMotion, relaxations, stiff_motion
+from comparisons.stress.scenes import (
+    MOST_RELAXATIONS,
+    RELEASED,
+    Conditions,
+    StiffMotion,
+    case,
+    linkage,
+    motion,
+    relaxations,
+    reversal,
+    scene,
+    stiff_motion,
+)
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel

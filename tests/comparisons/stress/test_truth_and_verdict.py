@@ -17,8 +17,7 @@ from comparisons.stress import verdict
 from comparisons.stress.cell_result import StressVerdict, blank_result
 from comparisons.stress.scenes import Conditions
 from comparisons.stress.scenes import case as stress_case
-from comparisons.stress.truth import WRONG, true_states, wrongs
-from comparisons.stress.verdict import judged
+from comparisons.stress.verdict import WRONG, judged, true_states, wrongs
 from engines.contract import Outcome, Run, Signal
 from tests.comparisons.true_motions import CELL, EVERYTHING, cut, judgement, true_history, with_signal
 

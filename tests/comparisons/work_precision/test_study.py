@@ -11,7 +11,7 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
 from comparisons.runs.failures import Failure, Lost
-from comparisons.runs.journal import Journal
+from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure, rounds
 from comparisons.work_precision import study as benchmark

@@ -15,8 +15,8 @@ import pytest
 from analytic.description.loading import read
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
-from comparisons.runs.journal import FOLDER
 from comparisons.runs.record_file import RECORDS
+from comparisons.runs.study import FOLDER
 from engines.pymunk_adapter.adapter import PymunkEngine
 from tests.commands import COMMAND, ROOT, linkproof, process, refused
 from tests.comparisons.faults import announce, wait_for

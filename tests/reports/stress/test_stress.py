@@ -14,9 +14,8 @@ from reports.document import html
 from reports.document.parts import as_text
 from reports.document.terminal import rendered
 from reports.stress.facts import SIGNS, axis_title
-from reports.stress.figure import draw_map
 from reports.stress.maps import border_place, map_data, story
-from reports.stress.page import MOST_OPEN, OPEN, page
+from reports.stress.page import MOST_OPEN, OPEN, draw_map, page
 from reports.stress.tables import MOST_ALONE, border_table, incident_table, ranking, summary
 from reports.stress.terminal import cell_details, printout
 from tests.reports.made_up_stress import border, made_up_cell, made_up_stress

@@ -10,9 +10,8 @@ from comparisons.work_precision.places import by_regime, places
 from comparisons.work_precision.records import KIND, METHOD, Bench, load, save
 from reports.document import html
 from reports.document.parts import Fold, Section
-from reports.work_precision.diagram import widget
 from reports.work_precision.overview import LEAST, chart, inks
-from reports.work_precision.page import page
+from reports.work_precision.page import page, widget
 from reports.work_precision.words import engine_labels
 from tests.comparisons.bench_rows import points, row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench, nothing_finished

@@ -7,8 +7,7 @@ from comparisons.work_precision.records import Bench, MeasuredCost
 from reports.document.parts import Fold, Table
 from reports.document.terminal import rendered
 from reports.work_precision.choices import section, verdicts
-from reports.work_precision.costs import cost_section
-from reports.work_precision.methods import method_section
+from reports.work_precision.page import cost_section, method_section
 from reports.work_precision.terminal import printout
 from reports.work_precision.words import comparison_words, failed_methods, limit_words, way_words
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows

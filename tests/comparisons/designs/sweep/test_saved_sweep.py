@@ -15,7 +15,7 @@ from comparisons.designs.sweep import sweep as sweeps
 from comparisons.designs.sweep.saved_sweep import SavedSweep
 from comparisons.designs.sweep.space import Listed
 from comparisons.designs.sweep.sweep import sweep
-from comparisons.runs.journal import Journal
+from comparisons.runs.study import Journal
 from tests.comparisons.designs.sweeps import GRID, SIX_BAR, grid, request
 
 # Runs one sweep after the other, each killed at the next call that touches a file, until one ends by itself.
@@ -24,7 +24,7 @@ import os, signal, sys
 from pathlib import Path
 from comparisons.designs.sweep import sweep as sweeps
 from comparisons.designs.sweep.saved_sweep import SavedSweep
-from comparisons.runs.journal import Journal
+from comparisons.runs.study import Journal
 from tests.comparisons.designs.sweeps import request
 sweeps.PLACES = 8 * 7
 folder, wanted, kills = Path(sys.argv[1]), request(), 0
