@@ -26,7 +26,7 @@ from engines.contract import Engine, History, Setting
 from engines.export.script import ScriptFigure, script
 from engines.registry import engine, why_unavailable
 from engines.scene import Channel, Scene
-from engines.stepping.driver import UnsupportedError
+from engines.stepping.intervals import UnsupportedError
 from engines.stepping.loop_engine import LoopEngine
 from engines.stepping.stepped_engine import Recipe
 

@@ -14,7 +14,7 @@ from engines.scene import (
     AppliedForce, AppliedTorque, Body, Channel, Cylinder, Free, PinJoint, PointSpring, Prescribed, Scene, SliderJoint,
     SlotJoint, TurnDamper,
 )  # fmt: skip
-from engines.stepping.driver import DivergedError, UnsupportedError
+from engines.stepping.intervals import DivergedError, UnsupportedError
 from engines.stepping.loop_engine import LoopEngine, plain_law
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from analytic.description.law import FULL_TURN
-from engines.direct_adapter.equations import Equations, UnsolvableError
+from engines.direct_adapter.solution import Equations, UnsolvableError
 from engines.mechanics.states import Pose, Reals, pose_of
 
 RELATIVE, ABSOLUTE = 1e-9, 1e-9  # of the integration, units and rad: near enough for Newton's method

@@ -19,7 +19,7 @@ from analytic.description.linkage import DriverKind
 from engines.contract import History
 from engines.installed import silenced
 from engines.scene import Scene
-from engines.stepping.driver import Cost, DivergedError, UnsupportedError
+from engines.stepping.intervals import Cost, DivergedError, UnsupportedError
 from engines.stepping.loop_engine import LoopEngine, plain, plain_course
 from engines.stepping.own_units import OwnUnits, restored
 

@@ -25,7 +25,7 @@ import numpy as np
 from analytic.description.law import Law
 from engines.contract import History, Signal
 from engines.scene import Channel, Scene
-from engines.stepping.driver import DivergedError, UnsupportedError
+from engines.stepping.intervals import DivergedError, UnsupportedError
 from engines.stepping.stepped_engine import Course, R, SteppedEngine
 
 # A law over φ in plain data: its components, or its knots, the cubics from each on, and whether it repeats.

@@ -22,8 +22,17 @@ from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed, Scene
-from engines.stepping.driver import Cost, check_step, run_stepping
-from engines.stepping.intervals import MANY, Interval, Pace, intervals, released_intervals, whole_interval
+from engines.stepping.intervals import (
+    MANY,
+    Cost,
+    Interval,
+    Pace,
+    check_step,
+    intervals,
+    released_intervals,
+    run_stepping,
+    whole_interval,
+)
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
 from engines.stepping.richardson import Pass, estimated_error, extrapolate, weights
 

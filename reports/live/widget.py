@@ -2,19 +2,112 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, Final
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Final, Literal, NamedTuple
 
-from analytic.description.changes import Number, named_numbers
+from analytic.description import loading
+from analytic.description.changes import Number, Place, named_numbers
 from analytic.description.linkage import GROUND, Linkage
-from analytic.description.rewriting import WrittenNumbers, written_numbers
+from analytic.description.rewriting import WrittenNumbers, spelt_out, written_numbers
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.structure import Revolute
 from comparisons.datasheet.sheet import Sheet
 from reports.document.parts import JavaScript, Part, Widget
-from reports.live.file_template import templates
-from reports.live.handles import pulls
 from reports.live.model import Model, is_of_table, load_of, model
+
+# A linkage's file as a template, in which a page puts other numbers: text and the places of numbers by turns.
+
+
+MARK: Final = "\0"  # around the name of a number: no linkage file has this character
+
+
+@dataclass(frozen=True)
+class FileTemplate:
+    """A file's text: every second one of the ``parts`` is the name of a number, which ``literals`` has as written."""
+
+    parts: tuple[str, ...]
+    literals: Mapping[str, str]
+
+
+def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
+    """The file as it is, if its own values are meant, and the file with all numbers of the variant written out.
+
+    A number that the first one lacks, as its file leaves it out or has it in another form, is in the second one.
+    """
+    text, name, names = linkage.text, linkage.name, tuple(names)
+    own_variant = loading.document(text, name, name)[0].get("variant", "base")
+    texts = [text] if linkage.variant == own_variant else []
+    with suppress(LinkproofError):
+        texts.append(spelt_out(text, name, linkage.variant))
+    return [_template(key, written_numbers(key, name, None).places, names) for key in texts]
+
+
+def _template(text: str, places: Mapping[str, Place], names: Iterable[str]) -> FileTemplate:
+    import tomlkit  # noqa: PLC0415 - only a page that can be pulled at pays for it
+    from tomlkit.items import Float, Integer, Trivia  # noqa: PLC0415
+
+    document = tomlkit.parse(text.removeprefix(loading.BYTE_ORDER_MARK))
+    literals: dict[str, str] = {}
+    for name in names:
+        table: Any = document
+        try:
+            for key in places[name][:-1]:
+                table = table[key]
+            number = table[places[name][-1]]
+        except (LookupError, TypeError):
+            continue
+        if isinstance(number, Float | Integer):
+            literals[name] = number.as_string()
+            table[places[name][-1]] = Float(0.0, Trivia(), f"{MARK}{name}{MARK}")
+    return FileTemplate(tuple(tomlkit.dumps(document).split(MARK)), literals)
+
+
+# Which numbers change where a point of a moving linkage is pulled: lengths about placed pins, places in a frame.
+
+
+class Pull(NamedTuple):
+    """Effect of pulling at a point on a ``body`` that has it.
+
+    "place" moves the point in the body's frame, "length" its distance from the point ``about`` there, and "crank" that
+    distance while the crank turns with it.
+    """
+
+    body: str
+    way: Literal["place", "length", "crank"]
+    about: str = ""
+
+
+def pulls(mechanism: Mechanism) -> Mapping[str, list[Pull]]:
+    """Of each point what changes where it is pulled; a pin that two links place changes their two lengths.
+
+    A point by which a group hangs on placed links belongs to those.
+    """
+    linkage, structure = mechanism.linkage, mechanism.structure
+    groups = {point: [Pull(GROUND, "place")] for point in linkage.ground}
+
+    def put(point: str, body: str, way: Literal["place", "length", "crank"], about: str = "") -> None:
+        if point not in linkage.ground:
+            groups.setdefault(point, []).append(Pull(body, way, about))
+
+    if isinstance(structure.pivot, Revolute):
+        for point in linkage.links[linkage.crank].points:
+            put(point, linkage.crank, "crank", structure.pivot.point)
+    own = {slider.link: slider.point for slider in linkage.sliders}
+    for dyad in structure.dyads:
+        inner = dyad.inner_joint.point if isinstance(dyad.inner_joint, Revolute) else ""
+        for name, outer in ((dyad.first, dyad.first_joint), (dyad.second, dyad.second_joint)):
+            hangs = outer.point if isinstance(outer, Revolute) else ""
+            for point in linkage.links[name].points if name in linkage.links else ():
+                if point == inner:
+                    if hangs:
+                        put(point, name, "length", hangs)
+                elif point not in (hangs, own.get(name)):
+                    put(point, name, "place")
+    return groups
+
 
 ROUNDING: Final = 1e-12  # relative: what the file's units leave of a number
 UNITS: Final[dict[str, str]] = {"acceleration": "m/s²"}

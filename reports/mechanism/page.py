@@ -3,21 +3,189 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any, Final
 
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import RPM
+from analytic.description.law import FULL_TURN
 from comparisons.campaign.results import Results
-from comparisons.datasheet.sheet import Sheet
+from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
+from reports.charts import thread as drawings
 from reports.charts.moving import moving_scheme
-from reports.document.parts import Bullets, Card, Cards, Drawn, Page, Paragraph, Part, Section
-from reports.document.templates import sentence
+from reports.document.chart import Chart, Curve, Mark, Panel
+from reports.document.parts import (
+    Bullets,
+    Card,
+    Cards,
+    Drawn,
+    FigureGroup,
+    Page,
+    PageFigure,
+    Paragraph,
+    Part,
+    Section,
+    Widget,
+)
+from reports.document.templates import lines, sentence
 from reports.live.widget import live, model_of
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
-from reports.mechanism.player import player
 from reports.mechanism.published import published_section
-from reports.mechanism.shown import key_table
-from reports.mechanism.special_sections import released_section, thread_section
-from reports.records.views import views
+from reports.mechanism.shown import key_table, page_figure
+from reports.records.views import anchor, views
+
+# Sections of a mechanism's page that some linkages have: the thread, and released cranks.
+
+
+def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> Section:
+    """The contour in the plane and in space, and what the thread feeds over a turn."""
+    linkage = sheet.linkage
+    angle = f"{np.degrees(thread.reference_angle) % 360.0:.2f}°"
+    is_spatial = drawings.is_spatial(thread)
+    caption = f"Contour at φ_ref = {angle}, where the feed counts from; rings are guides, dashed lines paths of eyes."
+    drawing = partial(drawings.plane_figure, linkage, positions, thread)
+    figures = [page_figure(sheet, "contour", caption, "the thread's contour with the linkage", drawing)]
+    if is_spatial:
+        caption = "The contour in space: z runs along the main shaft and is drawn to a larger scale."
+        drawing = partial(drawings.space_figure, linkage, positions, thread)
+        figures.append(page_figure(sheet, "contour-in-space", caption, "the thread in space", drawing))
+    caption = "Feed Pd, and beneath it the length of the contour; uprights mark where an eye turns round."
+    chart = feed_chart(sheet, thread, wide=is_spatial)
+    figures.append(page_figure(sheet, "feed", caption, "thread feed and contour length", chart))
+    return Section("thread", "Thread", (FigureGroup(tuple(figures)),))
+
+
+def feed_chart(sheet: Sheet, thread: ThreadSheet, *, wide: bool) -> Chart:
+    """Feed above, contour below, over a turn from 0° to 360°."""
+    unit = sheet.own("m")
+    degrees = np.degrees(thread.angle)
+    eyes = sheet.facts.get("thread", {}).get("eyes", {})
+    several = len(eyes) > 1
+    uprights = [
+        Mark(eyes[name][word] % 360.0, "x", f"{word} {name}" if several else word, number)
+        for number, name in enumerate(eyes)
+        for word in ("top", "bottom")
+    ]
+    plain = tuple(Mark(mark.place, "x", "", mark.ink) for mark in uprights)
+    feed, length = (Curve(degrees, values / unit.size, ink=1) for values in (thread.feed, thread.length))
+    panels = (
+        Panel((feed,), "", f"Pd, {unit.on_page}", tuple(uprights), turn=True),
+        Panel((length,), "crank angle φ, °", f"contour L, {unit.on_page}", plain, turn=True),
+    )
+    return Chart(panels, 3.6, wide=wide, axis="phi" if sheet.is_turn else "")
+
+
+def released_section(sheet: Sheet) -> Section:
+    """Where a released crank rests, how it settles and its speed, regime by regime of the linkage's own."""
+    parts: list[Part] = []
+    for regime, motion in sheet.released.items():
+        figures = (_speed(sheet, regime, motion), *_last_turn(sheet, regime, motion))
+        parts.append(
+            Section(anchor("released", regime), regime, (Bullets(tuple(sentences(motion))), FigureGroup(figures)))
+        )
+    return Section("released", "Released crank", tuple(parts))
+
+
+def sentences(motion: Released) -> list[str]:
+    """Sentences about a released crank, in this order: rest, rotation, own error, the articles' integrator."""
+    return lines("released_sheet", one=motion.facts, rpm=RPM)
+
+
+def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:
+    """The crank's speed over time."""
+    curve = Curve(motion.motion["time"], motion.motion["omega"] / RPM)
+    chart = Chart((Panel((curve,), "time, s", "n, rpm"),), 2.8)
+    words = f"Crank speed under {regime}."
+    return page_figure(sheet, anchor("released", regime), words, words, chart)
+
+
+def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure, ...]:
+    """Speed and acceleration over the last whole turn, where the crank ends in one."""
+    if not motion.last_turn:
+        return ()
+    degrees = np.degrees(motion.last_turn["phi"])
+    speed, acceleration = motion.last_turn["omega"] / RPM, motion.last_turn["epsilon"]
+    panels = (
+        Panel((Curve(degrees, speed),), "", "n, rpm", turn=True),
+        Panel((Curve(degrees, acceleration, ink=1),), "crank angle φ, °", "ε, rad/s²", turn=True),
+    )
+    caption = f"Its last turn, which ends at φ = {np.degrees(motion.facts['end']):.1f}°."
+    name = anchor("released", regime, "last-turn")
+    return (page_figure(sheet, name, caption, f"last turn under {regime}", Chart(panels, 2.8)),)
+
+
+# A mechanism that moves on its page: its drawing, and what its signals are where it stands.
+
+
+Array = NDArray[np.float64]
+
+SAMPLES: Final = 241
+READ_OUT: Final = ("S", "v", "a", "Mkr", "Peq", "Jeq")
+DIGITS: Final = 4
+
+
+def player(sheet: Sheet, positions: Positions, drawing: Markup) -> Widget:
+    """The moving drawing, with controls and a read-out."""
+    label = f"{sheet.linkage.title} in motion"
+    return Widget("player", "motion", label, player_data(sheet, positions), markup=drawing)
+
+
+def player_data(sheet: Sheet, positions: Positions) -> Mapping[str, Any]:
+    """The axis and the signals at ``SAMPLES`` instants, evenly spaced in time.
+
+    ``shares`` are the places of the instants on the axis of a figure, ``poses`` in the drawing's motion, from 0 to 1.
+    """
+    axis = sheet.values[sheet.axis]
+    along = np.linspace(axis[0], axis[-1], SAMPLES)
+    if sheet.axis == "phi" and np.nanmean(sheet.values["omega"]) < 0.0:
+        along = along[::-1]
+    turned = along % FULL_TURN if sheet.is_turn else along
+    shares = turned / FULL_TURN if sheet.is_turn else (along - axis[0]) / (axis[-1] - axis[0])
+    values = [f"{value:z.1f}" if sheet.is_turn else f"{value:z.4g}" for value in turned / sheet.axis_unit.size]
+    return {
+        "axis": {
+            "kind": sheet.axis,
+            "name": sheet.symbol,
+            "unit": sheet.axis_unit.on_page,
+            "values": values,
+            "shares": np.round(shares, 4).tolist(),
+        },
+        "poses": np.round(_poses(sheet, positions, along), 5).tolist(),
+        "rows": [_row(sheet, name, along) for name in READ_OUT if name in sheet.values],
+    }
+
+
+def _poses(sheet: Sheet, positions: Positions, along: Array) -> Array:
+    """Where in the motion of the sheet's positions the mechanism is at places of its axis."""
+    reached = np.interp(along, sheet.values[sheet.axis], sheet.values[positions.over])
+    start, end = positions.axis[0], positions.axis[-1]
+    share = (reached - start) / (end - start)
+    return np.asarray(share % 1.0 if positions.closed else np.clip(share, 0.0, 1.0))
+
+
+def _row(sheet: Sheet, name: str, along: Array) -> dict[str, Any]:
+    """A signal at places of the axis, in the file's unit, to ``DIGITS`` digits of its largest value."""
+    unit = sheet.unit(name)
+    values = np.interp(along, sheet.values[sheet.axis], sheet.values[name]) / unit.size
+    return {
+        "name": name,
+        "unit": unit.on_page,
+        "values": [_short(value, sheet.scale(name) / unit.size) for value in values],
+    }
+
+
+def _short(value: float, scale: float) -> float | None:
+    """A value without digits that are small beside the largest."""
+    if not np.isfinite(value):
+        return None
+    least = 10.0 ** (np.floor(np.log10(scale)) + 1 - DIGITS) if scale else 1.0
+    return float(f"{round(value / least) * least:.{DIGITS}g}") + 0.0
+
 
 FOLDER = "mechanisms"
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from analytic.written import fixed, signed
+from comparisons.datasheet.linkage_check import BINDS
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import lines
 from reports.document.terminal import Printed
@@ -104,3 +105,15 @@ def answered(
         heading = Paragraph(f"{mechanism} ({variant})", colour="bold")
         blocks += [heading, sources[mechanism], answers_table(rows, tables), *silent, *notes(rows), ""]
     return [*blocks, f"{SIGNS}; columns are differences from the printed figure, 'itself' how far that can be trusted"]
+
+
+# The output of ``linkproof check``: a line for each property of a linkage.
+
+
+def printed(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[Printed]:
+    """A line for each fact; ``written`` writes a length, m, in the file's unit."""
+    heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
+    about = {"facts": facts, "written": written, "binds": math.degrees(BINDS)}
+    rows = (line.partition(": ") for line in lines("check", **about))
+    warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in lines("check_warnings", **about)]
+    return [heading, *(f"{label:<13}{text}" for label, _, text in rows), *warnings]

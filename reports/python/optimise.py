@@ -9,7 +9,7 @@ from pathlib import Path
 import xarray
 
 from analytic.description.linkage import Linkage
-from comparisons.designs.design_file import design_file
+from comparisons.designs.parameters import design_file
 from reports.designs.optimum.optimise_terminal import document
 from reports.python.keywords import of_linkage, with_keywords
 from reports.requests.designs import optimum

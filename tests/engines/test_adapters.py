@@ -17,7 +17,7 @@ from comparisons.reference.case import Truth
 from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
-from engines.stepping.histories import labelled
+from engines.stepping.richardson import labelled
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.swinging import double_rocker_text
 from tests.engines.closed_form import (

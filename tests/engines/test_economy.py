@@ -11,7 +11,7 @@ from analytic.kinematics.mechanism import Mechanism
 from engines.contract import Setting
 from engines.direct_adapter import solution
 from engines.direct_adapter.adapter import DirectEngine
-from engines.direct_adapter.equations import Equations
+from engines.direct_adapter.solution import Equations
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.scene import Channel

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.design_file import design_file
+from comparisons.designs.parameters import design_file
 from comparisons.designs.sweep.sweep import SweepRequest, sweep_block
 from comparisons.judging.records import Record, Verdict
 

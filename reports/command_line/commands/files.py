@@ -16,7 +16,7 @@ from comparisons.datasheet import linkage_check
 from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
-from reports.mechanism.check import printed
+from reports.mechanism.terminal import printed
 
 TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
 SCHEMA_FILE: Final = "linkproof.schema.json"
@@ -75,7 +75,7 @@ def check(name: str, variant: str | None, svg: Path | None, destination: Destina
 
 def drawing(linkage: Linkage) -> str:
     """The scheme of a linkage as SVG, in twelve positions of its range."""
-    from comparisons.datasheet.positions import over_reach  # noqa: PLC0415 - matplotlib takes a second to import
+    from comparisons.datasheet.building import over_reach  # noqa: PLC0415 - matplotlib takes a second to import
     from reports.charts.draw import svg  # noqa: PLC0415
     from reports.charts.scheme import scheme_figure  # noqa: PLC0415
 

@@ -14,9 +14,8 @@ from analytic.description.changes import SPEED
 from analytic.description.file_units import file_unit
 from analytic.description.loading import load
 from analytic.signals import MAGNITUDE
-from comparisons.designs.design_file import design_file
 from comparisons.designs.optimum.optimisation import Optimum
-from comparisons.designs.parameters import speed_unit
+from comparisons.designs.parameters import design_file, speed_unit
 from comparisons.runs.files import write_text
 from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import Destination

@@ -63,7 +63,7 @@ def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) ->
 def _simulate(options: SweepOptions, destination: Destination, request: SweepRequest) -> int:
     """Compare engines on some of the designs, as ``linkproof compare`` does; its exit code."""
     from reports.command_line.commands.compare import compare  # noqa: PLC0415 - a second that other calls save
-    from reports.designs.sweep.engines_terminal import printout  # noqa: PLC0415
+    from reports.designs.sweep.sweep_terminal import printout  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as temporary, destination.own_stdout():
         folder = destination.out or Path(temporary)

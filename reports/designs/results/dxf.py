@@ -14,7 +14,7 @@ from ezdxf import units
 from analytic.description.linkage import GROUND
 from analytic.errors import printable
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.positions import at
+from comparisons.datasheet.building import at
 from comparisons.datasheet.sheet import Sheet
 from reports.charts import symbols
 from reports.charts.kinematic_scheme import KinematicScheme

@@ -10,7 +10,7 @@ from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics.dyad_solver import DyadSolver
 from comparisons.datasheet.linkage_check import check
 from reports.document.terminal import rendered
-from reports.mechanism.check import printed
+from reports.mechanism.terminal import printed
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.linkages import EVERY, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER

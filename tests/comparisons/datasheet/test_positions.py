@@ -5,8 +5,8 @@ import numpy as np
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import over_motion, over_reach
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.positions import over_motion, over_reach
 from comparisons.reference.case import Case
 from tests.analytic.linkages import FOLDER
 

@@ -18,7 +18,7 @@ from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
-from engines.direct_adapter.equations import Equations
+from engines.direct_adapter.solution import Equations
 from engines.scene import AppliedForce, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
 from tests.analytic.kinematics.test_change_points import four_bar
 from tests.analytic.linkages import FULL_TURN, MADE_UP, from_text, mechanism

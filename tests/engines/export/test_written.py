@@ -13,7 +13,7 @@ from engines.contract import Outcome, Setting
 from engines.export.script import script, written
 from engines.mujoco_adapter import EXPERT, MujocoEngine
 from engines.scene import Channel, Prescribed
-from engines.stepping.driver import UnsupportedError
+from engines.stepping.intervals import UnsupportedError
 from tests.analytic.linkages import mechanism
 
 

@@ -7,8 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from engines.contract import Setting
-from engines.exudyn_adapter.adapter import ExudynEngine
-from engines.exudyn_adapter.recipes import BEST, TUNED
+from engines.exudyn_adapter.adapter import BEST, TUNED, ExudynEngine
 from engines.stepping.own_units import own_units, scaled
 from tests.analytic.linkages import mechanism
 from tests.engines.closed_form import driven, history_of, true_motion

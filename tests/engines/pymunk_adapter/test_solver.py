@@ -8,9 +8,8 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
 from engines.mechanics.states import pose_of, with_ground
-from engines.pymunk_adapter.adapter import TUNED, PymunkEngine
+from engines.pymunk_adapter.adapter import TUNED, PymunkEngine, contraction, poses_of
 from engines.pymunk_adapter.layout import exact_layout
-from engines.pymunk_adapter.solver import contraction, poses_of
 from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import MADE_UP, mechanism
 

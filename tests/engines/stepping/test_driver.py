@@ -3,7 +3,7 @@
 import pytest
 
 from engines.contract import Outcome
-from engines.stepping.driver import Cost, DivergedError, UnsupportedError, run_stepping, whole_steps
+from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, run_stepping, whole_steps
 
 
 def test_steps_are_whole():

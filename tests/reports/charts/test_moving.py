@@ -9,7 +9,7 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.positions import over_reach
+from comparisons.datasheet.building import over_reach
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.moving import moving_scheme
 

@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.positions import over_reach
+from comparisons.datasheet.building import over_reach
 from reports.charts import symbols
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scheme import scheme_figure

@@ -5,7 +5,7 @@ import pytest
 
 from analytic.description.loading import load
 from comparisons.datasheet.building import usual_sheet
-from reports.mechanism.player import SAMPLES, player_data
+from reports.mechanism.page import SAMPLES, player_data
 from tests.analytic.linkages import FOLDER
 from tests.reports.designs.results.samples import SPEED
 from tests.reports.mechanism.test_shown import shown

@@ -7,7 +7,7 @@ import pytest
 
 from analytic.description.loading import load
 from comparisons.datasheet.building import usual_sheet
-from reports.mechanism.special_sections import feed_chart, released_section, sentences, thread_section
+from reports.mechanism.page import feed_chart, released_section, sentences, thread_section
 from tests.reports.designs.results.samples import released_sheet
 
 
