@@ -44,12 +44,12 @@ class LinkageInMotion(ABC):
 
     @cached_property
     def inertia(self) -> Array:
-        """Jeq, kg m²."""
+        """Jeq, the moment of inertia reduced to the crank, kg m²; of a linear driver the mass, kg."""
         return reduced.reduced_inertia(self.sweep)
 
     @cached_property
     def torque(self) -> Array:
-        """Mkr, N m."""
+        """Mkr, the torque of the drive on the crank, N m, positive along growing φ; of a linear driver its force, N."""
         inertia = self.inertia if np.any(self.acceleration) else np.zeros(self.sweep.angle.shape)
         return reduced.balance(self.sweep, inertia, self.speed, self.acceleration)
 

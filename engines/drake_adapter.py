@@ -39,6 +39,7 @@ class DrakeRecipe(Recipe):
     restarted: bool = False
 
 
+# TUNED takes 6000 steps a turn.
 # Catalogue, quintic run-up, largest errors of torque, joint forces and Jeq, CPU time of the slowest, by steps per turn:
 # 4000 5e-5, 4e-5, 1.9e-5, 8 s; 6000 5e-5, 5e-5, 9e-6, 10 s: rounding shows. Of the slotted take-up at 1000:
 # 5e-4, 4e-4, 2 s.
@@ -51,6 +52,7 @@ class DrakeEngine(LoopEngine[DrakeRecipe]):
     name = "drake"
     package = "pydrake"
     distribution = "drake"
+    oldest = "1.51"
     loop = "engines.drake_loop"
     abilities = Abilities(
         readouts={

@@ -126,14 +126,14 @@ def _space(vector: Point) -> Any:  # noqa: ANN401
 
 
 def build(model: Data) -> Data:
-    """The model: a plant has the step of its pass."""
+    """The model as it is: a plant needs the step, which only the pass knows."""
     return model
 
 
 def follow(given: Data, course: Data) -> Data:
-    """The samples of a course, which is one part; but for places and velocities without that of the start.
+    """The samples of a course of one part; accelerations and forces begin after the start.
 
-    There the joints, closed as given, are about to open as far as steps leave them: within some ten steps.
+    The joints, closed at first, open within some ten steps as far as the steps allow.
     """
     (part,), ratio, samples = course["parts"], course["ratio"], Data()
     step = part["end"] / (ratio * part["samples"])

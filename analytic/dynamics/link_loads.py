@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import Link, RotaryDamper, Spring, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
 from analytic.kinematics.sweep import Sweep
 
-Array = NDArray[np.float64]
 TINY: Final = float(np.finfo(float).tiny)
 
 

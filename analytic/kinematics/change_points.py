@@ -58,9 +58,9 @@ class Undetermined(NamedTuple):
 
 
 def through_change_points(structure: Structure, angle: float) -> tuple[Structure, tuple[Undetermined, ...]]:
-    """The structure with the change points of its dyads; ``angle``, rad, is where its signs hold.
+    """The structure with the change points of its dyads, and the dyads whose motion is undetermined somewhere.
 
-    And the dyads that are followed through no series somewhere.
+    ``angle``, rad, is where the signs of the structure hold.
     """
     if not is_followed(structure):
         return structure, ()
@@ -155,7 +155,7 @@ class _ChangePointSearch:
         share = self._share(number, self.grid)
         around = np.concatenate([share[-1:], share, share[:1]])
         for angle in self.grid.angle[may_touch_zero(around, TOUCHING)]:
-            touch = self._closed_in(number, angle)
+            touch = self._touch_near(number, angle)
             if touch is None:
                 continue
             far = np.asarray(touch.angle + np.multiply.outer([NEAR, 2.0 * NEAR], SIDES))
@@ -175,8 +175,11 @@ class _ChangePointSearch:
         margin, lengths, gap = np.broadcast_arrays(margin, lengths, solver.gap())
         return margin, lengths, gap
 
-    def _closed_in(self, number: int, angle: float) -> Touch | None:
-        """The touch beside a crank angle, that of a dyad before it if it is the same; None if the margin stays away."""
+    def _touch_near(self, number: int, angle: float) -> Touch | None:
+        """The touch within a grid step of a crank angle, rad; None where the margin does not reach zero.
+
+        Where an earlier search has a centre at which this dyad touches too, the angle is that centre's.
+        """
         for near in self.centres:
             if abs(_turned(near.angle[0] - angle)) < FULL_TURN / GRID:
                 touch = self._touch(number, near)

@@ -84,7 +84,7 @@ class DyadSolver:
         return self._followed(2, pair)
 
     def missing(self) -> tuple[Scalar, Scalar]:
-        """Length by which the links fail to meet, m (negative where they do not), and the lengths it comes from."""
+        """Length, m, by which the links reach beyond meeting, else negative, and the lengths it comes from."""
         length, lengths = self.formulas.missing(self.constants, self.near, self.closure)
         return length, lengths
 

@@ -114,7 +114,7 @@ class Mechanism:
         reach.check(reach.start, reach.start + FULL_TURN, self.linkage.name)
 
     def check_determined(self, low: float, high: float) -> None:
-        """Raise AssemblyError where a dyad turns freely at a crank angle between two, rad."""
+        """Raise AssemblyError where a dyad turns freely at a crank angle from ``low`` to ``high``, rad."""
         for dyad, angle, reason in self.undetermined:
             if (angle - low) % FULL_TURN <= high - low:
                 raise AssemblyError(

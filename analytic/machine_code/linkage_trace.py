@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.changes import SPEED, with_numbers
 from analytic.errors import LinkproofError
@@ -19,8 +18,6 @@ from analytic.kinematics.sweep import Sweep
 from analytic.machine_code.tracing import INPUT, OperationList
 from analytic.moving import MovingSweep
 from analytic.signals import signal
-
-Array = NDArray[np.float64]
 
 PHI, ACCELERATION = ("crank angle", "crank acceleration")  # no numbers' names
 OF_DESIGN, OF_PLACE = 1, 2

@@ -1,7 +1,7 @@
 """Printed models put to the engines: which of two closed forms a simulation supports, and by how much.
 
 An engine knows nothing of either model. It simulates the linkage as described, and its crank speed is compared with the
-corrected closed form and against the printed one.
+corrected closed form and with the printed one.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Erratum
@@ -25,8 +24,6 @@ from comparisons.reference.printed_models import printed_motion
 from comparisons.runs.study import Journal, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting, Signal
-
-Array = NDArray[np.float64]
 
 SPEED = "omega"  # the quantity compared with both models
 # The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.

@@ -82,6 +82,9 @@ class SavedCampaign(TypedDict):
 FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedCampaign)
 
 
+# The results of a campaign: its runs, and all that a report needs besides; saved and read back.
+
+
 Array = NDArray[np.float64]
 
 COMPARE: Final = "compare"

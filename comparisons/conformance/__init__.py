@@ -1,1 +1,1 @@
-"""The conformance test: does an adapter pass on its engine's results, by the contract's signs, frames and instants?"""
+"""The conformance test: whether an adapter passes on its engine's results by the contract's signs, frames, instants."""

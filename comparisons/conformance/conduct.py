@@ -40,7 +40,7 @@ def check_identity(trial: EngineTrial) -> None:
 
 def check_installed(trial: EngineTrial) -> None:
     """The engine can be used and finishes the plain sample; without it nothing else can be checked."""
-    trial.finished(PLAIN, trial.setting)
+    trial.finished_history(PLAIN, trial.setting)
 
 
 def check_refusals(trial: EngineTrial) -> None:
@@ -63,7 +63,7 @@ def check_claims(trial: EngineTrial) -> None:
     refused = []
     for sample in SAMPLES:
         try:
-            trial.finished(sample)
+            trial.finished_history(sample)
         except NotTestedError as reason:
             refused += [] if trial.obstacle(sample) else [str(reason)]
     if refused:
@@ -130,7 +130,7 @@ def check_recording(trial: EngineTrial) -> None:
 
 def check_repetition(trial: EngineTrial) -> None:
     """Two runs of one scene are the same to the last bit."""
-    first, second = trial.finished(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
+    first, second = trial.finished_history(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
     assert second is not None, "expected a second run to finish, as the first one does: build the world anew"
     pairs = zip(readings(scene_of(PLAIN), first), readings(scene_of(PLAIN), second), strict=True)
     for reading, other in pairs:

@@ -82,7 +82,7 @@ class Mutant:
             return
         over = ", ".join(name for name, is_over in right.items() if is_over)
         beside = f" beside {over}, which it fails without the fault too" if over else ""
-        signals = vars(trial.finished(self.sample, self.setting)).items()
+        signals = vars(trial.finished_history(self.sample, self.setting)).items()
         computed = ", ".join(name for name, signal in signals if getattr(signal, "origin", None) is Origin.COMPUTED)
         cure = f"read its {computed} from the engine" if computed else "return what the engine's own model does"
         raise AssertionError(f"sample '{self.sample}': expected a row over its limit, got none{beside}; {cure}")
@@ -118,7 +118,7 @@ def _polynomials(changed: ChangedMotion) -> CrankMotion:
 
 def _rows_in_world(sample: str, key: str, trial: EngineTrial) -> Rows:
     """Judged rows of an engine whose worlds are built with a fault."""
-    trial.finished(sample)
+    trial.finished_history(sample)
     wrong = planted_case(sample, key)
     return _rows_with(trial, sample, Setting.TUNED, "altered", lambda scene: wrong.scene(scene.channels))
 
@@ -138,7 +138,7 @@ def _rows_misread(channel: Channel, misreading: Misreading, number: float | None
     """Judged rows of the engine's own run with a channel misread."""
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
-    right = trial.finished(PLAIN)
+    right = trial.finished_history(PLAIN)
     wrong = planted(right, scene_of(PLAIN), channel, misreading, number)
     if wrong is right:
         raise NotTestedError(f"{trial.engine.name} provides only magnitudes of joint forces")
@@ -147,7 +147,7 @@ def _rows_misread(channel: Channel, misreading: Misreading, number: float | None
 
 def _rows_extrapolated(weigh: Weigh, trial: EngineTrial) -> Rows:
     """Judged rows of the engine's runs at several steps, combined by other weights."""
-    trial.finished(PLAIN, Setting.BEST)
+    trial.finished_history(PLAIN, Setting.BEST)
     if len(trial.run(PLAIN, Setting.BEST).passes) < 2:
         raise NotTestedError(f"'{Setting.BEST}' of {trial.engine.name} is one run")
     return _rows_with(trial, PLAIN, Setting.BEST, "weights", weigh)

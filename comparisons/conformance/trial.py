@@ -52,8 +52,11 @@ class EngineTrial:
             self._runs[sample, setting] = run_engine(self.engine, scene_of(sample), setting)
         return self._runs[sample, setting]
 
-    def finished(self, sample: str, setting: Setting = Setting.TUNED) -> History:
-        """History of a sample; raises NotTestedError for one beyond its abilities, AssertionError if it fails."""
+    def finished_history(self, sample: str, setting: Setting = Setting.TUNED) -> History:
+        """The history of a sample's run, which has to finish.
+
+        Raises NotTestedError where sample, setting or engine are not available, AssertionError for any other end.
+        """
         reason = self.obstacle(sample)
         if reason is None and setting not in self.engine.abilities.settings:
             reason = f"{self.engine.name} offers no setting '{setting}'"
@@ -73,7 +76,7 @@ class EngineTrial:
         """The samples that the engine takes, with scene and history; the plain one must be among them."""
         for sample in SAMPLES:
             try:
-                yield sample, scene_of(sample), self.finished(sample)
+                yield sample, scene_of(sample), self.finished_history(sample)
             except NotTestedError:
                 if sample == PLAIN:
                     raise
@@ -81,7 +84,9 @@ class EngineTrial:
     def rows(self, sample: str, setting: Setting) -> Mapping[str, bool]:
         """The judged rows of its run of a sample, and whether each failed."""
         if (sample, setting) not in self._rows:
-            self._rows[sample, setting] = judged_rows(sample, setting, self.engine.name, self.finished(sample, setting))
+            self._rows[sample, setting] = judged_rows(
+                sample, setting, self.engine.name, self.finished_history(sample, setting)
+            )
         return self._rows[sample, setting]
 
 

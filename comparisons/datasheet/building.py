@@ -1,4 +1,4 @@
-"""Sheets made: the closed form of a mechanism over one motion, as plain data."""
+"""Sheets made: the closed form of a mechanism over one motion, and where its bodies are, as plain data."""
 
 from __future__ import annotations
 
@@ -68,6 +68,9 @@ def at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Pos
     bodies = {name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], sweep.angles(name))) for name in linkage.links}
     carriers = {slot.point: sweep.carrier(slot.point) for slot in linkage.slots}
     return Positions("phi", angle, bodies, carriers, closed)
+
+
+# Sheets made: the closed form of a mechanism over one motion, as plain data.
 
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Numbers of a linkage's file that designs differ in: by name, in the units of the file."""
+"""Numbers of a linkage's file that designs differ in, by name, in the units of the file; and the file of a design."""
 
 from __future__ import annotations
 

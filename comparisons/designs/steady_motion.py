@@ -58,7 +58,7 @@ class SteadyMotion:
     def gradients(
         self, mechanism: Mechanism, numbers: Mapping[str, float], figures: Sequence[Figure]
     ) -> tuple[Array, Array]:
-        """Figures of one design, refined, and their derivatives (figures, numbers), SI, as ``figure_gradients``."""
+        """Figures (figures,) of one design, refined, and their derivatives (figures, numbers), SI."""
         return figure_gradients(mechanism, numbers, figures, self.places, speed=self.speed)
 
 
@@ -68,7 +68,7 @@ def steady_motion(
     """A turn at a ``speed``, rad/s; over the range of a driver that makes none, or from ``start`` to ``end``, rad or m.
 
     The range is that of the linkage as its file has it, short of its limits. Raises LinkproofError for a speed that is
-    none and for too few samples.
+    zero or not finite, and for too few samples.
     """
     if not math.isfinite(speed) or speed == 0.0:
         raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")

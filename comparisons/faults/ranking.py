@@ -9,7 +9,6 @@ from itertools import chain
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from comparisons.faults.columns import UNIT_RATIOS, Evidence, column_faults, group_faults
 from comparisons.faults.fault import Correction, Fault, Kind
@@ -17,8 +16,6 @@ from comparisons.faults.fitting import Fit, Fitting
 from comparisons.faults.numbers import misplaced_loads, number_faults, several_numbers
 from comparisons.faults.settings import CrankColumn, model_settings, motion_settings
 from comparisons.faults.simulation import Simulation, is_rotary
-
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 300  # of a signal to which faults of the model are fitted,
 FEWEST: Final = 100  # or fewer of each where they are many

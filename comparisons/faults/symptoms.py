@@ -95,6 +95,6 @@ def meaning(run: Iterable[Record]) -> str:
         failed[name] = failed.get(name, False) or Verdict(record.outcome).failed
     words = "; or ".join(symptom.words for symptom in symptoms(failed))
     cure = f"run 'linkproof check-engine {records[0].engine}', and if it passes shorten the step"
-    if records[0].setting == Setting.NAIVE:  # the defaults of a right adapter may be as wrong as this
+    if records[0].setting == Setting.NAIVE:  # an engine's defaults may be this wrong though its adapter is right
         cure = "naive takes the engine's defaults: use the setting tuned"
     return f"{words}; {cure}" if words else ""

@@ -24,7 +24,6 @@ loads are those of ``engines.mechanics``, shared with ``direct``: no formula is 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import released_phase, speed_drift
@@ -32,8 +31,6 @@ from comparisons.invariants.inspection import Inspection
 from comparisons.observation.observed_motion import ObservedMotion
 from engines.contract import Signal
 from engines.scene import Channel, Free, Prescribed
-
-Array = NDArray[np.float64]
 
 HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 

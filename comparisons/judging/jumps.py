@@ -1,4 +1,4 @@
-"""Samples at jumps of the driver's acceleration: the one rule for which they are."""
+"""Which samples lie at a jump of the driver's acceleration: one rule for all who judge or draw them."""
 
 from __future__ import annotations
 

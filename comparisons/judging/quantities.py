@@ -129,9 +129,10 @@ def _power(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _displacement(case: Case, motion: ObservedMotion) -> Signal:
-    """From the engine's own farthest place where its motion shows that, else from the closed form's.
+    """S, m: displacement of the output, positive away from its farthest place.
 
-    A motion shows it in a full turn; where the crank cannot make one, it is the farthest place of the motion.
+    That place is the engine's own where its motion shows it, in a full turn, or anywhere if the crank cannot make one;
+    else the closed form's.
     """
     place = _output(Channel.POSITION, 0, case, motion)
     turn = slice(None) if top_of_turn(case.mechanism) is None else motion.last_turn

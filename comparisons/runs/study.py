@@ -87,6 +87,9 @@ class Journal:
         )
 
 
+# Studies: keyed tasks in worker processes; each result is written to a journal and read back in order.
+
+
 R = TypeVar("R")
 
 # Hears the label of a task, how many tasks are finished and how many are known of.

@@ -134,5 +134,5 @@ def first_fault(error: ValidationError) -> tuple[str, str]:
 
 
 def fault_words(error: Exception) -> str:
-    """The first fault of a file, in one line, with its key."""
+    """Why a saved file cannot be read: the first fault with its key of a ValidationError, else the error's text."""
     return ": ".join(first_fault(error)) if isinstance(error, ValidationError) else str(error)

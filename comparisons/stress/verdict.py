@@ -1,6 +1,6 @@
 """The verdict of one cell of a stress map: is the motion right, and if not, did a check flag it?
 
-``stress.truth`` says what a *wrong* motion is. Where an engine reports success with one, the invariants, which need no
+What a *wrong* motion is stands below. Where an engine reports success with one, the invariants, which need no
 closed form, have either caught or missed it.
 """
 
@@ -115,6 +115,9 @@ def _without_angle(scene: Scene) -> list[int]:
 def true_states(case: Case, scene: Scene, time: Array, order: int) -> Array:
     """Positions or velocities of a scene's bodies by the closed form, (instants, bodies, 3)."""
     return np.stack([truth(case, LEVELS[order], body.name, time) for body in scene.bodies], axis=1)
+
+
+# The verdict of one cell of a stress map: is the motion right, and if not, did a check flag it?
 
 
 LARGEST = 1e300

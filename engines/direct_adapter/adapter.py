@@ -182,7 +182,7 @@ def _equations(scene: Scene) -> Equations:
 
 
 def _degeneracy(equations: Equations) -> str | None:
-    """Why as many equations as coordinates do not fix the motion at the start, if they do not."""
+    """Why the equations do not fix the motion at the start, in a sentence; None where they do."""
     matrix = equations.jacobian(equations.arms(equations.start()))[0]
     if not np.all(np.isfinite(matrix)):
         return "the start state is not finite"

@@ -68,6 +68,9 @@ class Equations(JointEquations):
         raise UnsolvableError("the joints cannot be closed")
 
 
+# Positions, velocities, accelerations and joint forces at given instants, each instant solved by itself.
+
+
 FORCES = frozenset({Channel.TORQUE, Channel.JOINT_FORCE})
 KINETIC = FORCES | {Channel.ACCELERATION}
 

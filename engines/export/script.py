@@ -64,7 +64,10 @@ def script(
     about: str,
     figures: Callable[[History], Sequence[ScriptFigure]],
 ) -> str:
-    """The script of one run; ``about`` describes it, ``figures`` gives those of its history that it shows at its end.
+    """Python source that repeats one run without linkproof.
+
+    The run is made here once: ``figures`` takes those of its history that the script shows at its end. ``about``
+    describes the run.
 
     Raises UnsupportedError in a sentence for what cannot be exported.
     """

@@ -8,8 +8,8 @@ J. Gerstmayr, "Exudyn - a C++-based Python package for flexible multibody system
 - ``best``: the trapezoidal rule with its constraints on velocity level, extrapolated to eighth order: its multipliers
   are free of the rounding that the square of the step magnifies on position level.
 
-The parts of a prescribed motion start anew (``engines.exudyn_adapter.loop``);
-``engines.exudyn_adapter.adapter`` has the settings' numbers and the methods that can be studied.
+The parts of a prescribed motion start anew (``engines.exudyn_adapter.loop``). The recipes below have the settings'
+numbers and the methods that can be studied.
 """
 
 from __future__ import annotations
@@ -120,6 +120,9 @@ STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
     ),
     **{f"trapezoidal x{count}": _extrapolated(count) for count in (2, 3, 4)},
 }
+
+
+# exudyn behind the contract: constrained planar bodies, one generalised-α run or trapezoidal runs extrapolated.
 
 
 END = "of the state at the end of the step"

@@ -147,7 +147,7 @@ class ExudynWorld:
         return float(polynomial(coefficients, time - start, order))
 
     def function(self, kind: str, law: tuple[str, Any]) -> Data:
-        """The arguments of an item that are functions of system and time."""
+        """Exudyn's user functions of an item, by argument name: over time, over φ, or of a linear driver."""
         by, values = law
         if by == "gap":
             return self.linear.functions()

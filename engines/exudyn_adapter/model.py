@@ -7,14 +7,11 @@ from collections import Counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.mechanics.states import start_motion
 from engines.scene import Body, Channel, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
 from engines.stepping.loop_engine import plain_law
-
-Array = NDArray[np.float64]
 
 ANGLE = 2  # number of the angle among the coordinates of a two-dimensional rigid body
 COORDINATES = {
@@ -138,7 +135,7 @@ class ExudynModel:
         self.joints[joint.name] = item, joint.body
 
     def _add_loads(self) -> None:
-        """Add the applied forces and torques; one that varies reads the crank angle at every evaluation."""
+        """Add the applied forces and torques; one that varies reads φ at every evaluation."""
         loads = [("ForceVector", self._point(load.body, load.anchor), load.force) for load in self.scene.forces]
         loads += [("Coordinate", self._angle(load.body), load.torque) for load in self.scene.torques]
         for kind, marker, law in loads:

@@ -103,6 +103,9 @@ def contraction(layout: PartLayout, pose: Pose) -> float:
         return 1.0
 
 
+# pymunk behind the contract: the scene as bodies, pins and grooves, stepped to second order.
+
+
 # Steps after which a cold start has no effect on the forces any more, and samples without loads for it at most.
 SETTLED, MOST_LEAD = 10, 3
 

@@ -70,7 +70,7 @@ class Rod:
 
 
 class PymunkWorld:
-    """A space in its start state, but for the velocities; ``ends`` has the bodies, the ground as -1.
+    """A space in its start state, but for the velocities; ``ends`` has the bodies by number, the ground at -1.
 
     The ``motor`` is the drive: it works against a torque that keeps the sign of its own, as pymunk gives the
     size alone. That of a linear drive is a pin joint, whose distance is set before every step: after the step to come
@@ -116,7 +116,7 @@ class PymunkWorld:
         return pymunk.PinJoint(first, second, here, there)
 
     def travel(self, ahead: float) -> float:
-        """φ ``ahead`` seconds from now at the present velocities, rad or m."""
+        """φ ``ahead`` seconds from now at the present velocities: a crank's angle, rad, or a travel or length, m."""
         if self.line is not None:
             return self.line.length(ahead) - float(self.given["base"])
         return float(self.crank.angle + ahead * self.crank.angular_velocity)

@@ -1,4 +1,4 @@
-"""A prescribed motion cut into intervals, each started anew, in a whole number of basic steps."""
+"""How a run ends and what it costs; and a prescribed motion cut into intervals of a whole number of basic steps."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:
 
 
 def check_step(step: float) -> None:
-    """Raise LinkproofError for an empty step."""
+    """Raise LinkproofError for a step, s, that is not positive and finite."""
     if not 0.0 < step < math.inf:
         raise LinkproofError(f"step: expected a positive finite number of seconds, got {step:g}; correct it")
 
@@ -99,6 +99,9 @@ def check_step(step: float) -> None:
 def whole_steps(duration: float, step: float, least: int) -> int:
     """Number of equal steps of at most ``step`` that make up a duration, ``least`` or more."""
     return max(least, math.ceil(duration / step - ROUNDING))
+
+
+# A prescribed motion cut into intervals, each started anew, in a whole number of basic steps.
 
 
 Array = NDArray[np.float64]

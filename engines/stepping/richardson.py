@@ -60,6 +60,9 @@ def labelled(history: History) -> Iterator[tuple[str, Signal]]:
         yield f"force in joint '{name}'", signal
 
 
+# Richardson extrapolation of whole histories, and an estimate of its error, from the changes of its last passes.
+
+
 Array = NDArray[np.float64]
 Weigh = Callable[[Sequence[float], Sequence[int]], Array]
 

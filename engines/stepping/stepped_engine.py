@@ -109,7 +109,7 @@ class Course(Generic[R]):
 class SteppedEngine(ABC, Generic[World, R]):
     """An adapter that needs only ``build`` and ``follow``.
 
-    ``package`` is what is imported and installed, as ``distribution`` where that has another name, ``oldest`` its first
+    ``package`` is imported; it is installed as ``distribution``, if that has another name. ``oldest`` is the first
     version that will do; ``settings`` are the recipes by drive, ``studied`` what each method is in one sentence and its
     recipe, the newcomer's first. ``weights`` are those of an extrapolation's runs, unless a test plants an error in
     them.
@@ -179,7 +179,10 @@ class SteppedEngine(ABC, Generic[World, R]):
         )
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        """The method's recipe at a step and an effort of the caller's."""
+        """Run a scene by a method with its effort, at a longest step, s.
+
+        Raises UnknownNameError for another engine's method, LinkproofError for a step or an effort out of bounds.
+        """
         check_step(step)
         if method.name not in self.studied:
             raise UnknownNameError(f"method of {self.name}", method.name, list(self.studied))
@@ -195,7 +198,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort)
 
     def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
-        absent = why_absent(self.package, self.name, self.oldest)
+        absent = self.why_unavailable() or why_absent(self.package, self.name)
         if absent is not None:
             return Run(Outcome.UNAVAILABLE, absent)
         reason = self.obstacle(scene)

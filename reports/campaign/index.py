@@ -84,6 +84,9 @@ def _engine(sheet: Sheet, trust: EngineRanking) -> str:
     return "" if worst is None else f"{ratio(worst)} of its limit: {worst.engine}, {family_title(worst.quantity)}"
 
 
+# The first page of a report: the verdict, the engines, a card for every mechanism, what was run.
+
+
 FILE, TITLE = "index.html", "Overview"
 PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving schemes</label>')
 

@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]  # matplotlib types the plane only
-from numpy.typing import NDArray
 
 from analytic.description.file_units import file_unit
 from analytic.description.linkage import Linkage
@@ -20,8 +19,6 @@ from reports.charts.draw import drawn
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scheme import NAME_STYLE, draw_names, draw_position, scaled_figure, write
 from reports.charts.style import GHOST, INK, PALETTE, WIDTH
-
-Array = NDArray[np.float64]
 
 THREAD = PALETTE[1]
 GUIDE_STYLE: dict[str, Any] = {**NAME_STYLE, "color": THREAD}

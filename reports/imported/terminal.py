@@ -56,16 +56,16 @@ def sentence(judgement: ImportedJudgement) -> str:
     """The verdict in one sentence."""
     count, limit = len(judgement.verdicts), f"{share(judgement.limit)} of the closed form's peak"
     over, open_ = (_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
-    still_open = f"; {len(open_)} undecided: {_few(open_)}" if open_ else ""
+    still_open = f"; {len(open_)} undecided: {_first_names(open_)}" if open_ else ""
     if len(open_) == count:
         return "Nothing could be judged."
     if over:
-        return f"Not right: {len(over)} of {count} signals over {limit}: {_few(over)}{still_open}."
+        return f"Not right: {len(over)} of {count} signals over {limit}: {_first_names(over)}{still_open}."
     if open_:
         return f"Right within the file's digits: {count - len(open_)} of {count} signals within {limit}{still_open}."
     right = f"{'the signal is' if count == 1 else f'all {count} signals are'} within {limit}"
     if judgement.missed:
-        peaks = _few([name for name, _ in judgement.missed])
+        peaks = _first_names([name for name, _ in judgement.missed])
         return f"Right at the file's samples: {right}, but the peak of {peaks} lies between them."
     return f"Right: {right}."
 
@@ -75,7 +75,7 @@ def sentences(judgement: ImportedJudgement) -> list[str]:
     written, unexplained = judgement.imported.written, judgement.explanation.unexplained
     lines = [sentence(judgement), *_open(judgement)]
     lines += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
-    lines += [f"No known cause explains the difference in {_few(unexplained)}."] if unexplained else []
+    lines += [f"No known cause explains the difference in {_first_names(unexplained)}."] if unexplained else []
     for name, correction in judgement.proposals.items():
         lines.append(f"If this is intended, accept it in the mapping: {name}: {written(name, correction)}.")
     for name, agreed in judgement.imported.corrections.items():
@@ -90,7 +90,7 @@ def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) ->
     others, more = finding.others[:MOST_OTHERS], len(finding.others) - MOST_OTHERS
     also = [f"one of {more} more"] if more > 0 else []
     words = "; or ".join([finding.likeliest.words, *(other.words for other in others), *also])
-    return f"Likely cause of the difference in {_few(finding.signals)}: {aligned}{words}. {_left(finding)}"
+    return f"Likely cause of the difference in {_first_names(finding.signals)}: {aligned}{words}. {_left(finding)}"
 
 
 def _with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
@@ -102,10 +102,14 @@ def _open(judgement: ImportedJudgement) -> list[str]:
     reasons = grouped(
         (verdict.detail, verdict.name) for verdict in judgement.verdicts if verdict.outcome is Verdict.UNDEFINED
     )
-    return [f"{_few(names)} {'is' if len(names) == 1 else 'are'} undecided: {why}." for why, names in reasons.items()]
+    return [
+        f"{_first_names(names)} {'is' if len(names) == 1 else 'are'} undecided: {why}."
+        for why, names in reasons.items()
+    ]
 
 
-def _few(names: Sequence[str]) -> str:
+def _first_names(names: Sequence[str]) -> str:
+    """The names with commas; of more than five the first five, and how many more."""
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
 
 

@@ -164,7 +164,7 @@ def _on_frame(sheet: Sheet, unit: str) -> tuple[PageFigure, ...]:
     tip = Chart((hodograph(sheet, "shaking_force", 0, unit),), 3.2)
     moment = Curve(sheet.x, sheet.y("shaking_moment"), ink=1)
     label = f"shaking moment, {sheet.unit('shaking_moment').on_page}"
-    force_caption = f"Shaking force on the frame{_dots(sheet)}."
+    force_caption = f"Shaking force on the frame{_dots_in_words(sheet)}."
     moment_caption = f"Shaking moment on the frame {sheet.figures['moment'][0].what}, the drive's reaction included."
     over = chart(sheet, [panel(sheet, [moment], label)], 3.2)
     return (
@@ -173,7 +173,8 @@ def _on_frame(sheet: Sheet, unit: str) -> tuple[PageFigure, ...]:
     )
 
 
-def _dots(sheet: Sheet) -> str:
+def _dots_in_words(sheet: Sheet) -> str:
+    """The end of a hodograph's caption: how far its dots are apart; empty unless the motion is a full turn."""
     return f": dots are {DOTS}° of the crank apart, the quarters of the turn named" if sheet.is_turn else ""
 
 
@@ -183,7 +184,7 @@ def _hodographs(sheet: Sheet, joints: list[str], unit: str) -> PageFigure:
     panels = [hodograph(sheet, f"{JOINT}{name}", number, unit) for number, name in enumerate(drawn)]
     rows = -(-len(drawn) // PER_ROW)
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
-    caption = f"Fx against Fy of {which}, each to its own scale{_dots(sheet)}."
+    caption = f"Fx against Fy of {which}, each to its own scale{_dots_in_words(sheet)}."
     chart = Chart(tuple(panels), 2.5 * rows, columns=min(PER_ROW, len(drawn)), wide=True)
     return page_figure(sheet, "hodographs", caption, "hodographs of the joint forces", chart)
 

@@ -187,6 +187,9 @@ def _short(value: float, scale: float) -> float | None:
     return float(f"{round(value / least) * least:.{DIGITS}g}") + 0.0
 
 
+# The page of one mechanism: what its designer wants, then how the engines did.
+
+
 FOLDER = "mechanisms"
 
 

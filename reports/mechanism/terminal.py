@@ -1,4 +1,4 @@
-"""Mechanisms, their thread and their published figures for a terminal."""
+"""Mechanisms, their thread, their published figures and their check for a terminal."""
 
 from __future__ import annotations
 

@@ -21,6 +21,7 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Setting
+from engines.registry import engine_names
 from reports.requests.campaign import files, request
 from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
 from reports.requests.options.declaring import command_line
@@ -122,13 +123,13 @@ def file_campaign(path: Path, folder: Path) -> FileCampaign:
     """
     words, usual = CompareOptions(mechanisms=(str(path),)), StandardOptions()
     completed = in_project(words, RunLimits(), usual)
-    requested = request(replace(completed.options, engine=()), completed.known)
-    names = tuple(dict.fromkeys(completed.options.engine)) or requested.engines
+    names = tuple(dict.fromkeys(completed.options.engine)) or engine_names()
     for name in names:
         engine(name)
+    requested = request(completed.options, completed.known, names)
     options = replace(words, mechanisms=(_relative(path, folder),))
     bounds = running(completed.limits).bounds
-    return FileCampaign(options, replace(requested, engines=names), chosen_standard(completed, usual), bounds)
+    return FileCampaign(options, requested, chosen_standard(completed, usual), bounds)
 
 
 def _relative(path: Path, folder: Path) -> str:

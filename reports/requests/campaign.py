@@ -66,10 +66,9 @@ def installed(engines: Sequence[str]) -> list[str]:
 
 
 def left_out(engines: Sequence[str]) -> str:
-    """A remark on the engines that a run in all installed ``engines`` leaves out; empty where it leaves out none."""
-    present = installed(engine_names())
-    absent = [name for name in engine_names() if name not in present]
-    if not absent or set(engines) != set(present):
+    """A remark that names the engines which are not among the installed ``engines``; empty where all are."""
+    absent = [name for name in engine_names() if name not in engines]
+    if not absent:
         return ""
     return f"not installed, left out: {', '.join(absent)} ('linkproof engines' says how to install them)"
 
@@ -86,12 +85,9 @@ def named(engines: Sequence[str]) -> tuple[str, ...]:
 def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
     """The engines of these names, all that are installed where none is named.
 
-    Raises LinkproofError for one that is named and cannot be used, and where none is installed.
+    Raises LinkproofError for a named engine that cannot be used.
     """
-    chosen = named(names) or tuple(installed(engine_names()))
-    if not chosen:
-        raise LinkproofError("no engine is installed: install one with: pip install 'linkproof[pymunk]'")
-    return chosen
+    return named(names) or tuple(installed(engine_names()))
 
 
 def _settings(options: RunsOptions) -> tuple[Setting, ...]:
@@ -109,10 +105,13 @@ def _own_settings(options: RunsOptions) -> tuple[Setting, ...]:
     return _settings(options) if is_full or EVERYTHING not in options.setting else (Setting.TUNED,)
 
 
-def request(options: RunsOptions, known: Sequence[Linkage] = ()) -> CampaignRequest:
+def request(
+    options: RunsOptions, known: Sequence[Linkage] = (), engines: Sequence[str] | None = None
+) -> CampaignRequest:
     """The campaign's request; raises LinkproofError for bad input.
 
     Regimes that other ``known`` linkages define may be requested: those that do not define them are not run in them.
+    ``engines``, installed or not, take the place of those of the options.
     """
     check_motion(options)
     result = linkages(options)
@@ -121,7 +120,7 @@ def request(options: RunsOptions, known: Sequence[Linkage] = ()) -> CampaignRequ
         linkages=result,
         motions=motions,
         conditions=conditions,
-        engines=requested_engines(options.engine),
+        engines=requested_engines(options.engine) if engines is None else tuple(engines),
         settings=_settings(options),
         quantities=tuple(dict.fromkeys(options.quantity)),
         own_regimes=own_regimes(options, (*result, *known)),

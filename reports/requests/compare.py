@@ -32,7 +32,8 @@ class Campaign:
     """A campaign whose names are all known.
 
     ``command`` repeats it, ``saved_command`` with its standard and limits. ``recorded`` is the file that its errors are
-    recorded in, if they are to be. ``options`` are those that were typed.
+    recorded in, if they are to be. ``options`` are those that were typed; ``names_engines`` tells whether these or the
+    project name the engines.
     """
 
     request: CampaignRequest
@@ -42,6 +43,7 @@ class Campaign:
     command: str
     saved_command: str
     recorded: Path | None
+    names_engines: bool
 
     def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign
         """Make the runs in a pool and judge them; the errors are recorded as the baseline if they are to be."""
@@ -86,4 +88,5 @@ def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limi
         command_line("compare", completed.options),
         command_line("compare", completed.options, standard, completed.limits),
         file if standard.record_baseline else None,
+        bool(completed.options.engine),
     )

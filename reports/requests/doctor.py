@@ -43,10 +43,8 @@ def engine_trials() -> list[SelfTest]:
     """A short run of every engine, the run-up of one of the catalogue's linkages, in worker processes."""
     trial = request(CompareOptions(mechanisms=tuple(catalogue()[:1]), quantity=("Mkr",)))
     tried = {record.engine: _trial(record) for run in compare(trial) for record in run.records}
-    adapters = engines(engine_names())
-    absent = {
-        each.name: SelfTest(each.name, "", None, reason) for each in adapters if (reason := why_unavailable(each))
-    }
+    reasons = {adapter.name: why_unavailable(adapter) for adapter in engines(engine_names())}
+    absent = {name: SelfTest(name, "", None, reason) for name, reason in reasons.items() if reason is not None}
     return [(absent | tried)[name] for name in engine_names()]
 
 

@@ -34,7 +34,7 @@ def write_single_file(saved: Path, file: Path) -> Path:
     contents = Contents(saved)
     links = contents.links()
     page = joined_page([contents.page(link.href) for link in links])
-    places = [PageLink(link.text, f"#{_stem(link.href) if number else MAIN}") for number, link in enumerate(links)]
+    places = [PageLink(link.text, f"#{_anchor(link.href) if number else MAIN}") for number, link in enumerate(links)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         html.write_assets(folder)
@@ -46,7 +46,7 @@ def write_single_file(saved: Path, file: Path) -> Path:
 def joined_page(pages: Sequence[Page]) -> Page:
     """Pages as sections of the first page, with names and links changed so that they stay unique."""
     first, *rest = pages
-    files = {first.file: "", **{page.file: _stem(page.file) for page in rest}}
+    files = {first.file: "", **{page.file: _anchor(page.file) for page in rest}}
     moved = {page.file: _moved((*page.parts, *page.sections), files[page.file], files) for page in rest}
     sections = (
         Section(files[page.file], page.heading, (Paragraph(page.subtitle, "small"), *moved[page.file])) for page in rest
@@ -55,7 +55,8 @@ def joined_page(pages: Sequence[Page]) -> Page:
     return replace(first, parts=parts, sections=(*first_sections, *sections), charts=any(page.charts for page in pages))
 
 
-def _stem(file: str) -> str:
+def _anchor(file: str) -> str:
+    """The anchor of a page's section on the joined page: the file name without suffix, other signs as hyphens."""
     return re.sub(r"\W+", "-", Path(file).stem)
 
 

@@ -61,7 +61,7 @@ class Contents(StudyFolder):
         return INDEX if self.is_single else mechanism_page.file_of(sheet)
 
     def links(self) -> tuple[PageLink, ...]:
-        """Its pages in the order of a reader; raises LinkproofError if the folder has no data for a page."""
+        """Links to the pages in reading order; raises LinkproofError where the folder has no data for any page."""
         if self.is_single:
             return (PageLink(self.sheets[0].name, INDEX),)
         studies = ((BENCH, self.bench), (STRESS, self.stress))
@@ -96,6 +96,9 @@ class Contents(StudyFolder):
             yield BENCH, ": ", sentence("index_bench", points=[point for point in self.bench.points if point.errors])
         if self.stress is not None:
             yield STRESS, ": ", sentence("index_stress", cells=len(self.stress.results), count=self.stress.count())
+
+
+# Writing a report's folder: every page with its figures, in worker processes; stale files are removed.
 
 
 SUMMARY: Final = "RESULTS.md"

@@ -95,6 +95,9 @@ def _letter(symbol: str) -> Outline:
     return Outline(np.asarray(path.vertices) - 0.5 * (np.asarray(corners.min) + corners.max), path.codes)
 
 
+# The stability page: the verdict, the maps, their borders, and every incident with the command that repeats it.
+
+
 PAGE = "stress.html"
 # What stands open on the page unless its table is long; what was caught, as it should be, is folded away.
 OPEN = (*tables.LOUD, StressVerdict.SUITE_ERROR, StressVerdict.CRASHED, StressVerdict.ADAPTER_ERROR)

@@ -203,6 +203,9 @@ def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Tab
     return Table(sentence(about, judged=judged_by(regimes)), head, tuple(rows), "l", groups=groups)
 
 
+# The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods, costs.
+
+
 FILE_NAME = "bench.html"
 
 

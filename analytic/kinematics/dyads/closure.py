@@ -14,7 +14,7 @@ differentiating the closure equations once and twice, which are linear in the un
 ``least(k, closure)``
     The determinant up to which it stands in a dead position, so that its derivatives are undefined.
 ``missing(k, near, closure)``
-    Length by which the links fail to meet, m (negative where they do not meet), and the lengths it was computed from.
+    Length, m, by which the links reach beyond meeting, negative where they do not meet, and the lengths it comes from.
 ``toggle(dyad, closure)``
     How its links stand in a dead position, for a reader.
 ``shortfall(dyad, k, near, at, written)``

@@ -22,7 +22,7 @@ def slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
 
 
 def least(k: Constants, closure: Closure) -> Scalar:
-    """The lines are parallel."""
+    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
     return LEAST_SINE
 
 
@@ -32,12 +32,12 @@ def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar
 
 
 def toggle(dyad: Dyad, closure: Closure) -> str:
-    """The lines are parallel."""
+    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
     return f"the guides of '{dyad.first}' and '{dyad.second}' parallel"
 
 
 def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At, written: Written) -> Shortfall:
-    """The lines are parallel."""
+    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
     return UNDETERMINED, (
         f"the guides of '{dyad.first}' and '{dyad.second}' are parallel, so nothing holds the two in "
         "place; turn one of the guides"

@@ -125,7 +125,7 @@ def touching(k: RPRConstants, margin: Scalar, gap: Scalar) -> RPRConstants:
 
 
 def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At, written: Written) -> Shortfall:
-    """The offset is too large, or A is on B."""
+    """Why the links do not meet, as a fault and a sentence: the offset is too large, or A is on B."""
     assert isinstance(dyad.first_joint, Revolute)
     assert isinstance(dyad.second_joint, Revolute)
     distance = at(np.hypot(*frames.minus(frames.point(near[0], k.a), frames.point(near[1], k.b))))

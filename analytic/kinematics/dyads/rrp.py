@@ -132,7 +132,7 @@ def touching(k: RRPConstants, margin: Scalar, gap: Scalar) -> RRPConstants:
 
 
 def shortfall(dyad: Dyad, k: RRPConstants, near: Poses, at: At, written: Written) -> Shortfall:
-    """The arm does not reach the line."""
+    """Why the links do not meet, as a fault and a sentence: the arm does not reach the line."""
     assert isinstance(dyad.first_joint, Revolute)
     gap = frames.minus(frames.point(near[1], k.base), frames.point(near[0], k.a))
     distance = abs(at(frames.cross(frames.arm(near[1], k.along), gap)))

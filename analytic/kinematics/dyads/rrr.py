@@ -131,7 +131,7 @@ def touching(k: RRRConstants, margin: Scalar, gap: Scalar) -> RRRConstants:
 
 
 def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:
-    """Arms too short for the gap, or one too long."""
+    """Why the links do not meet, as a fault and a sentence: the arms are too short for the gap, or one is too long."""
     gap = at(np.hypot(*frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))))
     first, second = k.lengths
     links = f"'{dyad.first}' ({written(first)}) and '{dyad.second}' ({written(second)})"

@@ -86,6 +86,9 @@ def _solved(
         return None, numbers
 
 
+# The best design of a linkage for a request, with further results for its designer.
+
+
 Array = NDArray[np.float64]
 
 REPORTED: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min")

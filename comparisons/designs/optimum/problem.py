@@ -113,7 +113,7 @@ class DesignProblem:
 
     @cached_property
     def maxima(self) -> LocalMaxima:
-        """The extremes among the figures."""
+        """Finds the local maxima of every signal side that an aim or a constraint is made of, for any design."""
         every = [side for figure in self.figures for side in sides(figure.figure)]
         return LocalMaxima(self.mechanism, self.motion, tuple(dict.fromkeys(every)))
 

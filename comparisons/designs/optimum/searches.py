@@ -40,7 +40,7 @@ class Search:
 
     @property
     def elsewhere(self) -> tuple[End, ...]:
-        """Ends that are higher than the best, or miss a figure to keep."""
+        """Ends that are higher than the best, or violate a constraint."""
         return _elsewhere(self.ends)
 
 
@@ -49,7 +49,7 @@ def _best(ends: Sequence[End | None]) -> End | None:
 
 
 def _elsewhere(ends: Sequence[End | None]) -> tuple[End, ...]:
-    """Ends that are higher than the best, or miss a figure to keep."""
+    """Ends that are higher than the best, or violate a constraint."""
     best = _best(ends)
     return tuple(
         end for end in ends if best is not None and end is not None

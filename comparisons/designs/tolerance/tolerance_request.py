@@ -106,10 +106,10 @@ def tolerance_request(
     seed: int = 0,
     conditions: str = "",
 ) -> ToleranceRequest:
-    """The request, under a motion whose ``conditions`` are words.
+    """The checked request of a tolerance study; ``conditions`` describes the motion in words.
 
-    Of random designs there are 10 000, or 200 of a linkage that goes design by design. Raises LinkproofError for names
-    that are not there.
+    Without ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
+    LinkproofError for an unknown name, no results, too few or too many samples, or a negative seed.
     """
     result = tolerances(mechanism.linkage, requested.table, f"{requested.origin}tolerances.", motion.speed)
     if not requested.results:

@@ -83,25 +83,26 @@ class ToleranceStudy:
     @property
     def assembled(self) -> float:
         """Share of the random designs that assemble at every angle."""
-        return float(np.mean(self._assemble))
+        return float(np.mean(self._is_assembled))
 
     @property
     def mean(self) -> Array:
         """Mean of the random designs (results,)."""
-        return np.asarray(np.mean(self.random[:, self._assemble], axis=1))
+        return np.asarray(np.mean(self.random[:, self._is_assembled], axis=1))
 
     @property
     def deviation(self) -> Array:
         """Standard deviation of the random designs (results,)."""
-        return np.asarray(np.std(self.random[:, self._assemble], axis=1, ddof=1))
+        return np.asarray(np.std(self.random[:, self._is_assembled], axis=1, ddof=1))
 
     @property
     def quantiles(self) -> Array:
         """The 0.135 % and 99.865 % quantiles of the random designs (results, 2)."""
-        return np.asarray(np.quantile(self.random[:, self._assemble], SHARES, axis=1).T)
+        return np.asarray(np.quantile(self.random[:, self._is_assembled], SHARES, axis=1).T)
 
     @property
-    def _assemble(self) -> NDArray[np.bool_]:
+    def _is_assembled(self) -> NDArray[np.bool_]:
+        """Whether each random design assembles at every angle, (designs,)."""
         return np.asarray(np.isfinite(self.random).all(axis=0))
 
     @property

@@ -48,7 +48,11 @@ SPREAD: Final = 3.0  # from the largest of so few trials to a bound
 
 @dataclass(frozen=True)
 class ColumnMotion(CrankMotion):
-    """A motion read from a column; ``steps`` are the times at which its acceleration jumps, ``noise`` in rad."""
+    """A motion read from a column.
+
+    ``steps`` are the times at which its acceleration jumps, s; ``noise`` is the column's rounding, rad, or rad/s of a
+    column of speeds.
+    """
 
     steps: tuple[float, ...] = ()
     noise: float = 0.0
@@ -128,7 +132,7 @@ def _motion(time: Array, values: Array, resolution: Array, name: str, *, of_spee
 
 
 def _finer(degree: int) -> int:
-    """Of a piece that may not be a polynomial at all, a higher degree: what that changes is not known either."""
+    """A degree for a second fit of a piece: two higher if the piece may be no polynomial at all."""
     return degree + 2 if degree == DEGREES[-1] else degree
 
 
@@ -245,7 +249,10 @@ def _fitted(time: Array, values: Array, first: int, last: int, degree: int) -> S
 
 
 def _jumps(segments: Segments, others: Sequence[Segments], order: int) -> tuple[float, ...]:
-    """Starts of pieces at which a derivative jumps by more than the rounding explains."""
+    """Times, s, between two pieces at which the derivative of an ``order`` jumps by more than the rounding explains.
+
+    ``others`` are fits of columns that would be printed the same: what differs among them is rounding.
+    """
     scale = max(float(np.max(np.abs(s.value(np.array([s.start, s.end]), order)))) for s in segments)
     sizes = np.array([_jumps_of(pieces, order) for pieces in (segments, *others)]).reshape(len(others) + 1, -1)
     doubt = np.max(np.abs(sizes[1:] - sizes[0]), axis=0, initial=0.0)

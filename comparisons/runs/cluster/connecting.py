@@ -1,4 +1,4 @@
-"""From the name of a scheduler to a pool of its workers; raises one sentence if it cannot have any jobs."""
+"""From the name of a scheduler to a pool of its workers, and a cluster on this machine."""
 
 from __future__ import annotations
 
@@ -82,6 +82,9 @@ def serve(channel: Connection, workers: int, security: Any) -> None:  # noqa: AN
 def dask_setup(server: Any) -> None:  # noqa: ANN401
     """Close the port for pages of a scheduler or worker; Dask calls this by its name."""
     server.http_server.stop()
+
+
+# From the name of a scheduler to a pool of its workers; raises one sentence if it cannot have any jobs.
 
 
 ADDRESS: Final = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):(\d{1,5})", re.ASCII)

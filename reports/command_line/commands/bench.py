@@ -45,7 +45,8 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
     requested = request(_campaign(options))
     wanted = _request(options, requested)
-    destination.remark(left_out(requested.engines))
+    if not options.engine:
+        destination.remark(left_out(requested.engines))
     with (
         closing(LastingPool()) as here,
         opened(scheduler, here, alone=True) as pool,

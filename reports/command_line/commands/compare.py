@@ -43,7 +43,8 @@ def compare(
     destination.check(PAGE)
     wanted, out = campaign(options, standard, limits), destination.out
     request = wanted.request
-    destination.remark(left_out(request.engines))
+    if not wanted.names_engines:
+        destination.remark(left_out(request.engines))
     if out:
         _ = wanted.tasks  # a run that cannot be made is refused before the folder is touched
     with wanted.running.pool() as pool, interruptible(out) as counting:
@@ -54,9 +55,7 @@ def compare(
             of_errata = linkages if (destination.json or out) and request.own_regimes else ()
             has_speed = SPEED in (request.quantities or (SPEED,))  # so that its runs serve for printed models too
             known = records if has_speed else None
-            errata = list(
-                judge_errata(of_errata, installed(engines), bounds=wanted.running.bounds, pool=pool, journal=known)
-            )
+            errata = list(judge_errata(of_errata, engines, bounds=wanted.running.bounds, pool=pool, journal=known))
         if destination.json or out:
             saved = wanted.document(judged, errata, is_saved=out is not None)
             saved["environment"] |= pool.place

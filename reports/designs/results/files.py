@@ -1,4 +1,4 @@
-"""Results as files: a tidy table in the units of the linkage's file, and one JSON object in SI."""
+"""Results as files: a table and a workbook in the units of the linkage's file, and one JSON object in SI."""
 
 from __future__ import annotations
 
