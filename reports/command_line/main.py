@@ -27,7 +27,7 @@ def _run() -> None:
     from reports.command_line import designs_app, folders_app  # noqa: F401 - they add their commands
     from reports.command_line.app import app
     from reports.command_line.parameters import InterruptedRunError
-    from reports.document.terminal import accept_any_text
+    from reports.document.characters import accept_any_text
 
     accept_any_text()
     try:

@@ -25,7 +25,9 @@ def findings(name, monkeypatch, checks):
     return {check: each.finding for check, each in results.items()}
 
 
-@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize(
+    "name", [name if name == "exudyn" else pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS]
+)
 def test_an_engine_keeps_the_contract(name, monkeypatch):
     assert Finding.PASSED in findings(name, monkeypatch, [n for n in CHECKS if not n.startswith(MUTANT)]).values()
 
