@@ -84,7 +84,9 @@ def engines(names: Sequence[str]) -> list[Engine]:
     if is_worker():
         return [_adapter(name) for name in names]
     foreign = registry.plugins()
-    entries = {name: entry for name in names if isinstance(entry := registry.entry_point(name), EntryPoint)}
+    points = {name: registry.entry_point(name) for name in names}
+    # Not told from others by the type EntryPoint: once importlib_metadata is imported, entry points are of its own.
+    entries = {name: point for name, point in points.items() if not isinstance(point, registry.Unusable)}
     keys = {name: _key(entry) for name, entry in entries.items() if name in foreign}
     new = [name for name, key in keys.items() if key not in _KNOWN]
     for name, facts in zip(new, _from_workers(_described, [(name,) for name in new]), strict=True):

@@ -45,7 +45,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
     requested = request(_campaign(options))
     wanted = _request(options, requested)
-    if not options.engine:
+    if destination.verbose and not options.engine:
         destination.remark(left_out(requested.engines))
     with (
         closing(LastingPool()) as here,

@@ -43,7 +43,7 @@ def compare(
     destination.check(PAGE)
     wanted, out = campaign(options, standard, limits), destination.out
     request = wanted.request
-    if not wanted.names_engines:
+    if destination.verbose and not wanted.names_engines:
         destination.remark(left_out(request.engines))
     if out:
         _ = wanted.tasks  # a run that cannot be made is refused before the folder is touched

@@ -40,7 +40,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     if cells:
         return _alone(options, cells, destination, where)
     wanted, out = _request(options), destination.out
-    if not options.engine:
+    if destination.verbose and not options.engine:
         destination.remark(left_out(wanted.engines))
     with closing(LastingPool(where.processes)) as here, where.pool(here) as pool, interruptible(out) as counting:
         records = journal(out, wanted.command, wanted.engines, resume=destination.resume) if out else None

@@ -4,11 +4,15 @@ import json
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
+from comparisons.runs import plugins
+from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.plugins import engine
 from comparisons.runs.workers import run_jobs
+from engines import registry
 from tests.comparisons.faults import announce
 from tests.comparisons.hostile_engines import ENTRIES, ROWS
 
@@ -64,3 +68,13 @@ def test_no_engine_runs_where_another_plugin_has_been(folder):
     processes = [results[number][1] for number in range(5)]
     assert processes[0] == processes[1] == processes[2]
     assert len(set(processes[2:])) == 3
+
+
+def test_entry_points_of_importlib_metadata_are_plugins_as_well(monkeypatch):
+    """Once that package is imported, all entry points are of its type; a worker looks at a plug-in all the same."""
+    point = SimpleNamespace(name="strange", value="strange:Adapter", dist=None)
+    monkeypatch.setattr(registry, "announced", lambda: {"strange": [point]})
+    monkeypatch.setattr(registry, "engine", lambda name: pytest.fail("imported in this process"))
+    monkeypatch.setattr(plugins, "_from_workers", lambda function, jobs: [Lost(Failure.CRASHED, "in a worker")])
+    (adapter,) = plugins.engines(("strange",))
+    assert "in a worker" in str(adapter.error)

@@ -102,7 +102,7 @@ def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_o
     monkeypatch.setattr(PymunkEngine, "why_unavailable", lambda _: "pymunk is not installed: install it")
     monkeypatch.setattr("reports.requests.campaign.engine_names", lambda: ("direct", "pymunk"))
     assert "pymunk is not installed: install it; or leave it out" in refused("compare", NAME, "--engine", "pymunk")
-    done = linkproof("compare", NAME, "--quantity", "Jeq", "--json", "-", "--jobs", "0")
+    done = linkproof("compare", NAME, "--quantity", "Jeq", "--json", "-", "--jobs", "0", "--verbose")
     outcomes = {row["engine"]: row["outcome"] for row in json.loads(done.stdout)["records"]}
     assert (outcomes, done.returncode) == ({"direct": "passed"}, 0)
     assert "not installed, left out: pymunk" in done.stderr
