@@ -21,7 +21,8 @@ from reports.requests.options.campaign import CompareOptions
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
 PLOTTING = ("matplotlib",)
-HEAVY = (*ENGINES, *PLOTTING, "xarray", "numba", "pandas")
+EXTRAS = ("openpyxl", "ezdxf", "fmpy", "distributed", "cryptography")  # which a plain installation lacks
+HEAVY = (*ENGINES, *PLOTTING, *EXTRAS, "xarray", "numba", "pandas")
 
 
 @pytest.fixture
@@ -71,6 +72,19 @@ def test_the_alarm_goes_off(imported):
 )
 def test_looking_at_mechanisms_imports_no_engine_and_no_plotting(imported, command):
     assert imported(HEAVY, *command) == set()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("compare", "juki-mf7923d", "--engine", "direct", "--quantity", "Jeq"),
+        ("sweep", "rimoldi-164", "--vary", "rod.B.x=174:176:3", "--quantity", "Mkr.peak"),
+        ("doctor",),
+    ],
+    ids=" ".join,
+)
+def test_a_plain_installation_does_without_the_packages_of_extras(imported, command):
+    assert imported(EXTRAS, *command, ends=(0,)) == set()
 
 
 @pytest.mark.parametrize("name", engine_names())

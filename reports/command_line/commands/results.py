@@ -84,7 +84,7 @@ def _write_page(out: Path, sheet: Sheet, *, opens: bool, quiet: bool) -> None:
 def _content(option: str, result: Sheet, files: ResultsFiles) -> str | bytes:
     """The content of the file of an option; its writer is imported here, which takes half a second or more."""
     if option == "--xlsx":
-        from reports.designs.results.files import workbook  # noqa: PLC0415
+        from reports.designs.results.workbook import workbook  # noqa: PLC0415
 
         return workbook(result)
     if option == "--gif":

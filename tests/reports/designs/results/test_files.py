@@ -11,7 +11,8 @@ import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion
 from comparisons.imported.reading import read_results
-from reports.designs.results.files import csv_table, json_text, workbook
+from reports.designs.results.files import csv_table, json_text
+from reports.designs.results.workbook import workbook
 from tests.analytic.linkages import from_text
 from tests.reports.designs.results.samples import (
     CRANK,
