@@ -2,9 +2,9 @@
 
 ``python tests/pins/pins.py hold [PART ...] [only=TEXT]`` makes the records anew and prints those that moved; ``take``
 renews the pins. Parts: figures (list, show, thread, published), designer (results, check, sweep, optimise, tolerance
-and judge, of the catalogue, the literature and the linkages of the tests), compare, bench, stress. Times, dates and
-borders are left out, and bench and stress are held where both trees finished. Engines' last digits belong to the
-machine and the versions that took them, so this is run by hand and not by the tests.
+and judge, of the catalogue, the literature and the linkages of the tests), bench, stress; tests/baseline.json holds
+the errors of compare. Times, dates and borders are left out, and bench and stress are held where both trees finished.
+Engines' last digits belong to the machine and the versions that took them, so this is run by hand and not by the tests.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from analytic.description.loading import load
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 COMMAND = [sys.executable, "-c", "from reports.command_line.main import main; main()"]
-PARTS = ("figures", "designer", "compare", "bench", "stress")
+PARTS = ("figures", "designer", "bench", "stress")
 
 MOST = 24  # numbers of a list that are pinned, evenly among them
 CLOSED_FORM = 1e-13  # of the peak
@@ -37,16 +37,14 @@ LOCATIONS = ("_at", "angle", "top", "bottom", "dead_centre", "shift")
 BOUNDS = ("closure_error", "error_bound")  # rounding errors themselves: held to their size
 # What identifies a record, and what is held of it; everything else is a time, a text or derived.
 KEYS = {
-    "compare": ("mechanism", "variant", "regime", "conditions", "engine", "setting", "quantity"),
     "bench": ("mechanism", "variant", "regime", "engine", "kind", "setting", "runs", "effort", "step", "quantity"),
-    "stress": ("axis", "row", "value", "engine", "usage"),
+    "stress": ("axis", "row", "value", "engine", "setting"),
 }
 HELD = {
-    "compare": ("outcome", "error_max", "error_rms", "peak", "samples", "left_out", "limit"),
     "bench": ("outcome", "error_max", "error_rms", "peak", "steps"),
-    "stress": ("verdict", "quantity", "deviation", "invariant", "invariant_error", "alarms"),
+    "stress": ("verdict", "quantity", "deviation", "invariant"),
 }
-ONLY: list[str] = []  # parts of names: mechanisms of the figures and of compare that are made, all if empty
+ONLY: list[str] = []  # parts of names: mechanisms of the figures that are made, all if empty
 UNSTEADY = {"timed-out", "crashed"}  # what a slower machine may make of a run
 
 
@@ -149,30 +147,33 @@ def thinned(data: Any) -> Any:
     return data
 
 
-def compare() -> dict[str, Any]:
-    """Every mechanism, variant, regime and setting."""
-    rows = []
-    for mechanism, variant in variants():
-        words = (mechanism, "--variant", variant, "--regime", "all", "--setting", "all", "--full")
-        rows += said("compare", *words)["records"]
-    return _by_key("compare", rows)
-
-
 def bench() -> dict[str, Any]:
     """The points of the quick work-precision study, each in all its quantities."""
-    document = said("bench", "--quick")
-    nothing = dict.fromkeys(("error_max", "error_rms", "peak"))
+    names = ("quantity", "error_max", "error_rms", "peak")
+    records = said("bench", "--quick")["records"]
     rows = [
-        {**row, "quantity": quantity, **row["errors"].get(quantity, nothing)}
-        for row in document["records"]
-        for quantity in (row["errors"] or document["quantities"])
+        {**record, **{name: error[name] for name in names}}
+        for record in records
+        for error in record["errors"] or [dict.fromkeys(names)]
     ]
     return _by_key("bench", rows)
 
 
 def stress() -> dict[str, Any]:
-    """The cells of the quick stability maps."""
-    return _by_key("stress", said("stress", "--quick")["cells"])
+    """The cells of the quick stability maps, with their worst deviation and their worst invariant."""
+    rows = [
+        {
+            **cell,
+            **_worst(cell["errors"], "quantity", "deviation"),
+            **_worst(cell["invariants"], "invariant", "invariant_error"),
+        }
+        for cell in said("stress", "--quick")["cells"]
+    ]
+    return _by_key("stress", rows)
+
+
+def _worst(errors: list[dict[str, Any]], name: str, size: str) -> dict[str, Any]:
+    return {name: errors[0]["quantity"], size: errors[0]["error_max"]} if errors else {name: None, size: None}
 
 
 def _by_key(part: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -184,7 +185,7 @@ def moved(part: str, old: dict[str, Any], new: dict[str, Any]) -> list[str]:
     lines = []
     for key in sorted(old.keys() | new.keys()):
         if key not in old or key not in new:
-            if part in ("figures", "designer", "compare") and not ONLY:
+            if part in ("figures", "designer") and not ONLY:
                 lines.append(f"{key}: {'is new' if key in new else 'is gone'}")
         elif part in ("figures", "designer"):
             lines += _figures_moved(key, old[key], new[key], "")
