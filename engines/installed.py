@@ -19,10 +19,10 @@ def installed_version(name: str) -> str | None:
         return None
 
 
-def why_absent(package: str, extra: str = "", oldest: str = "") -> str | None:
-    """Why an engine cannot be used; an error inside an installed one is not hidden by this.
+def why_absent(package: str, extra: str = "") -> str | None:
+    """Why a package cannot be imported, None where it can; an error inside an installed one is not hidden by this.
 
-    ``extra`` is the extra that brings the package, by default of its name; ``oldest`` the first version that will do.
+    ``extra`` is the extra that brings the package, by default of its name.
     """
     try:
         import_module(package)
@@ -30,11 +30,14 @@ def why_absent(package: str, extra: str = "", oldest: str = "") -> str | None:
         if error.name != package:
             raise
         return _not_installed(package, extra)
-    return _too_old(installed_version(package), package, extra, oldest)
+    return None
 
 
 def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
-    """Why an engine cannot be used, as ``why_absent``, but without importing it: from the package's metadata."""
+    """Why an engine cannot be used, from the package's metadata: nothing is imported.
+
+    ``extra`` is as in ``why_absent``, ``oldest`` the first version that will do.
+    """
     version = installed_version(package)
     return _not_installed(package, extra) if version is None else _too_old(version, package, extra, oldest)
 
@@ -43,8 +46,8 @@ def _not_installed(package: str, extra: str) -> str:
     return f"{package} is not installed: {_cure(package, extra)}"
 
 
-def _too_old(version: str | None, package: str, extra: str, oldest: str) -> str | None:
-    if not oldest or version is None or _numbers(version) >= _numbers(oldest):
+def _too_old(version: str, package: str, extra: str, oldest: str) -> str | None:
+    if not oldest or _numbers(version) >= _numbers(oldest):
         return None
     return f"{package} {version} is too old, {oldest} is the first that will do: {_cure(package, extra)}"
 
