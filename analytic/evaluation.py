@@ -11,12 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.machine_code.compiling import MOST_OPERATIONS, StraightFunction, in_threads, is_worthwhile
-from analytic.machine_code.linkage_trace import LinkageTrace, is_traceable, linkage_trace
-from analytic.machine_code.printing import Result
+from analytic.machine_code.compiling import MOST_OPERATIONS, Result, StraightFunction, in_threads, is_worthwhile
+from analytic.machine_code.tracing import LinkageTrace, is_traceable, linkage_trace
+from analytic.motion.farthest import farthest_between
 from analytic.moving import MovingSweep
 from analytic.signals import check_signals, is_wrapped, signal
-from analytic.turn.farthest import farthest_between
 
 Array = NDArray[np.float64]
 

@@ -13,17 +13,15 @@ from numpy.typing import NDArray
 from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError
 from comparisons.invariants.inspection import FAINT_FORCE
-from comparisons.judging.jumps import near_jumps
-from comparisons.reference.case import Case
-from comparisons.reference.channels import truth
-from comparisons.runs.failures import blamed_on
-from comparisons.stress.axes import axes
+from comparisons.judging.deviations import near_jumps
+from comparisons.reference.case import Case, truth
+from comparisons.runs.run_engine import blamed_on
 from comparisons.stress.cell_result import Cell
-from comparisons.stress.cells import SETTINGS
+from comparisons.stress.cells import SETTINGS, axes
 from comparisons.stress.scenes import case as case_of
 from comparisons.stress.scenes import scene as scene_of
 from engines.contract import Engine, History, Setting
-from engines.export.script import ScriptFigure, script
+from engines.exported_script import ScriptFigure, script
 from engines.registry import engine, why_unavailable
 from engines.scene import Channel, Scene
 from engines.stepping.intervals import UnsupportedError

@@ -26,9 +26,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from analytic.description.linkage import GROUND, DriverKind
 from engines.contract import Abilities, ReadOut, Setting
-from engines.mechanics.cylinder_links import cylinder_as_links
 from engines.mechanics.joints import scene_size
-from engines.mechanics.spanning_tree import AT_REST, Branch, ends, slots_as_blocks, spanning_tree
+from engines.mechanics.spanning_tree import AT_REST, Branch, cylinder_as_links, ends, slots_as_blocks, spanning_tree
 from engines.mechanics.states import body_numbers
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene, SliderJoint
 from engines.stepping.loop_engine import LoopEngine, plain_law

@@ -26,7 +26,7 @@ from typing import Any
 
 from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.contract import Abilities, ReadOut, Setting
-from engines.mechanics.cylinder_links import cylinder_as_links
+from engines.mechanics.spanning_tree import cylinder_as_links
 from engines.scene import Body, Channel, Prescribed, Scene, SliderJoint, SlotJoint, TurnDamper
 from engines.stepping.loop_engine import LoopEngine
 from engines.stepping.stepped_engine import Recipe

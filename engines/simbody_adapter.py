@@ -18,8 +18,7 @@ from typing import Any
 
 from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.contract import Abilities, ReadOut, Setting
-from engines.mechanics.cylinder_links import cylinder_as_links
-from engines.mechanics.spanning_tree import Branch, SpanningTree, ends, spanning_tree
+from engines.mechanics.spanning_tree import Branch, SpanningTree, cylinder_as_links, ends, spanning_tree
 from engines.scene import (
     GUIDES,
     LOADS,

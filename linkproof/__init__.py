@@ -20,11 +20,8 @@ _MODULES = {
     "analytic.errors": ("LinkproofError",),
     "reports.python.campaign": ("Comparison", "compare"),
     "reports.python.checking": ("check", "check_engine", "judge"),
-    "reports.python.evaluation": ("evaluate",),
-    "reports.python.optimise": ("optimise",),
-    "reports.python.results": ("results",),
-    "reports.python.sweep": ("sweep",),
-    "reports.python.tolerance": ("tolerance",),
+    "reports.python.evaluation": ("evaluate", "results"),
+    "reports.python.sweep": ("optimise", "sweep", "tolerance"),
 }
 
 

@@ -14,7 +14,7 @@ import pytest
 from linkproof import refuse_strangers
 
 if TYPE_CHECKING:
-    from reports.pytest_plugin.asserting import Assertion
+    from reports.pytest_plugin.campaign import Assertion
 
 FILE = "linkproof.toml"
 
@@ -47,7 +47,7 @@ def linkproof_compare() -> Assertion:
     It takes the arguments of ``linkproof.compare`` and returns its ``Comparison``; equal calls compare once a session.
     """
     refuse_strangers()
-    from reports.pytest_plugin.asserting import Assertion  # noqa: PLC0415  numpy and all the rest
+    from reports.pytest_plugin.campaign import Assertion  # noqa: PLC0415  numpy and all the rest
 
     return Assertion()
 

@@ -11,12 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.campaign.campaign import CampaignRequest, compare
+from comparisons.campaign.campaign import CampaignRequest, compare, sheets
 from comparisons.campaign.results import document, save
-from comparisons.campaign.sheets import sheets
 from engines.registry import engine, engine_names
 from reports.requests.campaign import request
-from reports.requests.options.campaign import CompareOptions
+from reports.requests.campaign_options import CompareOptions
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")

@@ -9,16 +9,15 @@ from analytic.description.loading import catalogue, load, read
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, cases, compare
 from comparisons.campaign.key_figures import changes
-from comparisons.campaign.standards import places
+from comparisons.campaign.project import places
 from comparisons.judging.baseline import read_baseline, regime_key
-from comparisons.judging.limits import shipped_limits
+from comparisons.judging.limits import Standard, shipped_limits
 from comparisons.judging.quantities import all_quantities
-from comparisons.judging.verdicts import Standard
 from comparisons.reference.case import Case
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Setting
 from engines.registry import engine, engine_names
-from reports.requests.options.campaign import CompareOptions
+from reports.requests.campaign_options import CompareOptions
 
 FILE = Path(__file__).with_name("baseline.json")
 BASELINE = read_baseline(FILE, places(map(read, catalogue()), FILE.parent))

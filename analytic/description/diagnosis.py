@@ -15,7 +15,7 @@ from analytic.description.schema import Document
 from analytic.description.units import UNITS
 from analytic.errors import DescriptionError, UnknownNameError, shortened
 
-_PHRASES_FILE: Final = Path(__file__).parent / "format" / "expected.toml"
+_PHRASES_FILE: Final = Path(__file__).with_name("expected.toml")
 _PHRASES: Final = tomllib.loads(_PHRASES_FILE.read_text(encoding="utf-8"))
 EXPECTED: Final[Mapping[str, str]] = _PHRASES["by_key"] | {
     f"units.{kind}": f"the name of a unit of {kind.replace('_', ' ')} in quotes: {', '.join(units)}"

@@ -21,7 +21,7 @@ KINDS: Final = {
     "kg": ("mass", ""),
     "kg m²": ("inertia", ""),
 }
-SI: Final = {
+FILE_KINDS: Final = {
     "length": "m",
     "angle": "rad",
     "force": "N",
@@ -49,5 +49,5 @@ def file_unit(si: str, linkage: Linkage) -> FileUnit:
     if si not in KINDS:
         return FileUnit(si, 1.0)
     kind, rest = KINDS[si]
-    name = linkage.units.get(kind, SI[kind])
+    name = linkage.units.get(kind, FILE_KINDS[kind])
     return FileUnit(name + rest, factor(kind, name))

@@ -15,8 +15,8 @@ from pydantic import ValidationError
 
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
-from analytic.description.format.repetition import expanded
 from analytic.description.linkage import Linkage
+from analytic.description.repetition import expanded
 from analytic.description.schema import Document
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, is_safe, listed, printable
 from analytic.shelves import announced

@@ -32,7 +32,7 @@ from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure
 from analytic.kinematics.sweep import Sweep
-from analytic.machine_code.linkage_trace import is_traceable
+from analytic.machine_code.tracing import is_traceable
 from analytic.moving import MovingSweep
 from analytic.numerics.averages import averages
 from analytic.numerics.dual import Dual

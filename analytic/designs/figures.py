@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+import re
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from enum import StrEnum
 from math import nan, pi
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.description.units import factor
+from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import MAGNITUDE, names_with_magnitudes, table
 
 Array = NDArray[np.float64]
 
@@ -109,3 +118,112 @@ class Figure:
         """The figure of designs from the values of its ``extremes``."""
         value = ends[0] if len(ends) == 1 else ends[0] - ends[1]
         return np.abs(value) if self.is_magnitude else value
+
+
+# Figures by the names that are typed and printed: ``Mkr.peak``, ``joint_force:A.peak``, ``point:D:y@30``, ``stroke``.
+#
+# ``SIGNAL.REDUCTION`` a signal of ``linkproof results`` over the motion: .peak .mean .rms .max .min .range
+# ``SIGNAL@30`` its value at a crank angle, degrees, or ``@0.5rad``; of a drive along a line in the file's unit
+# ``joint_force:A.peak`` of a vector without a component, its magnitude ``joint_force.peak`` of every joint; likewise
+# transmission_angle, of every group ``transmission_angle.peak`` the least, which is the worst ``stroke`` the range of
+# S
+#
+# Along a motion in time there are ``omega.max`` and ``Mkr@0.03s``, a value at a time, besides. Signals computed on
+# request, as ``Jeq:coupler``, have figures too.
+
+STROKE: Final = "stroke"
+ANGLES: Final = "transmission_angle"
+FAMILIES: Final = ("joint_force", ANGLES)
+REDUCTIONS: Final = tuple(reduction.value for reduction in Reduction if reduction is not Reduction.AT)
+NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signals, in words
+    **dict.fromkeys(("S", "v", "a"), "an output point"),
+    **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
+}
+NEAREST: Final = 3  # names in a message
+PLACE: Final = re.compile(r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?P<unit>deg|rad|s|)")
+NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
+
+
+def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> dict[str, Figure]:
+    """The figure of a name, and of a family all its members, by name; ``in_time`` of a motion in time, not of a design.
+
+    Raises LinkproofError for an unknown signal or reduction, and for a wrong angle or time.
+    """
+    listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
+    known = listed | {key: key for key, on_request in table(mechanism).items() if not on_request.is_listed}
+    signal, mark, where = name.rpartition("@")
+    if mark:
+        members = _members(mechanism, known, signal, name)
+        angle, time = _instant(mechanism.linkage, name, where, in_time=in_time)
+        return {f"{member}@{where}": Figure(known[member], Reduction.AT, angle, time) for member in members}
+    signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
+    if word not in REDUCTIONS:
+        raise _unknown(name, listed)
+    how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(ANGLES) else Reduction(word)
+    members = _members(mechanism, known, signal, name)
+    return {STROKE if name == STROKE else f"{member}.{word}": Figure(known[member], how) for member in members}
+
+
+def figure_names(mechanism: Mechanism) -> list[str]:
+    """Every figure by name, the peaks first; those at an angle have names without end."""
+    return _examples(_signals(mechanism))
+
+
+def _signals(mechanism: Mechanism, without: Collection[str] = NOT_OF_A_DESIGN) -> dict[str, str]:
+    """Signals by name: a vector's own name stands for its magnitude."""
+    names = [name for name in names_with_magnitudes(mechanism) if name not in without]
+    return {name.removesuffix(MAGNITUDE): name for name in names}
+
+
+def _examples(known: Mapping[str, str]) -> list[str]:
+    """Every figure, the peaks first."""
+    families = [kind for kind in FAMILIES if any(name.startswith(f"{kind}:") for name in known)]
+    stroke = [STROKE] if "S" in known else []
+    return [*stroke, *(f"{name}.{word}" for word in REDUCTIONS for name in (*known, *families))]
+
+
+def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
+    """The signal, or every member of the family: the magnitudes of all forces, the angles of all groups."""
+    ending = MAGNITUDE if signal == "joint_force" else ""
+    members = [key for key, words in known.items() if words == f"{key}{ending}" and key.startswith(f"{signal}:")]
+    if signal in NEEDS and signal not in known and not members:
+        raise LinkproofError(
+            f"{STROKE if signal == 'S' else signal}: expected a linkage with {NEEDS[signal]}, got "
+            f"'{mechanism.linkage.name}' without; add what is missing to its file, or name another figure"
+        )
+    if signal in FAMILIES:
+        return members
+    if signal not in known:
+        raise _unknown(name, known)
+    return [signal]
+
+
+def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
+    """The error for an unknown figure, with the nearest names."""
+    examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
+    symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
+    by_case = {example.lower(): example for example in examples}
+    near = get_close_matches(name.lower(), by_case, n=NEAREST, cutoff=SIMILAR)
+    meant = dict.fromkeys([*([symbol] if symbol in examples else []), *(by_case[key] for key in near)])
+    hint = f"did you mean {' or '.join(repr(key) for key in [*meant][:NEAREST])}? " if meant else ""
+    return LinkproofError(
+        f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "
+        f"{', '.join(f'.{reduction}' for reduction in REDUCTIONS)} or @ANGLE behind its name; "
+        "`linkproof list --figures` shows all"
+    )
+
+
+def _instant(linkage: Linkage, name: str, text: str, *, in_time: bool) -> tuple[float, float]:
+    """The place of the driver behind the @, rad or m, or the time, s; the other is nan."""
+    read = PLACE.fullmatch(text)
+    measure = read["unit"] if read else None
+    if read is None or (linkage.is_linear and measure in ("deg", "rad")) or (measure == "s" and not in_time):
+        unit = linkage.units["length"] if linkage.is_linear else "degrees"
+        time = ", or a time such as 0.03s" if in_time else ""
+        raise LinkproofError(f"{name}: expected a crank angle in {unit}{time} after '@', got '{text}'; correct it")
+    number = float(read["number"])
+    if measure == "s":
+        return math.nan, number
+    if measure == "rad":
+        return number, math.nan
+    return number * (factor("length", linkage.units["length"]) if linkage.is_linear else math.radians(1.0)), math.nan

@@ -9,18 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.designs.checking import speed_of
-from analytic.designs.dead_positions import LEAST_RATIO
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.means import is_settled
-from analytic.designs.samples import Booleans
+from analytic.designs.samples import LEAST_RATIO
 from analytic.designs.sampling import FigureRequest, sampled
-from analytic.machine_code.compiling import StraightFunction, in_threads
-from analytic.machine_code.linkage_trace import LinkageTrace
-from analytic.machine_code.printing import Result
-from analytic.machine_code.tracing import Traced
+from analytic.machine_code.compiling import Result, StraightFunction, in_threads
+from analytic.machine_code.tracing import LinkageTrace, Traced
 from analytic.signals import is_wrapped
 
 Array = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
 
 CHUNK: Final = 2048  # designs a thread takes at a time
 # Shares of the samples in a mean over all of them, and over every second: the end of the period has none.

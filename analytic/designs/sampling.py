@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.designs.dead_positions import are_steep, beside, divided, stuck
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.means import edges_of, is_settled, on_branch
-from analytic.designs.samples import BLOCK, Booleans, Designs, Integers, Sampler
+from analytic.designs.samples import BLOCK, Booleans, Designs, Integers, Sampler, are_steep, beside, divided, stuck
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import Tops, summits, tops

@@ -16,20 +16,175 @@ in ``Spring.links``, and the joint forces of this pin hold that link in balance.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Vector
-from analytic.dynamics.group_forces import group_wrenches
-from analytic.dynamics.link_balance import LinkBalance, Wrench
-from analytic.dynamics.link_loads import LoadedSweep, resultant
+from analytic.dynamics.link_loads import LinkBalance, LoadedSweep, Wrench, resultant
 from analytic.kinematics import frames
-from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import AnyGroup, Revolute
+from analytic.kinematics.frames import Pair, Scalar, cross, dot
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, Dyad, Group, GroupJoint, Joint, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
+
+# Force analysis of the Assur groups: from the wrenches that links need to the forces in the group's joints.
+#
+# A group is statically determinate: its equations of equilibrium have the unknowns of its joints, two to a pin or a
+# slide and one to a cylinder. A dyad is solved in closed form: each kind reduces to a 2×2 system at most, the
+# transpose of the one which its velocities solve; its determinant vanishes in the same dead positions. (Kinetostatics
+# of Assur groups: I. I. Artobolevskii, Theory of Mechanisms and Machines.) A group of class III or higher is solved
+# as one system, the transpose of its velocities' too, with moments about the links' reference points.
+#
+# The moment of a slide is about the reference point of its ``far`` link; a pin exerts its force at the pin and no
+# moment.
+
+
+JointWrenches = tuple[Wrench, Wrench, Wrench]
+
+
+def group_wrenches(balance: LinkBalance, group: AnyGroup) -> list[tuple[GroupJoint, Wrench]]:
+    """The wrench of every joint of a group on its far body, once all later groups are entered."""
+    if isinstance(group, Dyad):
+        needs = balance.needs[group.first], balance.needs[group.second]
+        return list(zip(group.joints, _DYADS[group.kind](balance, group, *needs), strict=True))
+    return _higher_wrenches(balance, group)
+
+
+def _rrr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
+    """By r × N = M₁ and −q × N = M₂ about the outer pins, r and q from them to the inner one, N is its force."""
+    r, q = _inner_arms(balance, dyad)
+    scale = 1.0 / cross(r, q)
+    n = ((first[2] * q[0] + two[2] * r[0]) * scale, (first[2] * q[1] + two[2] * r[1]) * scale)
+    return (first[0] - n[0], first[1] - n[1], 0.0), (n[0], n[1], 0.0), (two[0] + n[0], two[1] + n[1], 0.0)
+
+
+def _rrp(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
+    """By r × N = M₁ about the outer pin and −N·e = F₂·e along the slide the inner force is N = a e + b e⊥."""
+    (r, _), e = _inner_arms(balance, dyad), _line(balance, dyad.second_joint)
+    f = (two[0], two[1])
+    a = -dot(e, f)
+    b = (first[2] - a * cross(r, e)) / dot(r, e)
+    n = (a * e[0] - b * e[1], a * e[1] + b * e[0])
+    return (first[0] - n[0], first[1] - n[1], 0.0), (n[0], n[1], 0.0), _across(e, cross(e, f) + b, two[2])
+
+
+def _rpr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
+    """The moments about both outer pins, M₁ + M₂ = −n d·e with d from the second to the first, give n e⊥."""
+    e, d = _line(balance, dyad.inner_joint), balance.gap(dyad.second, dyad.first)
+    n = _across(e, -(first[2] + two[2]) / dot(d, e), first[2])
+    return (first[0] - n[0], first[1] - n[1], 0.0), n, (two[0] + n[0], two[1] + n[1], 0.0)
+
+
+def _rpp(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
+    """F₂ = n e⊥ − k f⊥ across the outer and the inner slide; the moments are passed on."""
+    e, f = _line(balance, dyad.second_joint), _line(balance, dyad.inner_joint)
+    scale = 1.0 / cross(e, f)
+    force = (two[0], two[1])
+    inner = _across(f, dot(force, e) * scale, first[2])
+    moment = two[2] + (first[2] + cross(balance.gap(dyad.second, dyad.first), (inner[0], inner[1])))
+    return (first[0] - inner[0], first[1] - inner[1], 0.0), inner, _across(e, dot(force, f) * scale, moment)
+
+
+def _prp(balance: LinkBalance, dyad: Dyad, row: Wrench, two: Wrench) -> JointWrenches:
+    """N·e = F₁·e and −N·f = F₂·f along the slides give the inner force N = a e⊥ + b f⊥."""
+    e, f = _line(balance, dyad.first_joint), _line(balance, dyad.second_joint)
+    scale = 1.0 / cross(e, f)
+    first, second = (row[0], row[1]), (two[0], two[1])
+    a, b = -dot(second, f) * scale, -dot(first, e) * scale
+    both = dot(e, f)
+    n = (-a * e[1] - b * f[1], a * e[0] + b * f[0], 0.0)
+    return (
+        _across(e, cross(e, first) - a - b * both, row[2]),
+        n,
+        _across(f, cross(f, second) + a * both + b, two[2]),
+    )
+
+
+_DYADS: Mapping[str, Callable[[LinkBalance, Dyad, Wrench, Wrench], JointWrenches]] = {
+    "RRR": _rrr,
+    "RRP": _rrp,
+    "RPR": _rpr,
+    "RPP": _rpp,
+    "PRP": _prp,
+}
+
+
+def _inner_arms(balance: LinkBalance, dyad: Dyad) -> tuple[Pair, Pair]:
+    """From the reference points of both links to the inner pin."""
+    inner = dyad.inner_joint
+    assert isinstance(inner, Revolute)
+    return balance.arm(dyad.first, inner.far_local), balance.arm(dyad.second, inner.near_local)
+
+
+def _line(balance: LinkBalance, slide: Joint) -> Pair:
+    """Direction of a slide."""
+    assert isinstance(slide, Prismatic)
+    return frames.arm(balance.poses[slide.near], slide.along)
+
+
+def _across(direction: Pair, size: Scalar, moment: Scalar) -> Wrench:
+    """The wrench of a slide: a force square to it, on its left where ``size`` is positive, and a moment."""
+    return (-size * direction[1], size * direction[0], moment)
+
+
+@dataclass(frozen=True)
+class UnitReaction:
+    """The wrenches of one unit of a joint's unknown on its far and on its near body."""
+
+    far: Wrench
+    near: Wrench
+
+
+def _higher_wrenches(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint, Wrench]]:
+    """The wrench of every joint on its far body, about that body's reference point (of a pin: at the pin)."""
+    units = [list(_units(balance, joint)) for joint in group.joints]
+    columns = [(joint, unit) for joint, both in zip(group.joints, units, strict=True) for unit in both]
+    needs = [balance.needs[body] for body in group.links]
+    shape = np.broadcast_shapes(*(np.shape(part) for need in needs for part in need), *_shapes(columns))
+    matrix = np.zeros((*shape, len(columns), len(columns)))
+    right = np.stack([np.broadcast_to(part, shape) for need in needs for part in need], axis=-1)
+    rows = {body: 3 * number for number, body in enumerate(group.links)}
+    for column, (joint, unit) in enumerate(columns):
+        for body, wrench in ((joint.far, unit.far), (joint.near, unit.near)):
+            for part, value in enumerate(wrench if body in rows else ()):
+                matrix[..., rows[body] + part, column] = value
+    solution = iter(np.moveaxis(np.linalg.solve(matrix, right[..., None])[..., 0], -1, 0))
+    return [(joint, _sum(joint, [(next(solution), unit) for unit in both]))
+            for joint, both in zip(group.joints, units, strict=True)]  # fmt: skip
+
+
+def _shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterator[tuple[int, ...]]:
+    yield from (np.shape(part) for _, unit in columns for part in (*unit.far, *unit.near))
+
+
+def _units(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
+    """A unit of each unknown: a pin's force along x and y, a slide's across its line and moment, a cylinder's push."""
+    if isinstance(joint, Revolute):
+        far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))
+        for force in ((1.0, 0.0), (0.0, 1.0)):
+            yield UnitReaction((*force, cross(far, force)), _reverse(force, cross(near, force)))
+    elif isinstance(joint, DrivenDistance):
+        far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))
+        u = balance.direction(joint)
+        yield UnitReaction((*u, cross(far, u)), _reverse(u, cross(near, u)))
+    else:
+        x, y, _ = unit = _across(_line(balance, joint), 1.0, 0.0)
+        yield UnitReaction(unit, _reverse((x, y), cross(balance.gap(joint.near, joint.far), (x, y))))
+        yield UnitReaction((0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
+
+
+def _reverse(force: tuple[Scalar, Scalar], moment: Scalar) -> Wrench:
+    return (-force[0], -force[1], -moment)
+
+
+def _sum(joint: GroupJoint, shares: list[tuple[Scalar, UnitReaction]]) -> Wrench:
+    x = sum(size * unit.far[0] for size, unit in shares)
+    y = sum(size * unit.far[1] for size, unit in shares)
+    moment = 0.0 if isinstance(joint, Revolute) else sum(size * unit.far[2] for size, unit in shares)
+    return (x, y, moment)
+
 
 Array = NDArray[np.float64]
 

@@ -12,9 +12,10 @@ from typing import Final
 
 import numpy as np
 
-from analytic.description.linkage import Link, RotaryDamper, Spring, Vector
+from analytic.description.linkage import GROUND, Link, RotaryDamper, Spring, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, GroupJoint, Prismatic, Revolute, Structure
 from analytic.kinematics.sweep import Sweep
 
 TINY: Final = float(np.finfo(float).tiny)
@@ -120,3 +121,117 @@ def resultant(sweep: Sweep, loads: Iterable[Load], about: Vector) -> tuple[Scala
             arm = frames.minus(sweep.local_point(load.body, load.at), about)
             x, y, moment = x + load.force[0], y + load.force[1], moment + frames.cross(arm, load.force)
     return x, y, moment
+
+
+# Balance of a force analysis: the wrench that every link still needs from its joints, and the joints' wrenches.
+#
+# A *wrench* is (force x, force y, N, moment, N m). A link *needs* the wrench that its joints together must exert on
+# it, about the link's reference point, which is a pin of its group wherever it has one.
+
+Wrench = tuple[Scalar, Scalar, Scalar]
+
+
+class LinkBalance:
+    """The links at their poses under their loads, before any joint force is known.
+
+    ``needs`` holds, by body, the wrench about its reference point that joints not yet booked must exert. ``at_pins``
+    has the force of a pin on each of its bodies, by point and body; ``on_sliders`` the wrench of the guide on each
+    slider, those in slots included, about its guided point.
+    """
+
+    def __init__(self, loaded: LoadedSweep) -> None:
+        sweep, structure = loaded.sweep, loaded.sweep.structure
+        self.structure = structure
+        self.drive: Scalar = 0.0  # force of a cylinder
+        for group in structure.groups:
+            sweep.rates(group.first)  # refuses dead positions, in which the joints cannot hold the links
+        self.poses = {body: sweep.poses(body) for body in (GROUND, *structure.bodies)}
+        self.references = references(structure)
+        self.guided: dict[str, Vector] = {s.link: sweep.linkage.local(s.point, s.link) for s in sweep.linkage.sliders}
+        self.needs: dict[str, Wrench] = dict.fromkeys(self.poses, (0.0, 0.0, 0.0))
+        self.at_pins: dict[tuple[str, str], Pair] = {}
+        self.on_sliders: dict[str, Wrench] = {}
+        for load in (*loaded.from_outside(), *loaded.between_bodies()):
+            if load.force is not None:
+                self._charge(load.body, load.force, self.arm(load.body, load.at))
+            if load.torque is not None:
+                self._charge(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
+
+    def book_outer(self, joint: GroupJoint, wrench: Wrench) -> None:
+        """Enter the wrench of an outer joint of a group on its far link; its reverse is a load on the near link."""
+        self.book(joint, wrench)
+        x, y, moment = wrench
+        arm = self.arm(joint.near, joint.near_local) if isinstance(joint, Revolute) else self.gap(joint.near, joint.far)
+        self._charge(joint.near, (-x, -y), arm, -moment)
+
+    def book(self, joint: GroupJoint, wrench: Wrench) -> None:
+        """Enter the wrench of a joint on its far body, and the reverse on the near body."""
+        if isinstance(joint, DrivenDistance):
+            self.drive = frames.dot(self.direction(joint), (wrench[0], wrench[1]))
+        elif isinstance(joint, Revolute):
+            self._add(joint.point, joint.far, (wrench[0], wrench[1]))
+            self._add(joint.point, joint.near, (-wrench[0], -wrench[1]))
+        else:
+            self.on_sliders[joint.slider] = self._on_slider(joint, wrench)
+
+    def _on_slider(self, joint: Prismatic, wrench: Wrench) -> Wrench:
+        """The wrench on a slide's far link as one on its slider, about the slider's guided point."""
+        x, y, moment = wrench
+        guided = self.guided.get(joint.slider, (0.0, 0.0))
+        if joint.far == joint.slider:
+            gap = self.arm(joint.far, guided)
+            return (x, y, moment - frames.cross(gap, (x, y)))
+        gap = frames.minus(frames.point(self.poses[joint.slider], guided), self.place(joint.far))
+        return (-x, -y, frames.cross(gap, (x, y)) - moment)
+
+    def _charge(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
+        """Enter a load on a body, its force at an arm from the reference point; loads on the ground are not entered."""
+        if body != GROUND:
+            x, y, moment = self.needs[body]
+            self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
+
+    def _add(self, point: str, body: str, force: Pair) -> None:
+        """Add to the force of a pin on a body, which several groups may share."""
+        x, y = self.at_pins.get((point, body), (0.0, 0.0))
+        self.at_pins[point, body] = (x + force[0], y + force[1])
+
+    def arm(self, body: str, to: Vector) -> Pair:
+        """From the reference point of a body to another point of it, ground frame."""
+        reference = self.references[body]
+        return frames.arm(self.poses[body], (to[0] - reference[0], to[1] - reference[1]))
+
+    def direction(self, cylinder: DrivenDistance) -> Pair:
+        """The unit vector along a cylinder, from its near end to its far end."""
+        near, far = (self.poses[cylinder.near], self.poses[cylinder.far])
+        x, y = frames.minus(frames.point(far, cylinder.far_local), frames.point(near, cylinder.near_local))
+        length = np.hypot(x, y)
+        return (x / length, y / length)
+
+    def place(self, body: str) -> Pair:
+        """Position of the reference point of a body, m, ground frame."""
+        return frames.point(self.poses[body], self.references[body])
+
+    def gap(self, start: str, end: str) -> Pair:
+        """From the reference point of a body to that of another."""
+        return frames.minus(self.place(end), self.place(start))
+
+
+def references(structure: Structure) -> dict[str, Vector]:
+    """The reference point of every body, in its own frame: its outer pin, else its inner pin, else its mass centre.
+
+    With moments taken about pins, lengths are differences of points of one link, however far its frame's origin lies.
+    """
+    pivot = structure.pivot
+    reference = {GROUND: (0.0, 0.0)}
+    if pivot is not None:
+        reference[pivot.far] = pivot.far_local if isinstance(pivot, Revolute) else structure.bodies[pivot.far].centre
+    for group in structure.groups:
+        reference.update({body: _own_pin(group, body) or structure.bodies[body].centre for body in group.links})
+    return reference
+
+
+def _own_pin(group: AnyGroup, body: str) -> Vector | None:
+    """A pin of a link, in its own frame; of the pins to placed bodies if it has one."""
+    pins = [joint for joint in group.joints if isinstance(joint, Revolute) and body in (joint.near, joint.far)]
+    pins.sort(key=lambda joint: joint.near in group.links)
+    return next((joint.far_local if body == joint.far else joint.near_local for joint in pins), None)

@@ -15,7 +15,7 @@ from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError
 from analytic.kinematics.change_points import TOUCHING, Undetermined, is_followed
 from analytic.kinematics.dyad_solver import DyadSolver
-from analytic.kinematics.dyads.arms import ROUNDING
+from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.groups.solver import DEAD, GroupSolver
 from analytic.kinematics.structure import AnyGroup, Structure
 from analytic.kinematics.sweep import Sweep, placed, solver_of

@@ -21,7 +21,7 @@ from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics.groups.equations import jacobian, located, values
 from analytic.kinematics.structure import AnyGroup, DrivenDistance, Group, Prismatic, Revolute
 from analytic.kinematics.sweep import FIXED, Sweep, crank_motion
-from analytic.numerics.rounded import EPS, Rounded, bound_of
+from analytic.numerics.dual import EPS, Rounded, bound_of
 
 Array = NDArray[np.float64]
 ORDERS: Final = 3

@@ -14,17 +14,15 @@ from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, StructureError
-from analytic.kinematics.assembly import check_assembly
 from analytic.kinematics.change_points import period_of, through_change_points
 from analytic.kinematics.crank_range import CrankRange, crank_range
 from analytic.kinematics.decomposition import find_structure
-from analytic.kinematics.dyad_solver import DyadSolver
+from analytic.kinematics.dyad_solver import DyadSolver, check_assembly
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
 from analytic.kinematics.groups.equations import Motions
 from analytic.kinematics.groups.following import followed
-from analytic.kinematics.groups.solver import problem_of
-from analytic.kinematics.groups.start import nearest
+from analytic.kinematics.groups.solver import nearest, problem_of
 from analytic.kinematics.sketch import meant, named_places
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
 from analytic.kinematics.sweep import Array, Sweep, placed, solver_of

@@ -11,8 +11,14 @@ from numpy.typing import NDArray
 from analytic.description.linkage import GROUND, Linkage, Output, Vector
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics import frames
-from analytic.kinematics.assembly import Booleans, check_assembly, check_motion, note_assembly, note_motion
-from analytic.kinematics.dyad_solver import DyadSolver
+from analytic.kinematics.dyad_solver import (
+    Booleans,
+    DyadSolver,
+    check_assembly,
+    check_motion,
+    note_assembly,
+    note_motion,
+)
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
 from analytic.kinematics.groups.equations import located, values
 from analytic.kinematics.groups.solver import GroupSolver

@@ -9,17 +9,165 @@ import importlib.util
 import math
 import os
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
-from typing import Any, Final
+from math import copysign, isfinite, isinf, isnan
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.machine_code.printing import FUNCTION, LANES, Result, ahead, python_source
-from analytic.machine_code.tracing import OperationList
+from analytic.machine_code.tracing import CONSTANT, OperationList
+
+# A list of operations as the source of one straight Python function, laid out for a processor's vector registers.
+#
+#     def straight(lanes, rows, results): ...
+#
+# goes through chunks of ``LANES`` lanes, such as designs, and in each through rows, such as crank angles, with the
+# lanes innermost. The k-th number of a chunk's lane d is ``lanes[chunk, k * LANES + d]``, the same in every row; the
+# j-th of a row is ``rows[row, j]``, the same in every lane; ``results[chunk, m * LANES + d]`` is the m-th result.
+# Constant offsets let the compiler see that no two of them overlap, and compute several lanes in one instruction.
+# Sines and cosines of what is given, which a library computes lane by lane, come first in a loop of their own, and
+# lie behind the numbers of the lanes (``ahead``).
+
+
+LANES: Final = 64
+FUNCTION: Final = "straight"
+
+# How each operation is written, of {0}, {1} and {2}. NumPy's maximum and minimum are nan where one number is.
+WRITTEN: Final[Mapping[str, str]] = {
+    **{"add": "{0} + {1}", "subtract": "{0} - {1}", "multiply": "{0} * {1}", "divide": "{0} / {1}"},
+    **{"negative": "-{0}", "absolute": "abs({0})", "sign": "({0} > 0.0) - ({0} < 0.0)", "sqrt": "math.sqrt({0})"},
+    "hypot": "math.sqrt({0} * {0} + {1} * {1})",  # a library's function would leave the vector registers
+    **{"sin": "math.sin({0})", "cos": "math.cos({0})", "arctan2": "math.atan2({0}, {1})"},
+    **{"maximum": "{1} if {0} < {1} else {0}", "minimum": "{1} if {0} > {1} else {0}"},
+    **{"less": "{0} < {1}", "less_equal": "{0} <= {1}", "greater": "{0} > {1}", "greater_equal": "{0} >= {1}"},
+    **{"and": "{0} & {1}", "or": "{0} | {1}", "not": "not {0}", "where": "{1} if {0} else {2}"},
+}
+LOGICAL: Final = frozenset({"less", "less_equal", "greater", "greater_equal", "and", "or", "not"})
+LATEST: Final = "{value}"  # a result that is the last row's
+
+
+class Result(NamedTuple):
+    """A result of each lane: its value after every row, from its ``start`` on.
+
+    The ``formula`` is of the ``line`` as {value}, of the result up to here as {so_far}, and of the next result in the
+    list as {next}, as the row before has left it.
+    """
+
+    line: int
+    formula: str = LATEST
+    start: float = 0.0
+
+
+def ahead(trace: OperationList, lanes: Sequence[int], results: Sequence[Result]) -> list[int]:
+    """The lines of sines and cosines of the lanes' numbers."""
+    rows = trace.operations
+    needed = trace.leading_to([result.line for result in results], lanes)
+    return [line for line in needed if rows[line].name in {"sin", "cos"} and rows[line].operands[0] in lanes]
+
+
+def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
+    """The source of ``FUNCTION``, whose numbers of lanes and of rows are these lines."""
+    names: dict[int, str] = {}
+    first = ahead(trace, lanes, results)
+    places = {line: f"given[{number * LANES} + d]" for number, line in enumerate([*lanes, *first])}
+    outs = [f"out[{number * LANES} + d]" for number in range(len(results) + 1)]
+    over_lanes = f"for d in range({LANES}):"
+    begun = [f"{out} = {_number(result.start)}" for out, result in zip(outs, results, strict=False)]
+    if all(result.formula == LATEST for result in results):
+        begun = []  # no result is of what it was
+    for line in first:  # side by side, so that a sine and a cosine of one number are one call
+        operation = trace.operations[line]
+        begun.append(f"{places[line]} = {WRITTEN[operation.name].format(places[operation.operands[0]])}")
+    text = [
+        f"def {FUNCTION}(lanes, rows, results):",
+        "    for chunk in range(len(results)):",
+        "        given, out = lanes[chunk], results[chunk]",
+        f"        {over_lanes}",
+        *(f"            {name}" for name in begun or ["pass"]),
+        "        for row in range(len(rows)):",
+    ]
+
+    def take(depth: int, line: int, expression: str, *, is_given: bool = False) -> None:
+        names[line] = f"v{line}"
+        if is_given and trace.operations[line].name in LOGICAL:  # truth values are given as numbers
+            expression = f"{expression} != 0.0"
+        text.append(f"{' ' * 4 * depth}v{line} = {expression}")
+
+    for number, line in enumerate(rows):
+        take(3, line, f"rows[row, {number}]", is_given=True)
+    text.append(f"            {over_lanes}")
+    for line, place in places.items():
+        take(4, line, place, is_given=True)
+    for line in trace.leading_to([result.line for result in results], names):
+        operation = trace.operations[line]
+        if operation.name == CONSTANT:
+            names[line] = _number(operation.value)
+        elif line not in names:
+            take(4, line, WRITTEN[operation.name].format(*(names[other] for other in operation.operands)))
+    for number, result in enumerate(results):
+        value = result.formula.format(value=names[result.line], so_far=outs[number], next=outs[number + 1])
+        text.append(f"{' ' * 16}{outs[number]} = {value}")
+    return "\n".join(text) + "\n"
+
+
+def _number(value: float) -> str:
+    return repr(value) if isfinite(value) else f"float('{value!r}')"
+
+
+# A list of operations as the source of one straight JavaScript function: numbers of a design, and of rows one by one.
+#
+#     (given, rows, results, count) => { ... }
+#
+# ``given[k]`` is the k-th number of the design; ``rows[j * count + i]`` the j-th number of row i, such as its crank
+# angle; ``results[m * count + i]`` becomes the m-th result there. All three are arrays of doubles. What follows from
+# the design alone is computed once, before the rows. The source is made of numbers and operations: no name of a
+# linkage is in it.
+
+
+# What JavaScript writes otherwise than Python. Math.max and Math.min are NaN where one number is, as in NumPy.
+OTHERWISE: Final[Mapping[str, str]] = {
+    **{"absolute": "Math.abs({0})", "sign": "Math.sign({0})", "sqrt": "Math.sqrt({0})"},
+    "hypot": "Math.sqrt({0} * {0} + {1} * {1})",
+    **{"sin": "Math.sin({0})", "cos": "Math.cos({0})", "arctan2": "Math.atan2({0}, {1})"},
+    **{"maximum": "Math.max({0}, {1})", "minimum": "Math.min({0}, {1})"},
+    **{"and": "{0} && {1}", "or": "{0} || {1}", "not": "!{0}", "where": "{0} ? {1} : {2}"},
+}
+SPELT: Final = {**WRITTEN, **OTHERWISE}
+
+
+def javascript_source(trace: OperationList, given: Sequence[int], rows: Sequence[int], results: Sequence[int]) -> str:
+    """The source of the function, whose numbers of the design, of a row and results are these lines of the list."""
+    names = {line: f"v{line}" for line in (*given, *rows)}
+    needed = trace.leading_to(results, names)
+    in_rows = set(rows)
+    once = [f"const v{line} = given[{number}];" for number, line in enumerate(given) if line in needed]
+    each = [f"const v{line} = rows[{number} * count + i];" for number, line in enumerate(rows) if line in needed]
+    for line in needed:
+        operation = trace.operations[line]
+        if operation.name == CONSTANT:
+            names[line] = _literal(operation.value)
+        elif line not in names:
+            names[line] = f"v{line}"
+            expression = SPELT[operation.name].format(*(names[other] for other in operation.operands))
+            is_of_row = not in_rows.isdisjoint(operation.operands)
+            in_rows |= {line} if is_of_row else set()
+            (each if is_of_row else once).append(f"const v{line} = {expression};")
+    each += [f"results[{number} * count + i] = {names[line]};" for number, line in enumerate(results)]
+    body = "\n".join([*once, "for (let i = 0; i < count; i += 1) {", *each, "}"])
+    return f"(given, rows, results, count) => {{\n{body}\n}}"
+
+
+def _literal(value: float) -> str:
+    """A constant, in brackets where a minus might meet another."""
+    if isnan(value):
+        return "NaN"
+    text = "Infinity" if isinf(value) else repr(abs(value))
+    return f"(-{text})" if copysign(1.0, value) < 0.0 else text
+
 
 Array = NDArray[np.float64]
 
@@ -57,7 +205,7 @@ def is_installed() -> bool:
 class StraightFunction:
     """Lines of a trace as machine code: ``results`` of lanes, from ``lanes`` and ``rows``, lines that are given.
 
-    See ``analytic.machine_code.printing`` for lanes and rows. The compiled code releases the interpreter's lock.
+    See ``analytic.machine_code.compiling`` for lanes and rows. The compiled code releases the interpreter's lock.
     """
 
     def __init__(
@@ -95,7 +243,7 @@ class StraightFunction:
 
 @lru_cache(maxsize=32)
 def compiled(source: str) -> Callable[[Array, Array, Array], None]:
-    """The function of a source of ``analytic.machine_code.printing``."""
+    """The function of a source of ``analytic.machine_code.compiling``."""
     import numba  # noqa: PLC0415 - optional, and slow to import
 
     space: dict[str, Any] = {"math": math}

@@ -1,1 +1,1 @@
-"""Motions of a crank that is released: by collocation, by the sources' fixed-step method, in steady rotation."""
+"""Motions of a crank that is released or steady, and what one turn shows: unit functions, thread feed."""

@@ -20,7 +20,7 @@ from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_m
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import TOLERANCE, FreeMotion, follow
-from analytic.numerics.extremes import extremes, grid, periodic_mean
+from analytic.numerics.refine import extremes, grid, periodic_mean
 from analytic.numerics.roots import root
 
 Array = NDArray[np.float64]

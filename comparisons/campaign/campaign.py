@@ -4,25 +4,27 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import bare_sheet, usual_sheet
+from comparisons.datasheet.sheet import Sheet
 from comparisons.invariants.checks import checks
 from comparisons.judging.deviations import Deviation, NoSampleError, deviation
+from comparisons.judging.limits import judge
 from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, run_record
-from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case, unpickled
-from comparisons.runs.failures import Failure, Lost, blamed_on
 from comparisons.runs.plugins import engine
-from comparisons.runs.run_engine import run_engine
+from comparisons.runs.run_engine import Failure, Lost, blamed_on, run_engine
 from comparisons.runs.study import Announce, Journal, Study, Task
 from comparisons.runs.worker_process import host
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, run_jobs, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
@@ -230,3 +232,20 @@ def _compared(
         left_out=result.left_out,
     )
     return judge(record), result
+
+
+# The data sheets of a campaign's linkages, made in worker processes.
+
+
+def sheets(
+    request: CampaignRequest, *, bounds: Bounds = DEFAULT_BOUNDS, processes: int | None = None
+) -> tuple[Sheet, ...]:
+    """A sheet of every linkage, in the order of the request; one whose process failed contains the reason."""
+    jobs = [(linkage, request.motions, request.own_regimes) for linkage in request.linkages]
+    count = usual_processes(len(jobs)) if processes is None else processes
+    with closing(run_jobs(usual_sheet, jobs, bounds=bounds, processes=count)) as ended:
+        table = dict(ended)
+    return tuple(
+        bare_sheet(jobs[number][0], entry.reason) if isinstance(entry, Lost) else entry
+        for number, entry in sorted(table.items())
+    )

@@ -11,15 +11,14 @@ from typing import Final
 import numpy as np
 
 from analytic.description.linkage import Linkage
-from analytic.designs.figure_names import STROKE
-from analytic.designs.figures import Figure
+from analytic.designs.figures import STROKE, Figure
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.thread_feed import contour_length
 from analytic.signals import moving_points
-from analytic.turn.thread_feed import contour_length
 from analytic.written import change
-from comparisons.datasheet.case_figures import MechanismFigure, case_figures, figure_unit, named
 from comparisons.datasheet.curves import Curves
+from comparisons.datasheet.figures import MechanismFigure, case_figures, figure_unit, named
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
@@ -74,7 +73,7 @@ class KeyFigure:
 def key_figures(case: Case, names: Iterable[str] = ()) -> dict[str, float]:
     """Key figures of a case over its motion, SI, by name, and those of further ``names`` that it has.
 
-    A name is one of ``comparisons.datasheet.case_figures``. One at a place that the motion does not pass is left out.
+    A name is one of ``comparisons.datasheet.figures``. One at a place that the motion does not pass is left out.
     ``output:point:x@0s``, ``output:direction:x`` and ``thread:length@0s`` are no figures of a signal: which point is
     the output, its direction, and the length of the thread.
     """

@@ -20,7 +20,7 @@ from analytic.description.schema import Published
 from analytic.designs.figures import Figure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import COMPONENTS, ORDERS, table
-from comparisons.datasheet.case_figures import named
+from comparisons.datasheet.figures import named
 from comparisons.datasheet.published import (
     PrintedMotion,
     PublishedRecord,
@@ -33,9 +33,8 @@ from comparisons.datasheet.published import (
 from comparisons.observation.interpolation import resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickled
-from comparisons.runs.failures import Lost
 from comparisons.runs.plugins import engine
-from comparisons.runs.run_engine import run_engine
+from comparisons.runs.run_engine import Lost, run_engine
 from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting

@@ -21,7 +21,7 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.campaign.standards import checksum
+from comparisons.campaign.project import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
@@ -83,7 +83,6 @@ FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedCampaign)
 
 
 # The results of a campaign: its runs, and all that a report needs besides; saved and read back.
-
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from comparisons.conformance.results import Check, NotTestedError
 from comparisons.conformance.samples import case
-from comparisons.conformance.trial import EngineTrial
+from comparisons.conformance.trial import Check, EngineTrial, NotTestedError
 from comparisons.faults.misreadings import Reading, likeliest, readings, true_history
 from comparisons.judging.limits import limit
 from comparisons.observation.observed_motion import DENSE
@@ -89,7 +88,7 @@ def check_samples(trial: EngineTrial) -> None:
             )
 
 
-CHECKS = (
+CHANNEL_CHECKS = (
     Check("samples", "sample times increase and cover the motion densely", check_samples),
     *(
         Check(name, f"the closed form's: {about}", partial(check_channel, channel))

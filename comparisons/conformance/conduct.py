@@ -11,15 +11,12 @@ from typing import Final, get_args
 
 import numpy as np
 
-from comparisons.conformance.results import Check, NotTestedError
 from comparisons.conformance.samples import PLAIN, SAMPLES, case
-from comparisons.conformance.trial import EngineTrial, scene_of
+from comparisons.conformance.trial import Check, EngineTrial, NotTestedError, scene_of
 from comparisons.faults.misreadings import readings
-from comparisons.runs.failures import AdapterError, blamed_on
-from comparisons.runs.run_engine import run_engine
+from comparisons.runs.run_engine import AdapterError, blamed_on, run_engine
 from engines.contract import Origin, Outcome, Run, Setting
-from engines.installed import silenced
-from engines.registry import check_adapter
+from engines.registry import check_adapter, silenced
 from engines.scene import GUIDES, LOADS, Channel, Drive, Scene
 
 

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from comparisons.conformance import channels, conduct, mutants
 from comparisons.conformance.mutants import MUTANT
-from comparisons.conformance.results import Check, CheckResult, Finding
-from comparisons.conformance.trial import EngineTrial
-from comparisons.runs.failures import Failure, Lost
+from comparisons.conformance.trial import Check, CheckResult, EngineTrial, Finding
+from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.workers import Bounds, run_jobs
 from engines.contract import Engine
 from engines.registry import Unusable
@@ -26,7 +25,7 @@ FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no
 DANGEROUS: Final = "bad data"  # may bring a process down
 BOUNDS = Bounds(seconds=120.0)
 CHECKS: Final[Mapping[str, Check]] = {
-    check.name: check for check in (*conduct.CHECKS, *channels.CHECKS, *mutants.CHECKS)
+    check.name: check for check in (*conduct.CHECKS, *channels.CHANNEL_CHECKS, *mutants.CHECKS)
 }
 
 

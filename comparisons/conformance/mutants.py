@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.conformance.results import Check, NotTestedError
 from comparisons.conformance.samples import PLAIN, case
-from comparisons.conformance.trial import EngineTrial, judged_rows, scene_of
+from comparisons.conformance.trial import Check, EngineTrial, NotTestedError, judged_rows, scene_of
 from comparisons.faults.misreadings import MISREADINGS, Misreading, planted
 from comparisons.faults.ranking import model_faults
 from comparisons.faults.settings import motion_settings

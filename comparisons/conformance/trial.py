@@ -2,23 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
 from types import MappingProxyType
 
-from comparisons.conformance.results import NotTestedError
 from comparisons.conformance.samples import PLAIN, SAMPLES, case
 from comparisons.invariants.checks import checks
 from comparisons.judging.deviations import NoSampleError, deviation
+from comparisons.judging.limits import judge
 from comparisons.judging.quantities import chosen_quantities
 from comparisons.judging.records import Record, Verdict, blank_record
-from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from comparisons.runs.run_engine import run_engine
+from comparisons.runs.run_engine import AdapterError, blamed_on, run_engine
 from engines.contract import Engine, History, Outcome, Run, Setting
 from engines.mechanics.start_check import ability_obstacle
+from engines.registry import why_unavailable
 from engines.scene import Channel, Scene
+
+# A check of the conformance test and its result.
+
+
+class NotTestedError(Exception):
+    """A check that cannot be made: the engine lacks a feature, or a hook for the test; the message gives the reason."""
+
+
+class Finding(StrEnum):
+    """Result of a check."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    EXPECTED = "expected failure"
+    NOT_TESTED = "not tested"
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """A check's finding, with a sentence wherever it did not pass."""
+
+    check: str
+    finding: Finding
+    detail: str = ""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One property that an adapter must have; ``examine`` raises AssertionError, with a sentence, where it has not."""
+
+    name: str
+    about: str
+    examine: Callable[[EngineTrial], None]
+
+    def result(self, trial: EngineTrial) -> CheckResult:
+        """Result of the check, made in this process."""
+        try:
+            with blamed_on(trial.engine):
+                reason = why_unavailable(trial.engine)
+            if reason is not None:
+                raise NotTestedError(reason)
+            self.examine(trial)
+        except AssertionError as failure:
+            return CheckResult(self.name, Finding.FAILED, str(failure))
+        except NotTestedError as reason:
+            return CheckResult(self.name, Finding.NOT_TESTED, str(reason))
+        except AdapterError as error:
+            return CheckResult(self.name, Finding.FAILED, f"{error}: return failures as outcomes with a reason")
+        return CheckResult(self.name, Finding.PASSED)
+
 
 EVERY: frozenset[Channel] = frozenset(Channel)
 

@@ -18,16 +18,20 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.mechanism import Mechanism
-from analytic.turn.farthest import top_of_turn
-from comparisons.datasheet import page_parts
+from analytic.motion.farthest import top_of_turn
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import tables
-from comparisons.datasheet.instants import Instants
-from comparisons.datasheet.mechanism_summary import described, portrait
+from comparisons.datasheet.instants import Instants, needed
+from comparisons.datasheet.mechanism_summary import (
+    described,
+    inertia_shares,
+    portrait,
+    thread_sheet,
+    unit_function_curves,
+)
 from comparisons.datasheet.published import compare_published
 from comparisons.datasheet.released import printed, released
 from comparisons.datasheet.sheet import Positions, Sheet
-from comparisons.datasheet.thinning import needed
 from comparisons.reference.case import Case, own_motion
 
 # Where a linkage's bodies are over a turn of its crank, or over the range that its driver reaches.
@@ -71,7 +75,6 @@ def at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Pos
 
 
 # Sheets made: the closed form of a mechanism over one motion, as plain data.
-
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -234,9 +237,9 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
         units={name: whole.units[name] for name in names},
         values=values,
         facts=part("facts", lambda: portrait(linkage), described(linkage)),
-        shares=page_parts.shares(mechanism, values["phi"]),
-        normalised=part("normalised", lambda: page_parts.normalised(case), None),
-        thread=part("thread", lambda: page_parts.thread(mechanism, FEW - 1), None),
+        shares=inertia_shares(mechanism, values["phi"]),
+        normalised=part("normalised", lambda: unit_function_curves(case), None),
+        thread=part("thread", lambda: thread_sheet(mechanism, FEW - 1), None),
         published=part("published", lambda: _published(linkage), ()),
         released={name: motion for name, motion in releases.items() if motion is not None},
         printed=part("printed", lambda: printed(linkage, motions), {}),

@@ -13,8 +13,7 @@ from analytic.errors import LinkproofError, StructureError
 from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.mobility import grashof, loose_points, mobility
-from analytic.kinematics.structure import Dyad
+from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
 from analytic.kinematics.transmission import transmission_angle
 from analytic.numerics.refine import highest
 from analytic.numerics.roots import roots

@@ -18,8 +18,8 @@ from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, 
 from analytic.dynamics.reduced import drive_torque, load_forces
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.extremes import grid
-from analytic.numerics.where_assembled import where_assembled
+from analytic.numerics.refine import grid
+from analytic.numerics.roots import where_assembled
 
 Load = PointForce | LinkTorque | Spring
 LOADS: Final = ("forces", "torques", "springs")

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.description.thread_path import ThreadPath
+from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.dynamics import reduced
-from analytic.dynamics.equilibrium import equilibria
+from analytic.dynamics.equation_of_motion import equilibria
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.extremes import Extremes, extremes, periodic_mean
-from analytic.turn.thread_feed import eye_travel, feed_diagram
-from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre
+from analytic.motion.thread_feed import contour, eye_travel, feed_diagram
+from analytic.motion.unit_functions import bottom_dead_centre, stroke, top_dead_centre, unit_functions
+from analytic.numerics.refine import Extremes, extremes, periodic_mean
 from comparisons.datasheet.linkage_check import accuracy, range_facts
+from comparisons.datasheet.sheet import Normalised, ThreadSheet
+from comparisons.reference.case import Case
 
 
 def portrait(linkage: Linkage) -> dict[str, Any]:
@@ -103,3 +108,59 @@ def _link(linkage: Linkage, name: str) -> dict[str, Any]:
         "centre": list(link.centre),
         "inertia": link.inertia,
     }
+
+
+# Parts of a mechanism's page besides the signals of one motion: shares of Jeq, normalised motion, thread.
+
+Array = NDArray[np.float64]
+
+SHOWN: Final = 180  # steps of the normalised motion, which is smooth
+
+
+def inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, Array]]:
+    """Jeq by group and by link at values of φ (n,), kg m²; nothing where nothing has mass."""
+    linkage, sweep = mechanism.linkage, mechanism.sweep(angle)
+    if linkage.is_massless:
+        return {}
+    order = [linkage.crank, *(name for group in mechanism.structure.groups for name in group.links)]
+    links = {name: reduced.link_inertia(sweep, name) for name in order if name in linkage.links}
+    return {"groups": dict(reduced.group_inertia(sweep)), "links": links}
+
+
+def unit_function_curves(case: Case) -> Normalised | None:
+    """Unit functions of the output, if there is one; raises LinkproofError where the driver makes no full turn."""
+    mechanism, linkage, motion = case.mechanism, case.mechanism.linkage, case.motion
+    if linkage.output is None:
+        return None
+    if linkage.is_linear or not mechanism.crank_range().is_full_turn:
+        raise LinkproofError(f"The normalised motion needs a full turn, which the {linkage.driver} does not make")
+    functions = unit_functions(mechanism, clockwise=float(motion.speed(motion.duration)) < 0.0)
+    every = len(functions.phase) // SHOWN
+    ours = (functions.displacement, functions.velocity, functions.acceleration)
+
+    def named(curves: tuple[Array, ...]) -> dict[str, Array]:
+        return {name: np.append(c[::every], c[0]) for name, c in zip("Sva", curves, strict=True)}
+
+    phase = np.append(functions.phase[::every], FULL_TURN)
+    return Normalised(
+        phase, named(ours), named(functions.harmonics), dict(zip("Sva", functions.deviations, strict=True))
+    )
+
+
+def thread_sheet(mechanism: Mechanism, steps: int) -> ThreadSheet | None:
+    """Contour and feed of the thread, if there is one, in so many steps of a turn."""
+    path = mechanism.linkage.thread
+    if path is None:
+        return None
+    diagram = feed_diagram(mechanism, path, steps)
+    angle = np.append(diagram.angle, FULL_TURN)
+    corners = zip(path.stops, contour(mechanism.sweep(angle), path), strict=True)
+    return ThreadSheet(
+        angle=angle,
+        feed=np.append(diagram.feed, diagram.feed[0]),
+        length=np.append(diagram.length, diagram.length[0]),
+        contour=contour(mechanism.sweep(diagram.reference_angle), path),
+        stops=tuple(stop.point if isinstance(stop, ThreadEye) else stop.name for stop in path.stops),
+        eyes={stop.point: {"path": corner} for stop, corner in corners if isinstance(stop, ThreadEye)},
+        reference_angle=diagram.reference_angle,
+    )

@@ -19,8 +19,8 @@ from analytic.designs.figures import Figure
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import table
-from comparisons.datasheet.case_figures import OF_A_MECHANISM, case_figures, figure_unit, named
 from comparisons.datasheet.curves import Curves
+from comparisons.datasheet.figures import OF_A_MECHANISM, case_figures, figure_unit, named
 from comparisons.reference.case import Case, own_case
 
 # The sources call their own methods in agreement "within 2-6 %": that is the width of a figure that is met.

@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, ReleasedRegime
 from analytic.dynamics import reduced
-from analytic.dynamics.equilibrium import equilibria
+from analytic.dynamics.equation_of_motion import equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.released import FreeMotion, energy_imbalance
-from analytic.motion.rkfixed import PUBLISHED_STEPS, fixed_step
+from analytic.motion.released import PUBLISHED_STEPS, FreeMotion, energy_imbalance, fixed_step
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
-from analytic.numerics.extremes import grid, in_turn, periodic_mean
+from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.written import finite
+from comparisons.datasheet.instants import extremes
 from comparisons.datasheet.sheet import Released
-from comparisons.datasheet.thinning import extremes
 from comparisons.reference.printed_models import printed_motion
 
 Array = NDArray[np.float64]

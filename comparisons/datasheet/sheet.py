@@ -21,7 +21,7 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError
-from analytic.numerics.extremes import in_turn
+from analytic.numerics.refine import in_turn
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import NEGLIGIBLE, TABLES

@@ -14,7 +14,7 @@ from analytic.written import signed
 from comparisons.faults import filters
 from comparisons.faults.fault import Correction, Fault, Kind
 from comparisons.faults.simulation import Predict, Simulation, holds_acceleration, is_angle, is_place, is_rotary
-from comparisons.judging.jumps import near_jumps
+from comparisons.judging.deviations import near_jumps
 from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]

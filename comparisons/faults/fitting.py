@@ -14,7 +14,7 @@ from analytic.errors import LinkproofError
 from comparisons.faults.columns import Evidence
 from comparisons.faults.fault import Fault, Kind, Numbers, both
 from comparisons.faults.simulation import Simulation, holds_acceleration, is_angle
-from comparisons.judging.jumps import near_jumps
+from comparisons.judging.deviations import near_jumps
 
 Array = NDArray[np.float64]
 

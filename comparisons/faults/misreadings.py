@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND, DriverKind
 from comparisons.observation.interpolation import resample
-from comparisons.reference.case import Case
-from comparisons.reference.channels import truth
+from comparisons.reference.case import Case, truth
 from engines.contract import History, Signal
 from engines.mechanics.states import point_acceleration, point_velocity
 from engines.scene import Channel, Scene

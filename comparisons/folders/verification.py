@@ -12,17 +12,16 @@ from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.key_figures import changes
+from comparisons.campaign.project import checksum
 from comparisons.campaign.results import Results, is_saved, load
-from comparisons.campaign.standards import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
-from comparisons.folders.saved_cases import Place, as_baseline, saved_cases, saved_figures
+from comparisons.folders.difference import Place, as_baseline, saved_cases, saved_figures
 from comparisons.folders.studies import StudyFolder, checked_studies
 from comparisons.judging.baseline import Baseline
 from comparisons.judging.deviations import Deviation, signal_deviation
-from comparisons.judging.limits import LimitTable, read_limits, shipped_limits
+from comparisons.judging.limits import LimitTable, Standard, read_limits, shipped_limits
 from comparisons.judging.quantities import Quantity, chosen_quantities
 from comparisons.judging.records import Record
-from comparisons.judging.verdicts import Standard
 from comparisons.reference.case import Case
 from comparisons.runs.environment import environment
 from engines.contract import Signal

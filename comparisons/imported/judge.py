@@ -17,15 +17,8 @@ from comparisons.faults.ranking import Explanation, explain, proposals
 from comparisons.faults.settings import CrankColumn
 from comparisons.faults.simulation import Simulation, is_angle
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
-from comparisons.imported.judging.crank_column import (
-    ColumnMotion,
-    motion_of_angles,
-    motion_of_speeds,
-    regular,
-    unwrapped,
-)
-from comparisons.imported.judging.judgement import DEFAULT_LIMIT, SignalVerdict, verdicts
-from comparisons.imported.judging.samples import Samples, floor
+from comparisons.imported.crank_column import ColumnMotion, motion_of_angles, motion_of_speeds, regular, unwrapped
+from comparisons.imported.judgement import DEFAULT_LIMIT, Samples, SignalVerdict, floor, verdicts
 from comparisons.judging.records import Verdict
 from comparisons.reference.motion import Motion
 

@@ -17,9 +17,9 @@ from analytic.description.schema import Finite, Tables, TomlTable
 from analytic.errors import DescriptionError, UnknownNameError, printable, shortened
 from comparisons.faults.fault import Correction
 from comparisons.imported.columns import TIME, Column, keys
-from comparisons.imported.files.text import read_text
-from comparisons.imported.headers.meaning import HeaderParser, Meaning, NotJudgedError
-from comparisons.imported.headers.units import NAMED, parsed
+from comparisons.imported.encodings import read_text
+from comparisons.imported.header_meaning import HeaderParser, Meaning, NotJudgedError
+from comparisons.imported.header_words import NAMED, parsed
 
 LARGEST: Final = 1 << 20  # characters
 HEAD: Final = """# Columns of result files as signals of {}: correct what is wrong, and give this file

@@ -27,9 +27,9 @@ from comparisons.imported.columns import (
     MappingNeededError,
     ResultTable,
 )  # fmt: skip
-from comparisons.imported.files.result_files import numbered, result_tables
-from comparisons.imported.headers.meaning import HeaderParser, Meaning, NotJudgedError
+from comparisons.imported.header_meaning import HeaderParser, Meaning, NotJudgedError
 from comparisons.imported.mapping import ColumnMapping, mapping_text, read_mapping, written
+from comparisons.imported.result_files import numbered, result_tables
 
 FEWEST: Final = 4  # instants of a curve
 

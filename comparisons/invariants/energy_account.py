@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from comparisons.invariants.corrections import forgotten, speed_errors
 from comparisons.invariants.inspection import Inspection
-from comparisons.invariants.relaxation import forgotten, speed_errors
+from comparisons.observation.interpolation import error_bound, error_estimate, integral
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.observation.quadrature import error_bound, error_estimate, integral
 from engines.contract import History, Signal
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed

@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.motion.farthest import top_of_turn
+from analytic.motion.thread_feed import feed, feed_of_length, reference_angle, reference_length
 from analytic.signals import ONE_OF_ITS_KIND, unit_of
-from analytic.turn.farthest import top_of_turn
-from analytic.turn.thread_feed import feed, feed_of_length, reference_angle, reference_length
 from comparisons.observation.interpolation import SHARP, peak, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from comparisons.reference.farthest import farthest
+from comparisons.reference.motion import farthest
 from engines.contract import Origin, Signal
 from engines.scene import Channel
 

@@ -14,8 +14,7 @@ from analytic.description.linkage import DriverKind, Vector
 from comparisons.observation.interpolation import resample_piecewise
 from engines.contract import History, Origin, Signal, weakest
 from engines.mechanics.driver import driven
-from engines.mechanics.joints import JointEquations
-from engines.mechanics.loads import applied_loads, potential_energy, without_potential
+from engines.mechanics.joints import JointEquations, applied_loads, potential_energy, without_potential
 from engines.mechanics.states import (
     Pose,
     body_masses,

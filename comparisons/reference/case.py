@@ -28,8 +28,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
 from analytic.moving import LinkageInMotion
-from comparisons.reference.farthest import farthest
-from comparisons.reference.motion import INSTANTS, Motion
+from comparisons.reference.motion import INSTANTS, Motion, farthest
 from comparisons.reference.start_state import scene
 from engines.scene import Channel, Drive, Free, Prescribed, Scene
 
@@ -254,3 +253,23 @@ def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
     """
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
     return Free(own.torque, own.duration, motion.peak_speed + hardest / motion.peak_speed, own.over_time)
+
+
+# The closed form of what an engine records, channel by channel.
+
+
+def truth(of: Case, channel: Channel, part: str, time: Array) -> Array:
+    """The closed form of a channel: of a body (n, 3), of a joint (n, 2), or of the drive (n,)."""
+    at = of.at(time)
+    if channel is Channel.TORQUE:
+        return at.torque
+    if channel is Channel.JOINT_FORCE:
+        return np.asarray(at.joint_forces[part].T)
+    sweep, speed, acceleration = at.sweep, at.speed, at.acceleration
+    if channel is Channel.POSITION:
+        return np.column_stack(np.broadcast_arrays(*sweep.centre(part), sweep.angles(part), speed)[:3])
+    first = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 1), sweep.rates(part)[2], speed)[:3])
+    if channel is Channel.VELOCITY:
+        return np.asarray(first * speed[:, None])
+    second = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 2), sweep.accelerations(part)[2], speed)[:3])
+    return np.asarray(second * speed[:, None] ** 2 + first * acceleration[:, None])

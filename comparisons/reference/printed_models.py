@@ -11,7 +11,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import in_variant
 from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.rkfixed import fixed_step
+from analytic.motion.released import fixed_step
 from comparisons.observation.interpolation import resample
 from comparisons.reference.case import own_motion
 from comparisons.reference.motion import Spin

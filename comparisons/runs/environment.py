@@ -12,8 +12,8 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from comparisons.runs.failures import OURS
 from comparisons.runs.plugins import engines as adapters
+from comparisons.runs.run_engine import OURS
 from engines.registry import engine_names
 
 PACKAGES = ("linkproof", "numpy", "scipy")

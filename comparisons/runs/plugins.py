@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import EntryPoint
 from typing import Any, Final
 
-from comparisons.runs.failures import AdapterError, Failure, Lost, blamed_on
+from comparisons.runs.run_engine import AdapterError, Failure, Lost, blamed_on
 from comparisons.runs.worker_process import is_worker, start_server
 from comparisons.runs.workers import Bounds, run_jobs
 from engines import registry

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
 from analytic.errors import LinkproofError
-from comparisons.runs.failures import Lost
 from comparisons.runs.files import Claim, claim, write_text, writing
 from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile, passing_records
+from comparisons.runs.run_engine import Lost
 from comparisons.runs.workers import DEFAULT_BOUNDS, EVERY_CORE, Bounds, LocalPool, Pool
 
 # The journal of a request: its finished records, appended one by one, so that a killed process loses none.
@@ -88,7 +88,6 @@ class Journal:
 
 
 # Studies: keyed tasks in worker processes; each result is written to a journal and read back in order.
-
 
 R = TypeVar("R")
 

@@ -25,7 +25,7 @@ from multiprocessing.util import get_temp_dir
 from typing import Any, Final, NamedTuple
 
 from analytic.errors import LinkproofError
-from comparisons.runs.failures import GIB, Failure, Lost, lost
+from comparisons.runs.run_engine import GIB, Failure, Lost, lost
 from comparisons.runs.worker_process import (
     START_MARK,
     BrokenMessageError,

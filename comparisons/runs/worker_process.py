@@ -24,7 +24,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
-from comparisons.runs.failures import SHOW_OUTPUT, lost
+from comparisons.runs.run_engine import SHOW_OUTPUT, lost
 
 HOST: Final = "LINKPROOF_HOST"  # in a worker's environment: the name of its machine, if results have to name it
 IDLE_TIMEOUT: Final = 60.0  # s without a job after which a worker of a cluster ends: no one says which job was the last

@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 
 from analytic.errors import LinkproofError
 from analytic.machine_code.compiling import cores
-from comparisons.runs.failures import Lost, lost
+from comparisons.runs.run_engine import Lost, lost
 from comparisons.runs.worker_pool import DEFAULT_BOUNDS, Bounds, WorkerPool
 
 __all__ = [

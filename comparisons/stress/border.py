@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
-from comparisons.stress.axes import axes, nearest
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
+from comparisons.stress.cells import axes, nearest
 
 PRECISE: Final = 1.1  # ratio of the two values that bracket a border
 COARSE: Final = 3.0

@@ -8,15 +8,14 @@ from functools import partial
 from typing import Final
 
 from analytic.errors import LinkproofError
-from comparisons.judging.verdicts import grouped
+from comparisons.judging.limits import grouped
 from comparisons.runs.environment import environment
-from comparisons.runs.failures import GIB
+from comparisons.runs.run_engine import GIB
 from comparisons.runs.study import Announce, Journal, Study, Task
 from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
-from comparisons.stress.axes import Axis, axes
 from comparisons.stress.border import COARSE, PRECISE, bisected, borders
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
-from comparisons.stress.cells import cells, lost, made
+from comparisons.stress.cells import Axis, axes, cells, lost, made
 from comparisons.stress.saved import Stress
 
 MEMORY: Final = 2 * GIB  # a cell may add

@@ -12,11 +12,11 @@ from typing import Any, Final
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
-from comparisons.judging.verdicts import grouped
+from comparisons.judging.limits import grouped
 from comparisons.runs.study_folder import load_study, save_study, usable
-from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
+from comparisons.stress.cells import axes
 
 KIND: Final = "stress"
 Line = tuple[str, str, str, str]  # axis, row, engine, usage

@@ -100,7 +100,6 @@ def stiff_motion(mechanism: Mechanism, own: ReleasedRegime) -> StiffMotion:
 
 # From the conditions of one cell of a stress map to a case and the scene an engine is given.
 
-
 LINKAGES = Path(__file__).with_name("linkages")
 RELEASED, REVERSAL = "released", "reversal"
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # directions that no two bodies share

@@ -15,18 +15,15 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
-from comparisons.invariants.checks import checks
+from comparisons.invariants.checks import HALF_TURN, checks
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.inspection import FAINT_FORCE
-from comparisons.invariants.invariants import HALF_TURN
-from comparisons.judging.deviations import NoSampleError, deviation
-from comparisons.judging.jumps import near_jumps
+from comparisons.judging.deviations import NoSampleError, deviation, near_jumps
 from comparisons.judging.limits import OWN, limit
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record, Verdict, blank_record, run_record
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
-from comparisons.reference.channels import truth
+from comparisons.reference.case import Case, truth
 from comparisons.stress.cell_result import CellResult, StressVerdict
 from engines.contract import Origin, Outcome, Run, Signal
 from engines.mechanics.joints import scene_size
@@ -118,7 +115,6 @@ def true_states(case: Case, scene: Scene, time: Array, order: int) -> Array:
 
 
 # The verdict of one cell of a stress map: is the motion right, and if not, did a check flag it?
-
 
 LARGEST = 1e300
 # A joint is as far open as it is: over its limit that is a deviation from the truth, no inference that may be false.

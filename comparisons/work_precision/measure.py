@@ -12,9 +12,8 @@ from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, al
 from comparisons.judging.records import QuantityRecord, Verdict
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickled
-from comparisons.runs.failures import blamed_on
 from comparisons.runs.plugins import engine
-from comparisons.runs.run_engine import checked, started
+from comparisons.runs.run_engine import blamed_on, checked, started
 from comparisons.runs.timing import calibrate, timed
 from comparisons.runs.worker_process import host
 from comparisons.work_precision.records import CALIBRATION, FIRST_USE, METHOD, SETTING, PointRecord

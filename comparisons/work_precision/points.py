@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from comparisons.judging.records import Verdict
-from comparisons.runs.failures import Failure
+from comparisons.runs.run_engine import Failure
 from comparisons.work_precision.records import PointRecord
 from comparisons.work_precision.step_sweep import still_improves
 from engines.contract import Method, Outcome, Setting

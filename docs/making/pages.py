@@ -10,7 +10,7 @@ from importlib import import_module, util
 from pathlib import Path
 from typing import Any
 
-from analytic.description.format.json_schema import json_schema
+from analytic.description.json_schema import json_schema
 from comparisons.judging.limits import Limit, shipped_limits
 from reports.document.markdown import table
 from reports.document.numbers import bound

@@ -18,11 +18,10 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import DriverKind
 from analytic.errors import UnknownNameError
 from engines.contract import Abilities, Array, History, Method, ReadOut, Run, Setting
-from engines.direct_adapter.path import Path, reach
 from engines.direct_adapter.released import BLOCK, released_motion
-from engines.direct_adapter.solution import Crank, Equations, UnsolvableError, history, solve
-from engines.installed import installed_version
+from engines.direct_adapter.solution import Crank, Equations, Path, UnsolvableError, history, reach, solve
 from engines.mechanics.start_check import data_obstacle
+from engines.registry import installed_version
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, check_step, run_stepping
 

@@ -21,10 +21,9 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from analytic.description.law import FULL_TURN
 from engines.contract import Array
-from engines.direct_adapter.path import Path
-from engines.direct_adapter.solution import Equations, UnsolvableError, bends, transfer
+from engines.direct_adapter.solution import Equations, Path, UnsolvableError, bends, transfer
 from engines.mechanics.driver import driven
-from engines.mechanics.loads import applied_loads
+from engines.mechanics.joints import applied_loads
 from engines.mechanics.states import body_numbers, point_velocity, start_motion
 from engines.scene import Free, Scene
 

@@ -124,7 +124,6 @@ STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
 
 # exudyn behind the contract: constrained planar bodies, one generalised-α run or trapezoidal runs extrapolated.
 
-
 END = "of the state at the end of the step"
 READOUTS: Mapping[Channel, ReadOut] = {
     **{channel: ReadOut(f"SensorNode, {name}", instant=END) for channel, name in COORDINATES.items()},

@@ -103,7 +103,6 @@ def whole_steps(duration: float, step: float, least: int) -> int:
 
 # A prescribed motion cut into intervals, each started anew, in a whole number of basic steps.
 
-
 Array = NDArray[np.float64]
 
 GRADES = (0.5, 0.75)  # of the peak speed: where the step changes; no step is more than twice another's

@@ -62,7 +62,6 @@ def labelled(history: History) -> Iterator[tuple[str, Signal]]:
 
 # Richardson extrapolation of whole histories, and an estimate of its error, from the changes of its last passes.
 
-
 Array = NDArray[np.float64]
 Weigh = Callable[[Sequence[float], Sequence[int]], Array]
 

@@ -16,11 +16,11 @@ from typing import ClassVar, Generic, TypeVar
 from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError, UnknownNameError
 from engines.contract import Abilities, History, Method, Outcome, Run, Setting
-from engines.installed import installed_version, silenced, why_absent, why_unusable
 from engines.mechanics.driver import driven
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.mechanics.states import start_motion
+from engines.registry import installed_version, silenced, why_absent, why_unusable
 from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.intervals import (
     MANY,

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
-from comparisons.judging.verdicts import grouped
+from comparisons.judging.limits import grouped
 from engines.contract import Setting
 from reports.campaign.verdict import CHECKS, EngineRanking, EngineRecords, listed, ratio, share, verdict
 from reports.charts.moving import moving_scheme
@@ -36,11 +36,9 @@ from reports.document.templates import lines, sentence
 from reports.mechanism.engines import errors_fold
 from reports.mechanism.page import file_of
 from reports.mechanism.shown import key_figures
-from reports.records import matrix
 from reports.records.differences import changed_figures
-from reports.records.environment import environment_facts, side_by_side
-from reports.records.origins import exceptions, origin_words, readout_table
-from reports.records.views import family_title, views
+from reports.records.origins import environment_facts, exceptions, origin_words, readout_table, side_by_side
+from reports.records.views import every_record, family_title, limit_table, past_baseline, views
 
 # A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
 
@@ -133,7 +131,7 @@ def _engines(results: Results, trust: EngineRanking) -> tuple[Section, ...]:
         ]
         return (Section("signals", "The signals", tuple(signals)),)
     parts = (_settings_table(trust), families_table(trust))
-    caught = matrix.past_baseline(results)
+    caught = past_baseline(results)
     worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
     notes = map(Paragraph, (*results.document.get("notes", ()), *results.document.get("departures", ())))
     moved: tuple[Part, ...] = (*notes, *changed_figures(results.figures))
@@ -259,7 +257,7 @@ def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
     repeat = (Command(results.document["command"]), Paragraph(sentence("repeat")))
     parts = (
         Facts(_facts(results)),
-        Section("limits", "Limits and their reasons", (matrix.limit_table(results),)),
+        Section("limits", "Limits and their reasons", (limit_table(results),)),
         *((sources,) if readouts else ()),
         Section("limitations", "Known limitations", (says, Bullets(_limitations(results, sheets)))),
         Section("repeat", "Repeat this report", repeat),
@@ -271,7 +269,7 @@ def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
 def _facts(results: Results) -> tuple[tuple[str, str | Mono], ...]:
     """Everything that decides a figure or a time of the report."""
     engines = {record.engine: record.engine_version for record in results.records}
-    regimes = dict.fromkeys((record.regime, record.conditions) for record in matrix.every_record(results))
+    regimes = dict.fromkeys((record.regime, record.conditions) for record in every_record(results))
     imported = "judgement" in results.document
     absent = "" if imported else "not installed"
     versions = ", ".join(f"{name} {engines[name] or absent}".strip() for name in sorted(engines))

@@ -5,10 +5,16 @@ Same rows, same order, same digits; no date, machine or time. Those stand on the
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
+from xml.etree import ElementTree
 
+from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
+from comparisons.judging.limits import deciding
+from comparisons.judging.records import Record, Verdict
 from reports.campaign.index import families_table
 from reports.campaign.verdict import EngineRanking, verdict
 from reports.document.markdown import written
@@ -16,9 +22,8 @@ from reports.document.numbers import ROUND_OFF, bound
 from reports.document.parts import Bullets, Mono, Paragraph, Part, Section
 from reports.mechanism.engines import errors_fold
 from reports.mechanism.published import published_section
-from reports.records import matrix
 from reports.records.differences import changed_figures
-from reports.records.views import views
+from reports.records.views import limit_table, views
 
 
 def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
@@ -39,7 +44,7 @@ def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
         *_section("Key figures", changed_figures(results.figures)),
         *_section("Printed models", _printed_models(results)),
         *_section("Published figures against ours", _published(sheets)),
-        Section("", "Limits", (matrix.limit_table(results),)),
+        Section("", "Limits", (limit_table(results),)),
     )
     return f"# {title}\n\n{written(parts)}\n"
 
@@ -69,3 +74,88 @@ def _published(sheets: Sequence[Sheet]) -> Iterator[Section]:
     for name, rows in {sheet.name: sheet.published for sheet in sheets}.items():
         if rows:
             yield Section("", name, published_section(rows).parts)
+
+
+# A campaign as test cases in JUnit's XML, which CI services show: one for every record and every key figure.
+
+ILLEGAL: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+FIGURES: Final = "key figures"  # stands where records have engine and setting
+BASELINE: Final = "baseline"  # the suite of what departs from it
+
+
+def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = (), departures: Sequence[str] = ()) -> str:
+    """The document: a suite per mechanism, variant and regime; the classes are engine and setting.
+
+    Skipped are records that are not judged, naive records beside other settings, and figures without a record.
+    """
+    decides = {id(record) for record in deciding(records)}
+    suites: dict[tuple[str, str, str], list[ElementTree.Element]] = {}
+    for record in records:
+        suites.setdefault(record.run[:3], []).append(_record(record, decides=id(record) in decides))
+    for figure in figures:
+        suites.setdefault((figure.mechanism, figure.variant, figure.regime), []).append(_figure(figure))
+    if departures:
+        suites[BASELINE, "", ""] = [_departure(words) for words in departures]
+    counts = _counts([case for cases in suites.values() for case in cases])
+    root = ElementTree.Element("testsuites", {"name": "linkproof"} | counts)
+    for place, cases in suites.items():
+        seconds = {record.run: record.total_seconds for record in records if record.run[:3] == place}
+        name = {"name": _legal("/".join(filter(None, place))), "time": f"{sum(seconds.values()):.6f}"}
+        ElementTree.SubElement(root, "testsuite", name | _counts(cases)).extend(cases)
+    ElementTree.indent(root, " ")
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
+
+
+def _record(record: Record, *, decides: bool) -> ElementTree.Element:
+    case = _case(record.key, record.quantity)
+    verdict = Verdict(record.outcome)
+    if verdict is Verdict.PASSED:
+        return case
+    kind = "error" if verdict is Verdict.SUITE_ERROR else "failure" if verdict.failed and decides else "skipped"
+    words = (
+        record.detail if decides or not verdict.failed else f"decides nothing beside other settings: {record.detail}"
+    )
+    element = ElementTree.SubElement(case, kind, message=_legal(words), type=record.outcome)
+    element.text = _legal("\n".join((f"{record.conditions}: {words}", *_numbers(record))))
+    return case
+
+
+def _numbers(record: Record) -> Iterator[str]:
+    if record.error_max is not None:
+        yield f"error {record.error_max:.3e} of the peak, {record.peak or 0.0:.6g} {record.unit}".rstrip()
+    if record.limit is not None:
+        yield f"limit {record.limit:.3e}"
+    if record.baseline is not None:
+        yield f"three times the recorded error {record.baseline:.3e}"
+
+
+def _figure(figure: KeyFigure) -> ElementTree.Element:
+    case = _case("/".join((figure.mechanism, figure.variant, figure.regime, FIGURES)), figure.figure)
+    if figure.changed:
+        ElementTree.SubElement(
+            case, "failure", message=_legal(figure.sentence), type="changed"
+        ).text = figure.conditions
+    elif figure.recorded is None:
+        ElementTree.SubElement(case, "skipped", message="not in the baseline", type="not-recorded")
+    return case
+
+
+def _departure(words: str) -> ElementTree.Element:
+    case = _case(BASELINE, words)
+    ElementTree.SubElement(case, "failure", message=_legal(words), type="departure")
+    return case
+
+
+def _case(place: str, name: str) -> ElementTree.Element:
+    return ElementTree.Element("testcase", classname=_legal(place), name=_legal(name))
+
+
+def _counts(cases: Sequence[ElementTree.Element]) -> dict[str, str]:
+    kinds = {"failures": "failure", "errors": "error", "skipped": "skipped"}
+    counts = {name: sum(case.find(tag) is not None for case in cases) for name, tag in kinds.items()}
+    return {"tests": str(len(cases)), **{name: str(count) for name, count in counts.items()}}
+
+
+def _legal(text: str) -> str:
+    """A text without the characters that XML has not."""
+    return ILLEGAL.sub("�", text)

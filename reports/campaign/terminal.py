@@ -9,17 +9,14 @@ from types import MappingProxyType
 
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.faults.symptoms import meaning
+from comparisons.judging.limits import grouped
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
-from comparisons.judging.verdicts import grouped
 from reports.document.numbers import bound, error, figure
-from reports.document.parts import Paragraph, Table, TableCell, Words
-from reports.document.signs import RUNS
+from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
 from reports.records.differences import changed_figures
-from reports.records.environment import side_by_side
-from reports.records.matrix import is_within
-from reports.records.origins import exceptions, origin_words
-from reports.records.views import family
+from reports.records.origins import exceptions, origin_words, side_by_side
+from reports.records.views import family, is_within
 
 ACROSS = 4  # runs side by side in a table of 80 columns
 DETAILS = (

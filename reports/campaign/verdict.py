@@ -10,12 +10,12 @@ from typing import Final
 
 from analytic.description.linkage import ReleasedRegime
 from comparisons.campaign.results import Results
+from comparisons.judging.limits import deciding, grouped
 from comparisons.judging.records import CONTROL, Record, Verdict
-from comparisons.judging.verdicts import deciding, grouped
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
-from reports.records.environment import side_by_side
+from reports.records.origins import side_by_side
 from reports.records.views import family
 
 # Quantities that go together; any other quantity that is no check stands under OTHER.

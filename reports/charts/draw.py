@@ -16,7 +16,7 @@ from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from reports.charts import labels, scales, surfaces
-from reports.charts.style import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, WIDTH, house_style, ink
+from reports.charts.scales import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, WIDTH, house_style, ink
 from reports.document.chart import Chart, Curve, Hatch, Ink, Panel
 
 Array = NDArray[np.float64]

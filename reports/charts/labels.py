@@ -15,7 +15,7 @@ from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
-from reports.charts.style import FONT, FONT_SIZE, INK
+from reports.charts.scales import FONT, FONT_SIZE, INK
 
 Array = NDArray[np.float64]
 

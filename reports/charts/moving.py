@@ -19,8 +19,8 @@ from analytic.written import fixed
 from comparisons.datasheet.sheet import Positions
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.scales import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
 from reports.charts.scheme import draw_paths, draw_position
-from reports.charts.style import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
 
 Array = NDArray[np.float64]
 

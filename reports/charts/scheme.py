@@ -18,7 +18,7 @@ from comparisons.datasheet.sheet import Positions
 from reports.charts import symbols
 from reports.charts.draw import Host, drawn, inches
 from reports.charts.kinematic_scheme import KinematicScheme
-from reports.charts.style import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER
+from reports.charts.scales import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER
 
 Array = NDArray[np.float64]
 

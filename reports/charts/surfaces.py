@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from reports.charts import scales
-from reports.charts.style import FONT_SIZE, PLATE, REFERENCE
+from reports.charts.scales import FONT_SIZE, PLATE, REFERENCE
 from reports.document.chart import Surface
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Wedge
 from numpy.typing import ArrayLike, NDArray
 
-from reports.charts.style import INK, MUTED, PAPER, PLATE
+from reports.charts.scales import INK, MUTED, PAPER, PLATE
 
 Array = NDArray[np.float64]
 SLOT = (PAPER, 0.7)  # lines behind a slot stay visible

@@ -17,8 +17,8 @@ from comparisons.datasheet.sheet import Positions, ThreadSheet
 from reports.charts import symbols
 from reports.charts.draw import drawn
 from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.scales import GHOST, INK, PALETTE, WIDTH
 from reports.charts.scheme import NAME_STYLE, draw_names, draw_position, scaled_figure, write
-from reports.charts.style import GHOST, INK, PALETTE, WIDTH
 
 THREAD = PALETTE[1]
 GUIDE_STYLE: dict[str, Any] = {**NAME_STYLE, "color": THREAD}

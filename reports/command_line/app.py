@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from reports.command_line.parameters import CommandGroup, command
-from reports.requests.options.campaign import (
+from reports.requests.campaign_options import (
     BenchOptions,
     CompareOptions,
     ExportOptions,
@@ -21,10 +21,15 @@ from reports.requests.options.campaign import (
     StandardOptions,
     StressOptions,
 )
-from reports.requests.options.declaring import Argument, Option
-from reports.requests.options.linkage import JudgeFiles, JudgeOptions, ResultsFiles, ResultsOptions, WatchOptions
-from reports.requests.options.motion import Variant
-from reports.requests.options.output import OutputOptions
+from reports.requests.motion_options import (
+    JudgeFiles,
+    JudgeOptions,
+    ResultsFiles,
+    ResultsOptions,
+    Variant,
+    WatchOptions,
+)
+from reports.requests.options import Argument, Option, OutputOptions
 
 if TYPE_CHECKING:
     from reports.command_line.destination import Destination

@@ -69,7 +69,7 @@ def parameters(incomplete: str) -> list[str]:
 
 def figures(incomplete: str) -> list[str]:
     """The figures of a design of the mechanism on the command line."""
-    from analytic.designs.figure_names import figure_names
+    from analytic.designs.figures import figure_names
     from analytic.kinematics.mechanism import Mechanism
 
     return _starting([name for linkage in _linkages() for name in figure_names(Mechanism(linkage))], incomplete)
@@ -77,7 +77,7 @@ def figures(incomplete: str) -> list[str]:
 
 def axes(incomplete: str) -> list[str]:
     """The stability maps."""
-    from comparisons.stress.axes import axes as known
+    from comparisons.stress.cells import axes as known
 
     return _starting(known(), incomplete)
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from reports.command_line.app import Quiet, app, destination
 from reports.command_line.parameters import command
-from reports.requests.options.designs import OptimiseOptions, SweepFiles, SweepOptions, ToleranceFiles, ToleranceOptions
-from reports.requests.options.motion import TIMED
-from reports.requests.options.output import OutputOptions
+from reports.requests.designs_options import OptimiseOptions, SweepFiles, SweepOptions, ToleranceFiles, ToleranceOptions
+from reports.requests.motion_options import TIMED
+from reports.requests.options import OutputOptions
 
 # A motion at constant speed: another --regime is refused in a sentence.
 HIDDEN = ("regime",)

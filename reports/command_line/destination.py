@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -9,18 +10,24 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, redi
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
+from comparisons.runs.environment import INCIDENTAL, environment
 from comparisons.runs.files import check_writable, write_bytes, write_text
+from comparisons.runs.plugins import engine
+from comparisons.runs.study import Journal
 from comparisons.runs.study_folder import to_json
+from comparisons.runs.workers import PoolLostError
 from reports.document.terminal import Printed, Printout, harmless, show, write
-from reports.requests.options.declaring import declared
-from reports.requests.options.output import OutputOptions
+from reports.requests.options import OutputOptions, declared
 
 if TYPE_CHECKING:
     from comparisons.campaign.key_figures import KeyFigure
     from comparisons.judging.records import Record
+
 
 STDOUT = "-"
 
@@ -87,7 +94,7 @@ class Destination(OutputOptions):
     def write_junit(self, records: Iterable[Record], figures: Sequence[KeyFigure], departures: Sequence[str]) -> None:
         """Write records, key figures and departures from a baseline as test cases, if requested."""
         if self.junit is not None:
-            from reports.campaign.junit import junit  # noqa: PLC0415
+            from reports.campaign.summary import junit  # noqa: PLC0415
 
             write_text(self.junit, junit(list(records), figures, departures))
 
@@ -185,3 +192,60 @@ def progress(*, visible: bool = True) -> Iterator[Callable[[str, int, int], None
         yield announce
     finally:
         bar.stop()
+
+
+# Interrupted commands: the journal of finished runs, and the sentence that names the way to resume.
+
+Announce = Callable[[str, int, int], None]
+
+
+def journal(
+    folder: Path,
+    command: str,
+    engines: Iterable[str] = (),
+    linkages: Iterable[Linkage] = (),
+    *,
+    resume: bool,
+    files: Mapping[str, str] = MappingProxyType({}),
+) -> Journal:
+    """The journal of a request: empty, or with the finished runs of the same request if it is resumed.
+
+    Two requests are the same if the command, the linkage files, the digests of other ``files`` by name, and the
+    versions of linkproof, its libraries and the engines are equal.
+    """
+    facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
+    facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
+    facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
+    facts |= {f"file {name}": digest[:16] for name, digest in files.items()}
+    records = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
+    if not resume:
+        records.clear()
+    return records
+
+
+@contextmanager
+def interruptible(folder: Path | None, what: str = "runs") -> Iterator[Callable[[Announce], Announce]]:
+    """A wrapper that counts the runs passed to ``announce``.
+
+    Ctrl-C, and the loss of the machines of a cluster, raise KeyboardInterrupt with the number of runs saved in
+    ``folder``.
+    """
+    finished, total = 0, 0
+
+    def counting(announce: Announce) -> Announce:
+        def heard(label: str, number: int, count: int) -> None:
+            nonlocal finished, total
+            finished, total = number, count
+            announce(label, number, count)
+
+        return heard
+
+    try:
+        yield counting
+    except (KeyboardInterrupt, PoolLostError) as interrupt:
+        why = f"{interrupt}; " if isinstance(interrupt, PoolLostError) else ""
+        if folder is None or not total:
+            raise KeyboardInterrupt(f"{why}nothing was written" if why else str(interrupt)) from interrupt
+        raise KeyboardInterrupt(
+            f"{why}{finished} of {total} {what} are saved in {folder}: repeat the command with --resume to finish"
+        ) from interrupt

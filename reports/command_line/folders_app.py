@@ -10,8 +10,7 @@ from typing import Annotated
 
 from reports.command_line.app import Json, Quiet, app, destination
 from reports.command_line.parameters import command
-from reports.requests.options.declaring import Argument, Option
-from reports.requests.options.output import OutputOptions
+from reports.requests.options import Argument, Option, OutputOptions
 
 Folder = Annotated[Path, Argument("DIR")]
 WITHOUT_FOLDER = ("out", "junit", "resume")

@@ -27,7 +27,7 @@ def _run() -> None:
     from reports.command_line import designs_app, folders_app  # noqa: F401 - they add their commands
     from reports.command_line.app import app
     from reports.command_line.parameters import InterruptedRunError
-    from reports.document.characters import accept_any_text
+    from reports.document.numbers import accept_any_text
 
     accept_any_text()
     try:
@@ -57,7 +57,7 @@ def _end_badly(error: Exception) -> None:
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
         _discard_output()
         _end(f"cannot write to stdout: {error.strerror}; free some space, or write to a file elsewhere", BAD_INPUT)
-    from comparisons.runs.failures import Failure, lost
+    from comparisons.runs.run_engine import Failure, lost
 
     fault = lost(error, 0)
     _end(fault.reason, SUITE_ERROR if fault.outcome is Failure.SUITE_ERROR else FAILED)

@@ -16,7 +16,7 @@ from typer.core import TyperGroup
 
 from analytic.errors import LinkproofError
 from reports.command_line import completion
-from reports.requests.options.declaring import Argument, Declared, Option, declared, item
+from reports.requests.options import Argument, Declared, Option, declared, item
 
 GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
 REQUIRED = inspect.Parameter.empty

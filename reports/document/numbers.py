@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import math
+import sys
 
 ABSENT = "–"
 SMALLEST, LARGEST = 1e-3, 1e6
@@ -71,3 +73,26 @@ def seconds(value: float) -> str:
 def within_turn(angle: float, digits: int = 1) -> str:
     """An angle given in degrees, brought into [0°, 360°) as it is printed: 359.97 is 0.0°, not 360.0°."""
     return f"{round(angle, digits) % 360.0:.{digits}f}°"
+
+
+# Text for terminals and files of any character set: a sign that a set lacks is replaced by a plain sign.
+
+
+# Replacements of signs in a character set that lacks them.
+PLAIN = {
+    "✓": "+", "✗": "x", "≈": "~", "≠": "!=", "○": "o", "−": "-", "²": "2", "φ": "phi", "ω": "omega", "ε": "eps",
+}  # fmt: skip
+
+
+def accept_any_text() -> None:
+    """Let stdout and stderr show a plain sign where their character set lacks one, rather than fail."""
+    codecs.register_error("linkproof.plain", _replacement)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="linkproof.plain")
+
+
+def _replacement(fault: UnicodeError) -> tuple[str, int]:
+    if not isinstance(fault, UnicodeEncodeError):
+        raise fault
+    return "".join(PLAIN.get(sign, "?") for sign in fault.object[fault.start : fault.end]), fault.end

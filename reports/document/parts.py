@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 from markupsafe import Markup
+
+from reports.document.templates import FOLDER
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -220,3 +223,20 @@ class Page:
     sections: tuple[Section, ...]
     charts: bool = False
     state: str = ""
+
+
+# Verdicts as a reader sees them: a sign, a word and a colour; sign and word have the meaning without the colour.
+
+
+class VerdictSign(NamedTuple):
+    """``style`` is a class of the page's style sheet, ``colour`` a colour of the terminal."""
+
+    symbol: str
+    word: str
+    style: str
+    colour: str
+
+
+TABLES = tomllib.loads((FOLDER / "signs.toml").read_text(encoding="utf-8"))
+RUNS: Mapping[str, VerdictSign] = {verdict: VerdictSign(*row) for verdict, row in TABLES["runs"].items()}
+PUBLISHED: Mapping[str, VerdictSign] = {verdict: VerdictSign(*row) for verdict, row in TABLES["published"].items()}

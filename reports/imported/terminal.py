@@ -11,12 +11,11 @@ from analytic.description.law import FULL_TURN
 from analytic.written import fixed
 from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
-from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
+from comparisons.imported.judgement import NEAR_ZERO, SignalVerdict
+from comparisons.judging.limits import grouped
 from comparisons.judging.records import Verdict
-from comparisons.judging.verdicts import grouped
 from reports.document.numbers import figure, within_turn
-from reports.document.parts import Paragraph, Table, TableCell, Words
-from reports.document.signs import RUNS
+from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
 
 HEAD = ("signal", "error over peak", "rounding", "worst at", "crank", "file", "closed form", "unit")

@@ -13,8 +13,8 @@ from analytic.description.file_units import file_unit
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import Linkage
 from analytic.kinematics.mechanism import Mechanism
-from analytic.machine_code.javascript import javascript_source
-from analytic.machine_code.linkage_trace import ACCELERATION, PHI, LinkageTrace, is_traceable, linkage_trace
+from analytic.machine_code.compiling import javascript_source
+from analytic.machine_code.tracing import ACCELERATION, PHI, LinkageTrace, is_traceable, linkage_trace
 from comparisons.datasheet.building import MARGIN, OVER_RANGE
 
 MOST_OPERATIONS: Final = 12_000

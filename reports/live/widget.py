@@ -111,7 +111,6 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[Pull]]:
 
 # The interactive part of a page, or a sentence with the reason for its absence.
 
-
 ROUNDING: Final = 1e-12  # relative: what the file's units leave of a number
 UNITS: Final[dict[str, str]] = {"acceleration": "m/s²"}
 

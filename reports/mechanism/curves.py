@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.datasheet.thinning import extremes, highest
+from comparisons.datasheet.instants import extremes, highest
 from comparisons.judging.quantities import JOINT_FORCE
 from reports.records.views import Regime, Trace, View, setting_rank, short_title
 from reports.records.views import engines as all_engines

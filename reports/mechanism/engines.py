@@ -7,20 +7,17 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Final
 
+from comparisons.datasheet.instants import extremes
 from comparisons.datasheet.sheet import ByName
-from comparisons.datasheet.thinning import extremes
 from comparisons.faults.symptoms import meaning
 from comparisons.judging.records import Record, Verdict
-from reports.charts.errors import errors_chart
-from reports.charts.judged import JudgedCurve, judged_chart
+from reports.charts.judged import JudgedCurve, errors_chart, judged_chart
 from reports.document import numbers
 from reports.document.chart import Chart, Curve, Panel
-from reports.document.parts import Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
-from reports.document.signs import RUNS
+from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves
-from reports.records.environment import side_by_side
-from reports.records.origins import exceptions, origin_words
+from reports.records.origins import exceptions, origin_words, side_by_side
 from reports.records.views import Regime, View, anchor, engines, setting_rank
 
 KEY: Final = "engines"

@@ -121,7 +121,6 @@ def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure,
 
 # A mechanism that moves on its page: its drawing, and what its signals are where it stands.
 
-
 Array = NDArray[np.float64]
 
 SAMPLES: Final = 241
@@ -188,7 +187,6 @@ def _short(value: float, scale: float) -> float | None:
 
 
 # The page of one mechanism: what its designer wants, then how the engines did.
-
 
 FOLDER = "mechanisms"
 

@@ -9,8 +9,7 @@ from typing import Any, Final
 
 from analytic.written import signed
 from reports.document.numbers import ABSENT
-from reports.document.parts import Bullets, Section, Table, TableCell, Words
-from reports.document.signs import PUBLISHED
+from reports.document.parts import PUBLISHED, Bullets, Section, Table, TableCell, Words
 from reports.document.templates import worded
 
 Row = Mapping[str, Any]  # the fields of ``PublishedRecord``

@@ -18,7 +18,7 @@ from reports.mechanism.published import SIGNS, answers_table, notes, published_t
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
-    from analytic.turn.required_feed import FeedComparison
+    from analytic.motion.thread_feed import FeedComparison
     from comparisons.campaign.printed_answers import EngineAnswer
     from comparisons.datasheet.published import PublishedRecord
 

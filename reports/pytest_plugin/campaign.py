@@ -4,28 +4,31 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 from comparisons.campaign.campaign import CampaignRequest, judged, lost, tasks
 from comparisons.campaign.key_figures import KeyFigure, compared
-from comparisons.campaign.project import Project
-from comparisons.campaign.standards import compared_cases, notes, standard
+from comparisons.campaign.project import Project, compared_cases, notes, standard
 from comparisons.invariants.checks import NEEDS as INVARIANTS
-from comparisons.judging.departures import Departure, file_departures, motion_departures
-from comparisons.judging.records import Record, RunRecord, blank_record
-from comparisons.judging.verdicts import Standard
+from comparisons.judging.baseline import Departure, file_departures, motion_departures
+from comparisons.judging.limits import Standard, deciding
+from comparisons.judging.records import Record, RunRecord, Verdict, blank_record
 from comparisons.reference.case import Case, unpickled
 from comparisons.runs.plugins import engine
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Setting
-from engines.registry import engine_names
-from reports.requests.campaign import files, request
-from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
-from reports.requests.options.declaring import command_line
-from reports.requests.running import running
+from engines.registry import engine_names, why_unavailable
+from reports.python.campaign import Comparison, compare
+from reports.python.keywords import words
+from reports.requests.campaign import files, request, running
+from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
+from reports.requests.options import command_line
 from reports.requests.standard import chosen_standard, coverage_of, in_project
 
 
@@ -171,3 +174,44 @@ def changed(figure: KeyFigure, options: CompareOptions, notes: Iterable[str] = (
 def recording(options: CompareOptions) -> str:
     """The command that records the requested baseline."""
     return f"{command_line('compare', options)} --record-baseline"
+
+
+# The comparison of the fixture: as ``linkproof.compare``; the test fails if the comparison does not pass.
+
+
+@dataclass
+class Assertion:
+    """Comparisons of a session, each made once."""
+
+    made: dict[str, Comparison] = field(default_factory=dict)
+
+    def __call__(self, *mechanisms: str | Path, **options: Any) -> Comparison:  # noqa: ANN401 - the options of compare
+        """Compare mechanisms under the options of ``linkproof.compare``; fail the test with every failed record.
+
+        Skips the test if a named engine is not installed, and if no record is judged.
+        """
+        for name in words(options.get("engine", ())):
+            absent = why_unavailable(engine(name))
+            if absent is not None:
+                pytest.skip(absent)
+        key = repr((mechanisms, sorted(options.items())))
+        if key not in self.made:
+            self.made[key] = compare(*mechanisms, **{"jobs": 1, **options})
+        comparison = self.made[key]
+        requested = comparison.campaign.options
+        texts = [
+            failure(record, requested, comparison.notes)
+            for record in deciding(comparison.records)
+            if _fails(record.outcome)
+        ]
+        texts += [changed(figure, requested, comparison.notes) for figure in comparison.figures if figure.changed]
+        texts += comparison.departures
+        if texts:
+            pytest.fail("\n\n".join(texts), pytrace=False)
+        if not any(Verdict(record.outcome).judged for record in comparison.records):
+            pytest.skip("; ".join(sorted({f"{record.outcome}: {record.detail}" for record in comparison.records})))
+        return comparison
+
+
+def _fails(outcome: str) -> bool:
+    return Verdict(outcome).failed or outcome == Verdict.SUITE_ERROR

@@ -16,7 +16,7 @@ import pytest
 from analytic.errors import LinkproofError
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.project import FILE, find_project, read_project
-from comparisons.judging.departures import Departure
+from comparisons.judging.baseline import Departure
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.plugins import engine
 from engines.registry import why_unavailable

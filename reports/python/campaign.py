@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.key_figures import KeyFigure
+from comparisons.campaign.project import JudgedCampaign
 from comparisons.campaign.results import Results
-from comparisons.campaign.standards import JudgedCampaign
 from comparisons.judging.records import Record
 from reports.campaign.terminal import printout
 from reports.document.terminal import Printout
 from reports.python.keywords import with_keywords
-from reports.python.printed_result import PrintedResult
+from reports.python.labels import PrintedResult
 from reports.requests import PASSED
-from reports.requests.compare import Campaign, campaign
+from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
 from reports.requests.exit_codes import campaign_exit_code
-from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.standard import Campaign, campaign
 
 if TYPE_CHECKING:
     import xarray
@@ -71,7 +71,7 @@ class Comparison(PrintedResult):
         Raises UnknownNameError for a name that was not compared.
         """
         from reports.charts.draw import figure  # noqa: PLC0415
-        from reports.charts.errors import errors_chart  # noqa: PLC0415
+        from reports.charts.judged import errors_chart  # noqa: PLC0415
         from reports.records.views import views  # noqa: PLC0415
 
         results = Results(self.campaign.document(self.judged), tuple(self.judged.runs))

@@ -9,23 +9,23 @@ from typing import Any
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, shortened
-from comparisons.conformance.results import CheckResult
+from comparisons.conformance.trial import CheckResult
 from comparisons.datasheet.linkage_check import check as linkage_facts
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.judging.records import Record
-from comparisons.runs.failures import AdapterError
 from comparisons.runs.plugins import engine as registered
+from comparisons.runs.run_engine import AdapterError
 from engines.contract import Engine
 from reports.document.terminal import Printed, Printout
 from reports.imported.document import blank_of, with_cause
 from reports.imported.terminal import printout as judgement_printout
 from reports.imported.terminal import sentence
 from reports.python.keywords import chosen_linkage, of_linkage, with_keywords
-from reports.python.printed_result import PrintedResult
-from reports.records.engine_checks import printout
-from reports.requests.engine_checks import engine_findings
+from reports.python.labels import PrintedResult
+from reports.records.origins import printout
+from reports.requests.doctor import engine_findings
 from reports.requests.judge import check_judgement, judgement_of
-from reports.requests.options.linkage import JudgeOptions
+from reports.requests.motion_options import JudgeOptions
 
 
 def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str, Any]:

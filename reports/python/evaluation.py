@@ -18,8 +18,11 @@ from analytic.designs.samples import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate as evaluate_signals
 from analytic.kinematics.mechanism import Mechanism
-from reports.python.keywords import Words, chosen_linkage, words
+from comparisons.datasheet.building import sheet
+from reports.python.keywords import Words, chosen_linkage, of_linkage, with_keywords, words
 from reports.python.labels import label, labelled, unit
+from reports.requests.case import requested_results
+from reports.requests.motion_options import ResultsOptions
 
 Array = NDArray[np.float64]
 
@@ -110,3 +113,20 @@ def _of_designs(
         },
         attrs={"mechanism": mechanism.linkage.name, "variant": mechanism.linkage.variant},
     )
+
+
+# ``linkproof.results``: every signal of a linkage over a motion of its crank.
+
+
+@with_keywords()
+def results(linkage: Linkage | str | Path, *, options: ResultsOptions) -> xarray.Dataset:
+    """Every signal of a linkage over a motion of its crank, as by ``linkproof results``, in SI.
+
+    The dimension is ``phi``, rad, where the crank turns at one speed, else ``time``, s; the other stands beside it.
+    Points, links, joints and groups are dimensions of their own, as are the components x and y of a vector. ``at``, in
+    degrees, or ``time``, in s, choose the instants. Raises LinkproofError for what cannot be.
+    """
+    case, chosen = requested_results(*of_linkage(linkage, options))
+    result = sheet(case, chosen)
+    about = {"regime": case.motion.regime, "conditions": result.conditions}
+    return labelled(result.linkage, result.axis, result.table, about)

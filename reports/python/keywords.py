@@ -17,9 +17,9 @@ from analytic.description.changes import without as lacking
 from analytic.description.linkage import Linkage
 from analytic.description.loading import in_variant, load
 from analytic.errors import LinkproofError, UnknownNameError, shortened
-from reports.requests.options.declaring import Declared, Option, declared, item
-from reports.requests.options.designs import OptimiseOptions, SweepOptions, ToleranceOptions
-from reports.requests.options.linkage import JudgeOptions, ResultsOptions
+from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
+from reports.requests.motion_options import JudgeOptions, ResultsOptions
+from reports.requests.options import Declared, Option, declared, item
 
 Result = TypeVar("Result")
 OfLinkage = TypeVar("OfLinkage", JudgeOptions, OptimiseOptions, ResultsOptions, SweepOptions, ToleranceOptions)

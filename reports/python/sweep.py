@@ -15,18 +15,22 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
-from comparisons.designs.parameters import Parameter, parameter
-from comparisons.designs.sweep.saved_sweep import described, labelled
-from comparisons.designs.sweep.simulated_designs import shares_of_limits
-from comparisons.designs.sweep.space import DesignSpace, Grid, Listed
-from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block
-from comparisons.designs.sweep.sweep import sweep as sweep_space
-from comparisons.runs.cluster.connecting import opened
+from comparisons.designs.parameters import Parameter, design_file, parameter
+from comparisons.designs.saved_sweep import described, labelled
+from comparisons.designs.simulated_designs import shares_of_limits
+from comparisons.designs.space import DesignSpace, Grid, Listed
+from comparisons.designs.sweep import SweepRequest, own_figures, sweep_block
+from comparisons.designs.sweep import sweep as sweep_space
+from comparisons.designs.tolerance_study import SHARES, ToleranceStudy, tolerance_study
+from comparisons.designs.tolerances import Tolerances, read_tolerances
+from comparisons.runs.cluster import opened
+from reports.designs.optimise_terminal import document
 from reports.python.keywords import Words, of_linkage, with_keywords, words
-from reports.requests.compare import campaign
-from reports.requests.designs import check_sweep, simulated_campaign, sweep_request_of
-from reports.requests.options.designs import SweepOptions
-from reports.requests.steady import steady_case
+from reports.requests.case import steady_case
+from reports.requests.designs import check_sweep, optimum, simulated_campaign, sweep_request_of, tolerance_request_of
+from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
+from reports.requests.options import command_line, word
+from reports.requests.standard import campaign
 
 Array = NDArray[np.float64]
 
@@ -141,3 +145,140 @@ def _lazy(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 
 def _chunk(request: SweepRequest, *values: Array) -> Array:
     space = _space(request.space.parameters, values, is_table=isinstance(request.space, Listed))
     return sweep_block(replace(request, space=space), 0, space.count).reshape(-1, *space.shape)
+
+
+# ``linkproof.optimise``: the best design of a linkage as labelled arrays.
+
+Range = str | float | tuple[float | None, float | None] | None
+
+
+@with_keywords(without=("over", "keep", "step", "simulate"))
+def optimise(
+    linkage: Linkage | str | Path,
+    *,
+    over: Mapping[str, Range],
+    keep: Mapping[str, Range] | Sequence[str] = (),
+    step: str | float | None = None,
+    options: OptimiseOptions,
+) -> xarray.Dataset:
+    """The best design of a linkage, as by ``linkproof optimise``, in the units of its file.
+
+    ``over`` has the bounds of each number by name, (170, 180) or "±10%"; ``keep`` the figures to hold: None holds the
+    file's value, a number that value, a pair a range, in which None means unbounded. ``everywhere`` is the
+    command's ``--global``, ``step`` its ``--round``; with ``scale_mass`` masses change with lengths.
+
+    Numbers and figures are variables over ``design``, before and after, with their units; the attributes have the
+    ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0 at a local optimum. Raises
+    LinkproofError for bad input, and if no design holds the figures of ``keep``.
+    """
+    table = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
+    chosen, options = of_linkage(linkage, options)
+    options = replace(
+        options,
+        over=tuple(_word(*pair) for pair in over.items()),  # in the form of the command that repeats the request
+        keep=tuple(_word(*pair) for pair in table.items()),
+        step=None if step is None else str(step),
+    )
+    result, conditions = optimum(chosen, options)
+    saved = document(result, command_line("optimise", options), conditions)
+    numbers = {
+        variable.parameter.name: (
+            "design",
+            [side[variable.parameter.name] / variable.parameter.unit.size for side in (result.before, result.after)],
+            {"units": variable.parameter.unit.name, "low": variable.low / variable.parameter.unit.size,
+             "high": variable.high / variable.parameter.unit.size},
+        )
+        for variable in result.problem.variables
+    }  # fmt: skip
+    figures = {
+        figure.name: ("design", result.values[:, column] / figure.unit.size, {"units": figure.unit.name})
+        for column, figure in enumerate(result.figures)
+    }
+    about = {name: saved[name] for name in ("mechanism", "variant", "conditions", "command")}
+    cost = {name: value for name, value in saved["search"].items() if name != "ends"}
+    text = design_file(result.problem.mechanism, result.after)
+    return xarray.Dataset({**numbers, **figures}, {"design": ["before", "after"]}, {**about, **cost, "toml": text})
+
+
+def _word(name: str, values: Range) -> str:
+    """A number with its range in the form of the command line."""
+    if values is None:
+        return name
+    if isinstance(values, tuple):
+        return f"{name}={':'.join('' if end is None else word(float(end)) for end in values)}"
+    return f"{name}={values if isinstance(values, str) else word(float(values))}"
+
+
+# ``linkproof.tolerance``: the change of each result with each toleranced number of a linkage.
+
+
+@with_keywords()
+def tolerance(
+    linkage: Linkage | str | Path,
+    tolerances: Mapping[str, Any] | str | Path,
+    results: Words | None = None,
+    *,
+    options: ToleranceOptions,
+) -> xarray.Dataset:
+    """The effect of tolerances on a linkage's results, over ``result`` and ``parameter``; in the file's units.
+
+    ``tolerances`` are ± by name, as under [tolerances] in a file of ``linkproof tolerance``, or such a file, which also
+    supplies ``results`` and ``speed`` if they are not given: rpm, or the file's unit of length per second. With
+    ``scale_mass`` masses change with lengths.
+
+    ``contribution`` (±), ``share`` (of the variance), ``worst`` (±, all together) and ``linear_deviation`` follow from
+    ``derivative``, whose attribute ``derivatives`` is exact or difference. ``change`` (over ``limit``) is computed
+    with one number at its limit, ``corner`` (``end``) with all; ``mean``, ``deviation`` and ``quantile`` are of random
+    designs. Derivatives are NaN where two local maxima are equal, and so are values of designs that do not
+    assemble. Raises LinkproofError for bad input.
+    """
+    given = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))
+    given = replace(given, results=given.results if results is None else words(results))
+    if options.speed is not None:
+        given = replace(given, speed=options.speed)
+    chosen, options = of_linkage(linkage, options)
+    return dataset(tolerance_study(tolerance_request_of(chosen, given, options)))
+
+
+def dataset(study: ToleranceStudy) -> xarray.Dataset:
+    """A study as labelled arrays in the units of the linkage's file."""
+    request = study.request
+    size = np.array([figure.unit.size for figure in request.figures])
+    parameter_size = np.array([tolerance.parameter.unit.size for tolerance in request.tolerances])
+    of, by = ("result",), ("result", "parameter")
+    return xarray.Dataset(
+        {
+            "nominal": (of, study.nominal / size),
+            "derivative": (by, study.derivatives * parameter_size / size[:, None]),
+            "contribution": (by, study.contributions / size[:, None]),
+            "share": (by, study.shares),
+            "change": ((*by, "limit"), study.changes / size[:, None, None]),
+            "worst": (of, study.worst / size),
+            "corner": ((*of, "end"), study.corners / size[:, None]),
+            "linear_deviation": (of, study.deviations / size),
+            "mean": (of, study.mean / size),
+            "deviation": (of, study.deviation / size),
+            "quantile": ((*of, "level"), study.quantiles / size[:, None]),
+        },
+        coords={
+            "result": [figure.name for figure in request.figures],
+            "units": (of, [figure.unit.name for figure in request.figures]),
+            "parameter": [tolerance.name for tolerance in request.tolerances],
+            "parameter_units": (("parameter",), [tolerance.parameter.unit.name for tolerance in request.tolerances]),
+            "plus_minus": (("parameter",), [tolerance.plus_minus for tolerance in request.tolerances] / parameter_size),
+            "distribution": (("parameter",), [str(tolerance.distribution) for tolerance in request.tolerances]),
+            "limit": ["lower", "upper"],
+            "end": ["least", "largest"],
+            "level": [*SHARES],
+        },
+        attrs={
+            "mechanism": request.mechanism.linkage.name,
+            "variant": request.mechanism.linkage.variant,
+            "conditions": request.conditions,
+            "derivatives": study.how,
+            "corners": "all" if study.has_all_corners else "those to which derivatives point",
+            "samples": request.samples,
+            "seed": request.seed,
+            "assembled": study.assembled,
+        },
+    )

@@ -13,8 +13,7 @@ from comparisons.folders.studies import StudyDifference
 from comparisons.folders.verification import Verification
 from reports.document.numbers import ABSENT, figure, seconds
 from reports.document.numbers import error as error_words
-from reports.document.parts import Table, TableCell
-from reports.document.signs import RUNS
+from reports.document.parts import RUNS, Table, TableCell
 from reports.document.terminal import Printed, Printout
 
 CHANGED = "Key figures of the closed form, SI, that are not as recorded in the baseline."

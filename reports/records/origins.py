@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Container, Iterable, Mapping, Sequence
+from typing import Final
 
+from comparisons.conformance.mutants import MUTANT
+from comparisons.conformance.trial import CheckResult, Finding
 from comparisons.judging.records import CONTROL, IMPORTED, Record
 from engines.contract import Origin
 from reports.document.numbers import ABSENT
-from reports.document.parts import Table
+from reports.document.parts import Table, TableCell, Words
 from reports.document.templates import plain
+from reports.document.terminal import Printout
 
 READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
 
@@ -48,3 +53,49 @@ def readout_table(name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
         for channel, names in groups.items()
     )
     return Table(f"{name}: where its figures come from.", READOUTS, rows, align="l")
+
+
+# The environment of results: date, machine and commit, then all versions on one line.
+
+AT_A_TIME: Final = "runs at a time"  # how many ran side by side, each on a share of the machine
+
+
+def environment_facts(environment: Mapping[str, str], leave_out: Container[str] = ()) -> list[tuple[str, str]]:
+    """Name and value of each fact; names in ``leave_out`` are given elsewhere."""
+    first = [name for name in ("date", "machine", "hosts", "commit", AT_A_TIME) if name in environment]
+    rest = [f"{name} {version}" for name, version in environment.items() if name not in first and name not in leave_out]
+    return [*((name.capitalize(), environment[name]) for name in first), ("Versions", ", ".join(rest))]
+
+
+def side_by_side(environment: Mapping[str, str]) -> str:
+    """A note on times: "while 4 ran" where runs were made side by side, else empty."""
+    return f"while {environment[AT_A_TIME]} ran" if AT_A_TIME in environment else ""
+
+
+# The checks of an engine's adapter, as the terminal and Python print them.
+
+STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
+
+
+def printout(name: str, checks: Sequence[CheckResult]) -> Printout:
+    """A line of every check, and how many came to what."""
+    counts = Counter(each.finding for each in checks)
+    closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
+    return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
+
+
+def _rows(results: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
+    """A line of every check; of mutants that say the same, one line."""
+    groups: dict[tuple[str, Finding, str], int] = {}
+    for each in results:
+        alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
+        key = (MUTANT if alike else each.check, each.finding, each.detail)
+        groups[key] = groups.get(key, 0) + 1
+    return [
+        (
+            f"{count} mutant{'s' if count > 1 else ''}" if name == MUTANT else name,
+            TableCell(finding.value, colour=STYLES.get(finding, "dim")),
+            detail,
+        )
+        for (name, finding, detail), count in groups.items()
+    ]

@@ -12,21 +12,18 @@ from analytic.description.changes import SPEED
 from analytic.description.file_units import file_unit
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
-from comparisons.designs.named_figures import named_figures
-from comparisons.designs.optimum.optimisation import OptimisationRequest, Optimum, optimise
-from comparisons.designs.parameters import mass_words
-from comparisons.designs.sweep.simulated_designs import SimulatedDesigns, simulated_designs
-from comparisons.designs.sweep.space import DesignSpace, Grid, steps
-from comparisons.designs.sweep.sweep import SweepRequest, usual_figures
-from comparisons.designs.sweep.table import read_table
-from comparisons.designs.tolerance.tolerance_request import ToleranceRequest, tolerance_request
-from comparisons.designs.tolerance.tolerances import Tolerances
+from comparisons.designs.optimisation import OptimisationRequest, Optimum, optimise
+from comparisons.designs.parameters import mass_words, named_figures
+from comparisons.designs.simulated_designs import SimulatedDesigns, simulated_designs
+from comparisons.designs.space import DesignSpace, Grid, read_table, steps
+from comparisons.designs.sweep import SweepRequest, usual_figures
+from comparisons.designs.tolerance_study import ToleranceRequest, tolerance_request
+from comparisons.designs.tolerances import Tolerances
 from comparisons.runs.files import write_text
-from reports.requests.campaign import named
-from reports.requests.options.campaign import CompareOptions, RunLimits
-from reports.requests.options.designs import DESIGNS, OptimiseOptions, SweepOptions, ToleranceOptions
-from reports.requests.running import running
-from reports.requests.steady import SteadyCase, steady_case
+from reports.requests.campaign import named, running
+from reports.requests.campaign_options import CompareOptions, RunLimits
+from reports.requests.case import SteadyCase, steady_case
+from reports.requests.designs_options import DESIGNS, OptimiseOptions, SweepOptions, ToleranceOptions
 
 
 class SimulatedCampaign(NamedTuple):

@@ -15,15 +15,19 @@ import numpy as np
 from analytic.description.loading import catalogue
 from analytic.errors import LinkproofError
 from analytic.machine_code import compiling
-from analytic.machine_code.printing import Result
+from analytic.machine_code.compiling import Result
 from analytic.machine_code.tracing import OperationList
 from comparisons.campaign.campaign import compare
 from comparisons.campaign.project import FILE, find_project
+from comparisons.conformance.conformance import INSTALLED, check_engine
+from comparisons.conformance.trial import CheckResult, Finding
 from comparisons.judging.records import Record
 from comparisons.runs.plugins import engines
-from engines.registry import engine_names, why_unavailable
+from comparisons.runs.run_engine import blamed_on
+from engines.contract import Engine
+from engines.registry import Unusable, engine_names, why_unavailable
 from reports.requests.campaign import request
-from reports.requests.options.campaign import CompareOptions
+from reports.requests.campaign_options import CompareOptions
 
 OPTIONAL: Final = re.compile(r"""^([\w.-]+).*;\s*extra\s*==\s*["']([\w-]+)["']""")
 NOT_FOR_USERS: Final = {"dev", "docs", "all"}  # extras
@@ -99,3 +103,25 @@ def places() -> dict[str, str]:
         "matplotlib's cache": mpl.get_cachedir(),
         FILE: here,
     }
+
+
+# ``check-engine``: every check of an engine's adapter.
+
+
+def engine_findings(adapter: Engine, processes: int | None = None) -> list[CheckResult]:
+    """The results of every check of an engine.
+
+    Raises LinkproofError if nothing can be checked, AdapterError for an engine that cannot be loaded.
+    """
+    if isinstance(adapter, Unusable):
+        if adapter.error is None:
+            raise LinkproofError(adapter.reason)
+        with blamed_on(adapter):
+            raise adapter.error
+    results = check_engine(adapter, processes)
+    absent = next(
+        (each.detail for each in results if each.check == INSTALLED and each.finding is Finding.NOT_TESTED), None
+    )
+    if absent is not None:
+        raise LinkproofError(f"expected an engine to check, got none: {absent}")
+    return results

@@ -9,7 +9,7 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Record, Verdict
-from comparisons.runs.failures import Failure
+from comparisons.runs.run_engine import Failure
 from comparisons.stress.cell_result import CellResult, StressVerdict
 from comparisons.work_precision.points import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord

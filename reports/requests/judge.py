@@ -15,8 +15,8 @@ from comparisons.imported.judge import judge as judge_results
 from comparisons.imported.reading import read_results
 from comparisons.reference.case import own_case
 from comparisons.reference.motion import Motion
+from reports.requests.motion_options import JudgeOptions
 from reports.requests.motions import check_motion, own_regimes, prescribed
-from reports.requests.options.linkage import JudgeOptions
 
 
 def check_judgement(options: JudgeOptions) -> None:

@@ -15,7 +15,7 @@ from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import within
-from reports.requests.options.motion import TIMED, MotionOptions
+from reports.requests.motion_options import TIMED, MotionOptions
 
 EVERYTHING = "all"
 OWN = "own"  # every regime that a linkage defines for itself

@@ -16,14 +16,13 @@ from comparisons.runs.record_file import RECORDS
 from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.saved import KIND, Stress
 from reports.charts.draw import drawn
-from reports.charts.style import FULL_WIDTH, LIMIT_COLOUR
+from reports.charts.scales import FULL_WIDTH, LIMIT_COLOUR
 from reports.document import parts
 from reports.document.parts import FigureGroup, Fold, Page, PageFigure, Paragraph, Section, Widget
 from reports.document.templates import sentence
-from reports.records.environment import environment_facts
+from reports.records.origins import environment_facts
 from reports.stress import tables
-from reports.stress.facts import SIGNS, axis_title
-from reports.stress.maps import map_data, signs
+from reports.stress.maps import SIGNS, axis_title, map_data, signs
 
 # A stability map as a static figure: a panel to each row of its axis, as its script draws it.
 #
@@ -96,7 +95,6 @@ def _letter(symbol: str) -> Outline:
 
 
 # The stability page: the verdict, the maps, their borders, and every incident with the command that repeats it.
-
 
 PAGE = "stress.html"
 # What stands open on the page unless its table is long; what was caught, as it should be, is folded away.

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 
-from comparisons.judging.verdicts import grouped
+from comparisons.judging.limits import grouped
 from comparisons.stress.cell_result import CellResult, StressVerdict
 from comparisons.stress.saved import Stress
-from reports.document.parts import Facts, Mono, Table, TableCell, Words
+from reports.document.parts import Facts, Mono, Paragraph, Table, TableCell, Words
 from reports.document.templates import sentence
+from reports.document.terminal import Printed, Printout
 from reports.records.views import once
-from reports.stress.facts import APART, SIGNS, SILENT, axis_title, border_words, shown_verdicts, value_words
+from reports.stress.maps import APART, SIGNS, SILENT, axis_title, border_words, shown_verdicts, story, value_words
 
 LOUD = (StressVerdict.MISSED, StressVerdict.ALARM)
 FAULTS = [verdict for verdict in StressVerdict if verdict not in (StressVerdict.WITHIN, *APART)]
@@ -97,3 +98,32 @@ def _incident(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
     place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
     pair = (result.reason, Mono(result.cell.command))
     return (cell.engine, place, value_words(cell.value), cell.usage, *pair)
+
+
+# The stress maps for a terminal: verdicts by engine and axis, borders, and every cell that was missed or an alarm.
+
+
+def printout(stress: Stress) -> Printout:
+    """Counts, borders, missed motions and false alarms, then the summary; each cell if verbose."""
+    key = "  ".join(f"{SIGNS[verdict].symbol} {verdict.value}" for verdict in shown_verdicts(stress))
+    parts: list[Printed] = [count_table(stress, str), Paragraph(key, colour="dim"), ""]
+    parts += [border_table(stress, str), ""] if stress.borders else []
+    parts += [_incident_line(result) for result in stress.of(*LOUD)]
+    return Printout(
+        parts,
+        [f"{summary(stress, 'stress_scope')} {summary(stress, 'stress_outcome')}"],
+        [*map(cell_details, stress.results), ""],
+    )
+
+
+def _incident_line(result: CellResult) -> Paragraph:
+    cell = result.cell
+    place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.usage}"
+    text = f"{result.verdict.value}: {place}: {result.reason}\n  {result.cell.command}"
+    return Paragraph(text, colour=SIGNS[result.verdict].terminal)
+
+
+def cell_details(result: CellResult) -> str:
+    """The details of one cell, a line to a fact."""
+    facts = (f"{name}: {words}" for name, words in story(result).items())
+    return "\n  ".join([f"{result.cell.key}: {result.verdict.value}", *facts])

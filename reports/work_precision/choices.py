@@ -6,9 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 
-from comparisons.judging.verdicts import grouped
-from comparisons.work_precision.analysis import WANTED
-from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
+from comparisons.judging.limits import grouped
+from comparisons.work_precision.analysis import WANTED, EngineFacts, PlaceFacts, Regimes
 from comparisons.work_precision.records import BenchRecord
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import Fold, Paragraph, Section, Table, TableCell

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from comparisons.work_precision.analysis import MethodSweep, apart, on_front
-from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
+from comparisons.work_precision.analysis import EngineFacts, MethodSweep, PlaceFacts, Regimes, apart, on_front
 from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
 from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
 from reports.document.parts import PageFigure

@@ -6,9 +6,9 @@ import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from comparisons.judging.verdicts import grouped
+from comparisons.judging.limits import grouped
 from comparisons.runs.record_file import RECORDS
-from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes, by_regime, places
+from comparisons.work_precision.analysis import EngineFacts, PlaceFacts, Regimes, by_regime, places
 from comparisons.work_precision.records import KIND, SETTING, Bench, BenchRecord, MeasuredCost
 from engines.contract import Outcome
 from reports.document.numbers import ABSENT, error, seconds
@@ -28,7 +28,7 @@ from reports.document.parts import (
     Widget,
 )
 from reports.document.templates import lines, plain, sentence
-from reports.records.environment import environment_facts
+from reports.records.origins import environment_facts
 from reports.records.views import anchor, once
 from reports.work_precision import choices
 from reports.work_precision.overview import drawn_error, figures, inks
@@ -78,7 +78,6 @@ def _cell(cost: MeasuredCost, whole: float) -> TableCell:
 
 
 # The diagram of error over cost, as data for its script: any mechanism, quantity and measure of the cost.
-
 
 LABEL = "Error over cost: a point is a method at one step, or a setting"
 # What the points of a sweep share, and what each has of its own: cost, s, steps and work.
@@ -204,7 +203,6 @@ def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Tab
 
 
 # The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods, costs.
-
 
 FILE_NAME = "bench.html"
 

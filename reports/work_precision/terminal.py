@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from comparisons.work_precision.analysis import WANTED
-from comparisons.work_precision.places import PlaceFacts, places
+from comparisons.work_precision.analysis import WANTED, PlaceFacts, places
 from comparisons.work_precision.records import Bench
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import Paragraph, Table

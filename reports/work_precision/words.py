@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from comparisons.judging.verdicts import grouped
-from comparisons.work_precision.analysis import MethodSweep, SettingComparison
-from comparisons.work_precision.places import EngineFacts, Regimes
+from comparisons.judging.limits import grouped
+from comparisons.work_precision.analysis import EngineFacts, MethodSweep, Regimes, SettingComparison
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
 from engines.contract import Setting

@@ -6,7 +6,7 @@ from mpmath import mp, mpf
 
 from analytic.description.loading import catalogue, literature, load
 from analytic.dynamics import reduced
-from analytic.numerics.extremes import zeros
+from analytic.numerics.refine import zeros
 from tests.analytic.articles import FORMULAS, reduced_inertia
 from tests.analytic.fifty_digits import DIGITS
 from tests.analytic.linkages import angles, mechanism

@@ -7,7 +7,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import PIECE, evaluate
-from analytic.turn.unit_functions import top_dead_centre
+from analytic.motion.unit_functions import top_dead_centre
 from tests.analytic.linkages import angles, mechanism
 from tests.analytic.tolerances import FOUR_DIGITS
 

@@ -13,7 +13,7 @@ from analytic.errors import LinkproofError
 from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import compiling
-from analytic.machine_code.linkage_trace import linkage_trace
+from analytic.machine_code.tracing import linkage_trace
 from analytic.signals import names
 from tests.analytic.drives import driven
 from tests.analytic.exact_forces import forces_of, signals_of

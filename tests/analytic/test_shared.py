@@ -14,7 +14,7 @@ from analytic.description import crank_motion as crank_motions
 from analytic.description import units
 from analytic.description.law import Law
 from analytic.dynamics import reduced
-from analytic.turn import farthest, thread_feed, unit_functions
+from analytic.motion import farthest, thread_feed, unit_functions
 from comparisons.judging import quantities
 from comparisons.reference.case import Case
 from engines.scene import Channel

@@ -7,8 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.linkage import DriverKind
-from analytic.dynamics.equation_of_motion import equation_of_motion
-from analytic.dynamics.equilibrium import equilibria
+from analytic.dynamics.equation_of_motion import equation_of_motion, equilibria
 from analytic.dynamics.joint_forces import reactions
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError
@@ -17,8 +16,7 @@ from comparisons.invariants.checks import checks
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
-from comparisons.reference.channels import truth
+from comparisons.reference.case import Case, truth
 from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle

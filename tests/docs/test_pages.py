@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import linkproof
-from analytic.description.format.json_schema import json_schema
+from analytic.description.json_schema import json_schema
 from comparisons.judging.limits import shipped_limits
 from docs.making.pages import keys, limits, reference
 from docs.making.readouts import renewed

@@ -14,8 +14,7 @@ import pytest
 
 from comparisons.conformance.conformance import CHECKS
 from comparisons.conformance.mutants import MUTANT
-from comparisons.conformance.results import NotTestedError
-from comparisons.conformance.trial import EngineTrial
+from comparisons.conformance.trial import EngineTrial, NotTestedError
 from tests.commands import linkproof
 from tests.comparisons.conformance.wrong_engines import WRONG
 from tests.comparisons.faults import announce

@@ -10,7 +10,7 @@ import pytest
 from analytic.description.crank_motion import CrankMotion
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
-from comparisons.judging.jumps import near_jumps
+from comparisons.judging.deviations import near_jumps
 from comparisons.reference.case import Truth
 from comparisons.reference.start_state import scene
 from engines.contract import Engine, History, Outcome, Setting

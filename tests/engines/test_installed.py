@@ -19,7 +19,7 @@ from tests.engines.closed_form import driven
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import ctypes, os, sys
-from engines.installed import silenced
+from engines.registry import silenced
 sys.stdout.write("before ")
 with silenced():
     sys.stdout.write("of Python ")

@@ -10,8 +10,7 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.reference.case import Case
-from comparisons.runs.failures import AdapterError
-from comparisons.runs.run_engine import run_engine
+from comparisons.runs.run_engine import AdapterError, run_engine
 from comparisons.runs.workers import LocalPool
 from engines import registry
 from engines.contract import Setting

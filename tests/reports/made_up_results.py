@@ -15,11 +15,10 @@ from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import Results, document
 from comparisons.datasheet.building import usual_sheet
 from comparisons.datasheet.sheet import Sheet
-from comparisons.judging.deviations import Deviation
-from comparisons.judging.jumps import near_jumps
+from comparisons.judging.deviations import Deviation, near_jumps
+from comparisons.judging.limits import judge
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.judging.records import Record, RunRecord, Verdict, run_record
-from comparisons.judging.verdicts import judge
 from comparisons.reference.case import Case
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import ReadOut, Setting

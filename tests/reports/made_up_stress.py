@@ -3,8 +3,8 @@
 from dataclasses import replace
 from itertools import pairwise
 
-from comparisons.stress.axes import axes
 from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
+from comparisons.stress.cells import axes
 from comparisons.stress.saved import Stress
 
 SETTINGS = ("naive", "tuned", "best")

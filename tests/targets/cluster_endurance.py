@@ -25,7 +25,7 @@ from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.judging.records import RunRecord
-from comparisons.runs.cluster.connecting import opened
+from comparisons.runs.cluster import opened
 from comparisons.runs.record_file import Array
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import EVERY_CORE, PoolLostError

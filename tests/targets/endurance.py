@@ -23,10 +23,9 @@ from pathlib import Path
 
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
-from comparisons.campaign.campaign import CampaignRequest, compare
+from comparisons.campaign.campaign import CampaignRequest, compare, sheets
 from comparisons.campaign.results import COMPARE, Results, document, save
 from comparisons.campaign.results import load as load_results
-from comparisons.campaign.sheets import sheets
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.judging.records import RunRecord
 from comparisons.runs.record_file import RECORDS

@@ -11,11 +11,10 @@ import numpy as np
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.invariants.invariants import joint_gaps
+from comparisons.invariants.checks import joint_gaps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from comparisons.runs.failures import GIB, Lost
-from comparisons.runs.run_engine import run_engine
+from comparisons.runs.run_engine import GIB, Lost, run_engine
 from comparisons.runs.workers import Bounds, run_jobs
 from engines.contract import Array, Setting
 from engines.registry import engine

@@ -18,8 +18,7 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
-from comparisons.runs.failures import Lost
-from comparisons.runs.run_engine import run_engine
+from comparisons.runs.run_engine import Lost, run_engine
 from comparisons.runs.workers import Bounds, run_jobs
 from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
 from comparisons.stress.verdict import judged

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
 
-from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, stress
 from comparisons.stress.cell_result import StressVerdict
+from comparisons.stress.cells import chosen_axes
 from engines.contract import Setting
 from tests.targets.endurance import measure
 from tests.targets.long_run import long_runs

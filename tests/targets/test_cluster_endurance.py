@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from comparisons.runs.cluster import connecting
+from comparisons.runs import cluster as connecting
 from tests.comparisons.faults import PATIENCE
 from tests.targets import cluster_endurance
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, UnknownNameError
 
 RPM = np.pi / 30.0
 
@@ -137,3 +139,129 @@ def check_number(name: str, value: float, unit: str, least: float) -> None:
     if not least <= value <= LARGEST:  # written so that nan fails too
         kind = "finite" if least < 0.0 else "positive finite" if least else "finite, not negative"
         raise LinkproofError(f"{name}: expected a {kind} number of {unit}, got {value:g}; correct it")
+
+
+# The run-up of the source's validation and its smooth relatives, and constant speed, as exact polynomials of time.
+
+
+# ω over its final value as a polynomial of x = t / ramp time, lowest power first.
+RAMPS: dict[str, tuple[float, ...]] = {
+    "run-up": (0.0, 1.0),
+    "run-up-cubic": (0.0, 0.0, 3.0, -2.0),
+    "run-up-quintic": (0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
+}
+CONSTANT_SPEED = "constant-speed"
+REGIMES = (*RAMPS, CONSTANT_SPEED)
+
+
+def crank_motion(
+    regime: str = "run-up",
+    *,
+    speed: float = 1000.0 * RPM,
+    ramp_time: float = 0.6,
+    hold_time: float = 0.1,
+    clockwise: bool = False,
+    start_angle: float = 0.0,
+) -> CrankMotion:
+    """Build a regime by name.
+
+    ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and continues at
+    it for ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do so with continuous acceleration; ``constant-speed``
+    turns at ``speed`` for ``ramp_time + hold_time``. ``start_angle`` is φ at t = 0, rad.
+    """
+    if regime not in REGIMES:
+        raise UnknownNameError("regime", regime, REGIMES)
+    check_number("speed", speed, "rad/s", 1.0 / LARGEST)
+    steady = regime == CONSTANT_SPEED
+    check_number("ramp time", ramp_time, "s", 0.0 if steady else 1.0 / LARGEST)
+    check_number("hold time", hold_time, "s", 0.0)
+    check_number("ramp and hold time together", ramp_time + hold_time, "s", 1.0 / LARGEST)
+    check_number("start angle", start_angle, "rad", -LARGEST)
+    signed = -speed if clockwise else speed
+    if steady:
+        return CrankMotion(regime, (Segment(0.0, ramp_time + hold_time, (start_angle, signed)),))
+    scaled = [signed * c / ramp_time**k for k, c in enumerate(RAMPS[regime])]
+    ramp = Segment(0.0, ramp_time, (start_angle, *(float(c) / (k + 1) for k, c in enumerate(scaled))))
+    if hold_time <= 0.0:
+        return CrankMotion(regime, (ramp,))
+    hold = Segment(ramp_time, ramp_time + hold_time, (float(ramp.value(ramp_time)), signed))
+    return CrankMotion(regime, (ramp, hold))
+
+
+# A crank motion through a table of angles over time: a spline with continuous acceleration.
+
+JUMP: Final = 8.0  # times the speed of all other steps: what is faster is no motion but a jump
+FEWEST: Final = 4
+
+Array = NDArray[np.float64]
+
+
+def table_motion(regime: str, time: Sequence[float], angle: Sequence[float]) -> CrankMotion:
+    """The cubic spline (its end conditions: not a knot) through angles, rad, at times, s, that begin at 0.
+
+    Angle, speed and acceleration are continuous; the pieces meet to rounding. Raises LinkproofError for a table that
+    jumps: times that do not increase, steps faster than JUMP times all others, or times that all but coincide.
+    """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - a motion without a table does not pay for it
+
+    check_table(time, angle)
+    with np.errstate(over="ignore", invalid="ignore"):
+        spline = CubicSpline(time, angle)
+    if not np.all(np.isfinite(spline.c)):
+        raise LinkproofError(
+            f"expected times a motion can have, got some {min(np.diff(time)):.3g} s apart; correct them"
+        )
+    pieces = spline.c[::-1].T.tolist()
+    starts = [float(t) for t in time]
+    return CrankMotion(regime, tuple(map(_segment, starts, starts[1:], pieces)))
+
+
+def _segment(start: float, end: float, coefficients: Sequence[float]) -> Segment:
+    return Segment(start, end, tuple(coefficients))
+
+
+def check_table(time: Sequence[float], angle: Sequence[float]) -> None:
+    """Raise LinkproofError for a table that is no motion; names the point at fault, counted from 1."""
+    if len(time) != len(angle) or len(time) < FEWEST:
+        raise LinkproofError(
+            f"expected as many angles as times and {FEWEST} or more of each, got {len(angle)} angles and {len(time)} "
+            "times; complete the shorter list"
+        )
+    t, phi = np.asarray(time, dtype=float), np.asarray(angle, dtype=float)
+    if not (np.all(np.isfinite(t)) and np.all(np.isfinite(phi))):
+        raise LinkproofError("expected finite times and angles, got nan or infinity; correct them")
+    check_times(t)
+    _check_steps(t, phi)
+
+
+def check_times(t: Array) -> None:
+    """Raise LinkproofError for times, s, that do not increase from 0 on."""
+    if t[0] != 0.0:
+        raise LinkproofError(f"expected times from 0 on, got {t[0]:g} s first; subtract it from all of them")
+    late = np.flatnonzero(np.diff(t) <= 0.0)
+    if late.size:
+        number = int(late[0])
+        raise LinkproofError(
+            f"expected times that increase, got {t[number + 1]:g} s after {t[number]:g} s (point {number + 2}); sort "
+            "them, and give every time one angle"
+        )
+
+
+def _check_steps(time: Array, angle: Array) -> None:
+    """Refuse one step, or one point off between two, that no speed of the others explains."""
+    speeds = np.abs(np.diff(angle) / np.diff(time))
+    for width in (1, 2):
+        for first in range(len(speeds) - width + 1):
+            steps = speeds[first : first + width]
+            others = np.delete(speeds, slice(first, first + width))
+            if others.size and np.min(steps) > JUMP * np.max(others):
+                place = f"between {time[first]:g} s and {time[first + 1]:g} s (points {first + 1} and {first + 2})"
+                raise LinkproofError(
+                    f"expected a motion without a jump, got {_written(angle[first])} to {_written(angle[first + 1])} "
+                    f"{place}, more than {JUMP:g} times as fast as anywhere else; correct the point, or give more "
+                    "points where it is fast"
+                )
+
+
+def _written(angle: float) -> str:
+    return f"{np.degrees(angle):.6g}°"

@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.description import schema as doc
 from analytic.description.crank_motion import LAWS, REGIMES, RPM, CrankMotion, Move, sequence, swing
-from analytic.description.crank_motion.table import check_times, table_motion
+from analytic.description.crank_motion.prescribed import check_times, table_motion
 from analytic.description.law import Law, TimeLaw
 from analytic.description.linkage import OwnRegime, PrescribedRegime, ReleasedRegime
 from analytic.description.load_tables import law_over_angle

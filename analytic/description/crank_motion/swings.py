@@ -16,8 +16,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from analytic.description.crank_motion.prescribed import LARGEST, RPM, CrankMotion, Segment, check_number
-from analytic.description.crank_motion.run_ups import CONSTANT_SPEED
+from analytic.description.crank_motion.prescribed import (
+    CONSTANT_SPEED,
+    LARGEST,
+    RPM,
+    CrankMotion,
+    Segment,
+    check_number,
+)
 from analytic.errors import LinkproofError, UnknownNameError
 
 ORDER: Final = 18

@@ -25,9 +25,13 @@ differentiating the closure equations once and twice, which are linear in the un
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
+import numpy as np
+
+from analytic.description.linkage import Vector
+from analytic.kinematics.frames import Pair, Pose, Rate, Scalar, cross, is_zero
+from analytic.kinematics.structure import Dyad, Prismatic
 
 At = Callable[[Scalar], float]
 Written = Callable[[float], str]
@@ -57,3 +61,75 @@ class Travel(NamedTuple):
     scale: Scalar
     first: Scalar
     second: Scalar
+
+
+# Arms and rails of a dyad's links, and when their lengths and angles are no more than rounding.
+
+UNASSEMBLED: Final = "cannot be assembled"
+UNDETERMINED: Final = "is undetermined"
+
+# Sine of the transmission angle below which no digit of a derivative is certain: the links' angles themselves are then
+# known to about the same sqrt(eps) only.
+LEAST_SINE: Final = 4.0 * float(np.finfo(float).eps) ** 0.5
+# Lengths that differ by less than this share of what they were computed from are taken to be equal.
+ROUNDING: Final = 8.0 * float(np.finfo(float).eps)
+
+
+def over_square(arm: Vector, square: float) -> Vector:
+    """A link's arm over its squared length, which turns the arm in the ground frame into the link's angle."""
+    return (arm[0] / square, arm[1] / square)
+
+
+def direction(vector: Pair, arm: Vector) -> Pair:
+    """Cosine and sine of a link's angle from one of its arms in the ground frame, and in its own over the square."""
+    a, b = arm
+    if is_zero(b):
+        return (vector[0] * a, vector[1] * a)
+    return (vector[0] * a + vector[1] * b, vector[1] * a - vector[0] * b)
+
+
+def on_rail(rail: Prismatic, local: Vector) -> Vector:
+    """A point of the sliding body, in the frame it slides on, at zero travel."""
+    c, s = rail.turn
+    x, y = rail.origin
+    return (x + c * local[0] - s * local[1], y + s * local[0] + c * local[1])
+
+
+def size(a: Pair, b: Pair) -> Scalar:
+    """Sum of the magnitudes of all components: the scale of rounding in a difference of two vectors."""
+    return abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1])
+
+
+# Common part of RPP and PRP: two lines along e and f, t e − u f = gap, with one assembly mode.
+#
+# The determinant e × f vanishes where the lines are parallel.
+
+Constants = tuple[Vector, ...]
+
+
+def slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
+    """Solve t e − u f = gap for (t, u): travels, or their derivatives; ``scale`` is 1 / e × f."""
+    return (cross(gap, f) * scale, cross(gap, e) * scale)
+
+
+def least(k: Constants, closure: Closure) -> Scalar:
+    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
+    return LEAST_SINE
+
+
+def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+    """No length is missing, but parallel lines do not cross."""
+    return np.sign(abs(closure.determinant) - LEAST_SINE), 0.0
+
+
+def toggle(dyad: Dyad, closure: Closure) -> str:
+    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
+    return f"the guides of '{dyad.first}' and '{dyad.second}' parallel"
+
+
+def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At, written: Written) -> Shortfall:
+    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
+    return UNDETERMINED, (
+        f"the guides of '{dyad.first}' and '{dyad.second}' are parallel, so nothing holds the two in "
+        "place; turn one of the guides"
+    )

@@ -6,9 +6,20 @@ from typing import NamedTuple
 
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
-from analytic.kinematics.dyads.arms import on_rail
-from analytic.kinematics.dyads.closure import Closure, Hosts, Links, Poses, Rates, Travel
-from analytic.kinematics.dyads.crossing import least, missing, shortfall, slides, toggle  # noqa: F401 - of both kinds
+from analytic.kinematics.dyads.closure import (  # noqa: F401 - of both kinds
+    Closure,
+    Hosts,
+    Links,
+    Poses,
+    Rates,
+    Travel,
+    least,
+    missing,
+    on_rail,
+    shortfall,
+    slides,
+    toggle,
+)
 from analytic.kinematics.structure import Prismatic, Revolute
 
 

@@ -8,8 +8,24 @@ import numpy as np
 
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
-from analytic.kinematics.dyads.arms import LEAST_SINE, ROUNDING, UNASSEMBLED, UNDETERMINED, direction, on_rail, size
-from analytic.kinematics.dyads.closure import At, Closure, Hosts, Links, Poses, Rates, Shortfall, Travel, Written
+from analytic.kinematics.dyads.closure import (
+    LEAST_SINE,
+    ROUNDING,
+    UNASSEMBLED,
+    UNDETERMINED,
+    At,
+    Closure,
+    Hosts,
+    Links,
+    Poses,
+    Rates,
+    Shortfall,
+    Travel,
+    Written,
+    direction,
+    on_rail,
+    size,
+)
 from analytic.kinematics.frames import Pair, Scalar
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 

@@ -7,8 +7,23 @@ from typing import NamedTuple
 
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
-from analytic.kinematics.dyads.arms import LEAST_SINE, UNASSEMBLED, direction, on_rail, over_square, size
-from analytic.kinematics.dyads.closure import At, Closure, Hosts, Links, Poses, Rates, Shortfall, Travel, Written
+from analytic.kinematics.dyads.closure import (
+    LEAST_SINE,
+    UNASSEMBLED,
+    At,
+    Closure,
+    Hosts,
+    Links,
+    Poses,
+    Rates,
+    Shortfall,
+    Travel,
+    Written,
+    direction,
+    on_rail,
+    over_square,
+    size,
+)
 from analytic.kinematics.frames import Pair, Scalar
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 

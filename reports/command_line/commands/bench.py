@@ -11,20 +11,19 @@ from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
-from comparisons.runs.cluster.connecting import check_scheduler, opened
+from comparisons.runs.cluster import check_scheduler, opened
 from comparisons.runs.workers import LastingPool
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK
 from comparisons.work_precision.records import KIND, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
-from reports.command_line.destination import Destination
-from reports.command_line.interruption import interruptible, journal
+from reports.command_line.destination import Destination, interruptible, journal
 from reports.requests.campaign import left_out, request
+from reports.requests.campaign_options import BenchOptions, RunsOptions
 from reports.requests.exit_codes import bench_exit_code
-from reports.requests.options.campaign import BenchOptions, RunsOptions
-from reports.requests.options.declaring import command_line
-from reports.requests.options.motion import MotionOptions
+from reports.requests.motion_options import MotionOptions
+from reports.requests.options import command_line
 from reports.requests.standard import of_project
 from reports.work_precision.terminal import printout
 

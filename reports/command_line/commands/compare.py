@@ -10,24 +10,23 @@ from pathlib import Path
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
+from comparisons.campaign.campaign import sheets
 from comparisons.campaign.errata import SPEED, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
+from comparisons.campaign.project import JudgedCampaign
 from comparisons.campaign.results import save, with_runs
-from comparisons.campaign.sheets import sheets
-from comparisons.campaign.standards import JudgedCampaign
 from comparisons.datasheet.published import PublishedRecord, all_variants, compare_published
-from comparisons.runs.failures import Failure
+from comparisons.runs.run_engine import Failure
 from engines.registry import engine_names
 from reports.campaign.terminal import printout
-from reports.command_line.destination import Destination
-from reports.command_line.interruption import interruptible, journal
+from reports.command_line.destination import Destination, interruptible, journal
 from reports.document.terminal import Printout, show
 from reports.mechanism import terminal
 from reports.requests import PASSED, SUITE_ERROR
 from reports.requests.campaign import installed, left_out
-from reports.requests.compare import AS_USUAL, UNBOUND, campaign
+from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
 from reports.requests.exit_codes import campaign_exit_code
-from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.standard import AS_USUAL, UNBOUND, campaign
 
 PAGE = "index.html"
 

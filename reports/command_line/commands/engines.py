@@ -9,7 +9,7 @@ from typing import Any
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import cases
-from comparisons.conformance.results import Finding
+from comparisons.conformance.trial import Finding
 from comparisons.exported_run import exported, exported_cell
 from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.plugins import engine, engines
@@ -19,13 +19,12 @@ from engines.registry import Unusable, engine_names, why_unavailable
 from reports.command_line.destination import Destination, write_out
 from reports.document.parts import Paragraph
 from reports.document.terminal import Printed
-from reports.records.engine_checks import printout
-from reports.records.origins import readout_table
+from reports.records.origins import printout, readout_table
 from reports.requests import FAILED, PASSED
 from reports.requests.campaign import request
-from reports.requests.engine_checks import engine_findings
-from reports.requests.options.campaign import CompareOptions, ExportOptions
-from reports.requests.options.declaring import command_line
+from reports.requests.campaign_options import CompareOptions, ExportOptions
+from reports.requests.doctor import engine_findings
+from reports.requests.options import command_line
 
 
 def list_engines(names: Sequence[str], destination: Destination) -> None:

@@ -7,7 +7,7 @@ import shlex
 from pathlib import Path
 from typing import Final
 
-from analytic.description.format.json_schema import TITLE, json_schema
+from analytic.description.json_schema import TITLE, json_schema
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError, is_safe

@@ -22,9 +22,8 @@ from reports.imported.document import blank_of, document, with_cause
 from reports.imported.terminal import printout, sentence, sentences
 from reports.requests import FAILED, PASSED
 from reports.requests.judge import check_judgement, judgement_of
-from reports.requests.options.declaring import command_line
-from reports.requests.options.linkage import JudgeFiles, JudgeOptions
-from reports.requests.options.output import OutputOptions
+from reports.requests.motion_options import JudgeFiles, JudgeOptions
+from reports.requests.options import OutputOptions, command_line
 
 PAGE = "index.html"
 
@@ -61,7 +60,7 @@ def judge(
     files = ", ".join(str(path) for path in options.results)
     title = f"{linkage.name} ({linkage.variant}) against {files}"
     if pictures.svg is not None:
-        from reports.imported.picture import svg  # noqa: PLC0415 - matplotlib, where a picture is drawn
+        from reports.imported.document import svg  # noqa: PLC0415 - matplotlib, where a picture is drawn
 
         write_files({pictures.svg: svg(judgement, title)})
     destination.write_json(document(judgement, blank_of(judgement, files), command, sentence(judgement)))
@@ -95,7 +94,7 @@ def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: st
     )
     motions = (motion,) if isinstance(motion, CrankMotion) else ()
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
-    from reports.imported.picture import judged_curves  # noqa: PLC0415 - matplotlib, where a picture is drawn
+    from reports.imported.document import judged_curves  # noqa: PLC0415 - matplotlib, where a picture is drawn
 
     lines = [*sentences(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
     lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]

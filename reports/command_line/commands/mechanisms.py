@@ -14,20 +14,19 @@ from analytic.description.changes import SPEED
 from analytic.description.file_units import FileUnit
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, installed, literature, load
-from analytic.designs.figure_names import figure_names
+from analytic.designs.figures import figure_names
 from analytic.errors import LinkproofError, printable
 from analytic.kinematics.mechanism import Mechanism
-from analytic.turn.required_feed import compare_feed, read_required_feed
+from analytic.motion.thread_feed import compare_feed, read_required_feed
 from analytic.written import finite
 from comparisons.campaign.project import FILE, find_project
 from comparisons.datasheet.mechanism_summary import portrait, thread_facts
-from comparisons.designs.named_figures import named_figures
-from comparisons.designs.parameters import parameters, speed_unit
+from comparisons.designs.parameters import named_figures, parameters, speed_unit
 from reports.command_line.destination import Destination
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
 from reports.mechanism import terminal
-from reports.requests.options.designs import SteadyOptions
+from reports.requests.designs_options import SteadyOptions
 
 SHELVES: Final = {
     "catalogue": "The catalogue, taken where nothing is named",
@@ -59,7 +58,7 @@ def list_names(figures: str | None, numbers: str | None, destination: Destinatio
 
 
 def _list_figures(name: str, destination: Destination) -> None:
-    from reports.requests.steady import steady_case  # noqa: PLC0415 - for this list alone
+    from reports.requests.case import steady_case  # noqa: PLC0415 - for this list alone
 
     mechanism, motion, conditions = steady_case(load(name), SteadyOptions())
     every = named_figures(mechanism, figure_names(mechanism))

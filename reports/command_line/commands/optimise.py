@@ -14,18 +14,18 @@ from analytic.description.changes import SPEED
 from analytic.description.file_units import file_unit
 from analytic.description.loading import load
 from analytic.signals import MAGNITUDE
-from comparisons.designs.optimum.optimisation import Optimum
+from comparisons.designs.optimisation import Optimum
 from comparisons.designs.parameters import design_file, speed_unit
 from comparisons.runs.files import write_text
 from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import Destination
-from reports.designs.optimum.optimise_terminal import aim, closing, document, printed
+from reports.designs.optimise_terminal import aim, closing, document, printed
 from reports.requests import PASSED
+from reports.requests.campaign_options import CompareOptions
 from reports.requests.designs import optimum
-from reports.requests.options.campaign import CompareOptions
-from reports.requests.options.declaring import command_line
-from reports.requests.options.designs import OptimiseOptions
-from reports.requests.options.motion import MotionOptions
+from reports.requests.designs_options import OptimiseOptions
+from reports.requests.motion_options import MotionOptions
+from reports.requests.options import command_line
 
 JSON = "optimise.json"
 CURVES = "before-after.svg"
@@ -65,7 +65,7 @@ def optimise(options: OptimiseOptions, destination: Destination) -> int:
 def _picture(result: Optimum, conditions: str) -> str:
     """The curves before and after."""
     from reports.charts.draw import svg  # noqa: PLC0415 - half a second that other calls save
-    from reports.designs.optimum.before_after_picture import Change, before_after_figure  # noqa: PLC0415
+    from reports.designs.optimise_terminal import Change, before_after_figure  # noqa: PLC0415
 
     linkage, grid = result.problem.mechanism.linkage, result.problem.maxima.grid
     places = grid / file_unit("m", linkage).size if linkage.is_linear else np.degrees(grid)

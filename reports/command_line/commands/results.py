@@ -13,10 +13,10 @@ from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
 from comparisons.runs.files import check_writable, claim
 from reports.command_line.destination import STDOUT, check_files, files_of, write_files
-from reports.designs.results.files import csv_table, json_text
+from reports.designs.results_files import csv_table, json_text
 from reports.document.terminal import show
 from reports.requests.case import requested_results
-from reports.requests.options.linkage import ResultsFiles, ResultsOptions
+from reports.requests.motion_options import ResultsFiles, ResultsOptions
 
 PAGE = "index.html"
 PICTURES = ("--svg", "--png", "--pdf")
@@ -46,7 +46,7 @@ def results(
     if files.out is not None:
         _write_page(files.out, drawn, opens=opens, quiet=quiet)
     if STDOUT not in named.values() and not quiet:
-        from reports.designs.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
+        from reports.designs import results_terminal as terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
         show(*(terminal.key_figures(result) if result.chosen is None else terminal.at_instants(result)))
 
@@ -84,19 +84,19 @@ def _write_page(out: Path, sheet: Sheet, *, opens: bool, quiet: bool) -> None:
 def _content(option: str, result: Sheet, files: ResultsFiles) -> str | bytes:
     """The content of the file of an option; its writer is imported here, which takes half a second or more."""
     if option == "--xlsx":
-        from reports.designs.results.workbook import workbook  # noqa: PLC0415
+        from reports.designs.results_workbook import workbook  # noqa: PLC0415
 
         return workbook(result)
     if option == "--gif":
-        from reports.designs.results.animation import gif  # noqa: PLC0415
+        from reports.designs.results_drawing import gif  # noqa: PLC0415
 
         return gif(result)
     if option == "--dxf":
-        from reports.designs.results.dxf import dxf  # noqa: PLC0415
+        from reports.designs.results_dxf import dxf  # noqa: PLC0415
 
         return dxf(result)
     if option in PICTURES:
-        from reports.designs.results.drawing import picture  # noqa: PLC0415
+        from reports.designs.results_drawing import picture  # noqa: PLC0415
 
         return picture(result, option.removeprefix("--"), files.figure)
     return csv_table(result, files.decimal) if option == "--csv" else json_text(result)

@@ -9,19 +9,16 @@ from dataclasses import replace
 
 from analytic.errors import LinkproofError
 from comparisons.runs.workers import LastingPool
-from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
-from comparisons.stress.cells import find_cell
+from comparisons.stress.cells import chosen_axes, find_cell
 from comparisons.stress.saved import KIND, save
-from reports.command_line.destination import Destination
-from reports.command_line.interruption import interruptible, journal
-from reports.requests.campaign import left_out, requested_engines
+from reports.command_line.destination import Destination, interruptible, journal
+from reports.requests.campaign import Running, left_out, requested_engines, running
+from reports.requests.campaign_options import RunLimits, StressOptions
 from reports.requests.exit_codes import stress_exit_code
-from reports.requests.options.campaign import RunLimits, StressOptions
-from reports.requests.options.declaring import command_line
-from reports.requests.running import Running, running
+from reports.requests.options import command_line
 from reports.requests.standard import of_project
-from reports.stress.terminal import cell_details, printout
+from reports.stress.tables import cell_details, printout
 
 
 def run(options: StressOptions, destination: Destination, jobs: int | None = None, scheduler: object = None) -> int:

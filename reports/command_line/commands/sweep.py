@@ -11,21 +11,28 @@ from typing import Final
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.designs.sweep.saved_sweep import FILE, SavedSweep, described
-from comparisons.designs.sweep.simulated_designs import engines_over_designs
-from comparisons.designs.sweep.sweep import Summary, SweepRequest, own_figures, why_not
-from comparisons.designs.sweep.sweep import sweep as sweep_space
-from comparisons.runs.cluster.connecting import opened
+from comparisons.designs.saved_sweep import FILE, SavedSweep, described
+from comparisons.designs.simulated_designs import engines_over_designs
+from comparisons.designs.sweep import Summary, SweepRequest, own_figures, why_not
+from comparisons.designs.sweep import sweep as sweep_space
+from comparisons.runs.cluster import opened
 from comparisons.runs.files import write_file, write_text
 from comparisons.runs.study import Journal
-from reports.command_line.destination import STDOUT, Destination, check_files, files_of, write_out
-from reports.command_line.interruption import interruptible, journal
-from reports.designs.sweep.sweep_terminal import SweepSummary, csv_rows
+from reports.command_line.destination import (
+    STDOUT,
+    Destination,
+    check_files,
+    files_of,
+    interruptible,
+    journal,
+    write_out,
+)
+from reports.designs.sweep_terminal import SweepSummary, csv_rows
 from reports.document.terminal import Printout
 from reports.requests import PASSED
 from reports.requests.designs import check_sweep, simulated_campaign, sweep_request
-from reports.requests.options.declaring import command_line
-from reports.requests.options.designs import SweepFiles, SweepOptions
+from reports.requests.designs_options import SweepFiles, SweepOptions
+from reports.requests.options import command_line
 
 PICTURE: Final = "sweep.svg"
 SIMULATED, DESIGN_FILES = "simulated", "designs"  # folders of compare's records and of the files it compares
@@ -63,7 +70,7 @@ def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) ->
 def _simulate(options: SweepOptions, destination: Destination, request: SweepRequest) -> int:
     """Compare engines on some of the designs, as ``linkproof compare`` does; its exit code."""
     from reports.command_line.commands.compare import compare  # noqa: PLC0415 - a second that other calls save
-    from reports.designs.sweep.sweep_terminal import printout  # noqa: PLC0415
+    from reports.designs.sweep_terminal import printout  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as temporary, destination.own_stdout():
         folder = destination.out or Path(temporary)
@@ -141,7 +148,7 @@ def _write_pictures(svg: str | None, destination: Destination, saved: SavedSweep
         picture.unlink(missing_ok=True)  # that of an earlier sweep
         places += [] if destination.quiet else [str(picture)]
     if places:
-        from reports.designs.sweep.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that other calls save
+        from reports.designs.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that other calls save
 
         text = sweep_svg(saved.dataset(), summary.own_parameters, summary.summary.extremes)
         for place in places:

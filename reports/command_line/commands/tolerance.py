@@ -5,16 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from analytic.description.loading import load
-from comparisons.designs.tolerance.tolerance_study import ToleranceStudy, tolerance_study
-from comparisons.designs.tolerance.tolerances import read_tolerances
+from comparisons.designs.tolerance_study import ToleranceStudy, tolerance_study
+from comparisons.designs.tolerances import read_tolerances
 from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import STDOUT, check_files, files_of, progress, write_files
-from reports.designs.tolerance.tolerance_files import csv_table, document
-from reports.designs.tolerance.tolerance_terminal import printout
+from reports.designs.tolerance_terminal import csv_table, document, printout
 from reports.document.terminal import show
+from reports.requests.case import check_steady
 from reports.requests.designs import tolerance_request_of
-from reports.requests.options.designs import ToleranceFiles, ToleranceOptions
-from reports.requests.steady import check_steady
+from reports.requests.designs_options import ToleranceFiles, ToleranceOptions
 
 
 def tolerance(options: ToleranceOptions, files: ToleranceFiles, *, quiet: bool = False) -> None:
@@ -39,7 +38,7 @@ def _content(option: str, study: ToleranceStudy) -> str:
     if option == "--csv":
         return csv_table(study)
     from reports.charts.draw import svg  # noqa: PLC0415 - half a second that other calls save
-    from reports.designs.tolerance.tornado_picture import tornado_figure  # noqa: PLC0415
+    from reports.designs.tolerance_terminal import tornado_figure  # noqa: PLC0415
 
     rows = range(len(study.request.figures))
     return svg(tornado_figure([study.tornado(row) for row in rows], study.request.conditions), page="white")

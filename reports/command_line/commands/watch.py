@@ -21,7 +21,7 @@ from reports.document.terminal import show
 from reports.live.server import PageServer
 from reports.mechanism.page import page
 from reports.requests.case import requested_results
-from reports.requests.options.linkage import WatchOptions
+from reports.requests.motion_options import WatchOptions
 
 
 def watch(options: WatchOptions) -> None:

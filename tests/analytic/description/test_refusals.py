@@ -9,7 +9,7 @@ from analytic.description.loading import load, parse
 from analytic.dynamics import reduced
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.turn import unit_functions
+from analytic.motion import unit_functions
 from tests.analytic.faults import JUKI, message_of
 from tests.analytic.linkages import text_of
 from tests.analytic.mutations import mutated_files

@@ -9,7 +9,7 @@ import pytest
 
 from analytic.description.law import Law
 from analytic.dynamics import reduced
-from analytic.dynamics.equilibrium import equilibria
+from analytic.dynamics.equation_of_motion import equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion

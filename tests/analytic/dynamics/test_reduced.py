@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic.dynamics import reduced
-from analytic.numerics.extremes import grid
+from analytic.numerics.refine import grid
 from tests.analytic.fifty_digits import exact
 from tests.analytic.linkages import EVERY, FULL_TURN, angles, four_bars, from_text, mechanism, text_of
 from tests.analytic.tolerances import FIFTY_DIGITS, FULL_TURN_WORK, SAME_FIGURES

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from analytic.description.loading import parse
-from analytic.kinematics.mobility import grashof, loose_points, mobility
+from analytic.kinematics.structure import grashof, loose_points, mobility
 from tests.analytic.linkages import EVERY, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 

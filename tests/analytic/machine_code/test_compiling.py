@@ -10,10 +10,8 @@ import pytest
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate
 from analytic.machine_code import compiling
-from analytic.machine_code.compiling import StraightFunction, is_worthwhile
-from analytic.machine_code.linkage_trace import is_traceable, linkage_trace
-from analytic.machine_code.printing import FUNCTION, LANES, Result, python_source
-from analytic.machine_code.tracing import FUNCTIONS, OperationList
+from analytic.machine_code.compiling import FUNCTION, LANES, Result, StraightFunction, is_worthwhile, python_source
+from analytic.machine_code.tracing import FUNCTIONS, OperationList, is_traceable, linkage_trace
 from analytic.signals import names
 from tests.analytic.linkages import from_text, mechanism, text_of
 

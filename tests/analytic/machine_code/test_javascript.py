@@ -10,8 +10,8 @@ from analytic.description.changes import design_numbers, with_numbers
 from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
 from analytic.evaluation import evaluate
-from analytic.machine_code.javascript import javascript_source
-from analytic.machine_code.linkage_trace import is_traceable, linkage_trace
+from analytic.machine_code.compiling import javascript_source
+from analytic.machine_code.tracing import is_traceable, linkage_trace
 from analytic.signals import names, unit
 from tests.analytic.linkages import MADE_UP, from_text, mechanism, text_of
 from tests.analytic.machine_code.test_compiling import every_operation

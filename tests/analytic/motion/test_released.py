@@ -16,8 +16,7 @@ from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.released import energy_imbalance, free_motion
-from analytic.motion.rkfixed import fixed_step
+from analytic.motion.released import energy_imbalance, fixed_step, free_motion
 from tests.analytic import article_000
 from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.swinging import double_rocker_text

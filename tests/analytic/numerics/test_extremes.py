@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.dynamics import reduced
-from analytic.numerics.extremes import extremes, in_turn, largest, zeros
+from analytic.numerics.refine import extremes, in_turn, largest, zeros
 from tests.analytic.linkages import mechanism
 from tests.analytic.tolerances import EPS, FOUR_DIGITS
 

@@ -16,7 +16,7 @@ from comparisons.campaign.campaign import CampaignRequest, compare, tasks
 from comparisons.judging import deviations
 from comparisons.judging.records import Verdict
 from comparisons.runs import worker_pool
-from comparisons.runs.failures import GIB
+from comparisons.runs.run_engine import GIB
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal

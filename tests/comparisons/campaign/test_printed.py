@@ -15,7 +15,7 @@ from comparisons.runs.workers import LocalPool
 from reports.document.terminal import rendered
 from reports.mechanism import terminal
 from reports.requests.campaign import request
-from reports.requests.options.campaign import CompareOptions
+from reports.requests.campaign_options import CompareOptions
 from tests.analytic.linkages import FOLDER
 from tests.comparisons.faults import announce
 

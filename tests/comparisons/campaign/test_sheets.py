@@ -3,8 +3,7 @@
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
 from comparisons.campaign import sheets as module
-from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.sheets import sheets
+from comparisons.campaign.campaign import CampaignRequest, sheets
 from comparisons.datasheet.building import usual_sheet
 
 NAMES = ("slotted-takeup", "juki-mf7923d")

@@ -9,10 +9,8 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import read
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases
-from comparisons.campaign.project import read_project
-from comparisons.campaign.standards import judged_campaign, places, standard
-from comparisons.judging.baseline import read_baseline
-from comparisons.judging.departures import departures
+from comparisons.campaign.project import judged_campaign, places, read_project, standard
+from comparisons.judging.baseline import departures, read_baseline
 from comparisons.judging.limits import shipped_limits
 from comparisons.judging.records import blank_record, run_record
 

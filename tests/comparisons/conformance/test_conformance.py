@@ -15,8 +15,7 @@ from comparisons.conformance.conformance import (
     with_expected,
 )
 from comparisons.conformance.mutants import MUTANT, MUTANTS, RELEASED
-from comparisons.conformance.results import CheckResult, Finding, NotTestedError
-from comparisons.conformance.trial import EngineTrial
+from comparisons.conformance.trial import CheckResult, EngineTrial, Finding, NotTestedError
 from comparisons.faults.symptoms import ACCELERATION, DRIVE, FORCE, GEOMETRY, MODEL, TORQUE, VELOCITY, symptoms
 from engines.direct_adapter.adapter import DirectEngine
 from tests.comparisons.conformance.wrong_engines import (

@@ -7,7 +7,7 @@ import pytest
 from comparisons.conformance import conformance
 from comparisons.conformance.conformance import CHECKS, INSTALLED, check_engine
 from comparisons.conformance.mutants import MUTANT, MUTANTS
-from comparisons.conformance.results import Finding
+from comparisons.conformance.trial import Finding
 from comparisons.runs.workers import Bounds
 from engines.registry import engine, engine_names
 

@@ -12,10 +12,10 @@ from analytic.description.loading import load
 from analytic.kinematics import frames
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import usual_case, usual_sheet
-from comparisons.datasheet.thinning import needed
+from comparisons.datasheet.instants import needed
 from tests.analytic.linkages import FOLDER, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
-from tests.reports.designs.results.samples import results
+from tests.reports.designs.samples import results
 
 
 @pytest.mark.parametrize("name", ["slotted-takeup", str(FOLDER / "drives" / "linear-motor.toml")])

@@ -12,7 +12,7 @@ from comparisons.datasheet.figures import BRAKING, MEAN, drive
 from comparisons.reference.case import Case, own_case
 from reports.command_line.commands.files import TEMPLATE
 from tests.analytic.linkages import FULL_TURN, from_text, mechanism
-from tests.reports.designs.results.samples import CRANK, MASS, ROD, SPEED, curves, engine, piston, piston_text, results
+from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, curves, engine, piston, piston_text, results
 
 CLOSE = 1e-11  # of the value: a refined peak of the closed form
 PLACE = 1e-6  # rad

@@ -12,7 +12,7 @@ from comparisons.datasheet.released import printed, released
 from comparisons.reference.case import own_motion
 from tests.analytic.linkages import from_text
 from tests.analytic.textbook import PENDULUM, ROTOR
-from tests.reports.designs.results.samples import released_sheet
+from tests.reports.designs.samples import released_sheet
 
 LAW = "\n[regimes.go]\ntorque = {torque}\nstart_angle = {angle}\nstart_speed = {speed}\nduration = 2\n"
 

@@ -9,7 +9,7 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
-from tests.reports.designs.results.samples import released_sheet
+from tests.reports.designs.samples import released_sheet
 
 
 @pytest.fixture(scope="module")

@@ -2,10 +2,9 @@
 
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.named_figures import named_figures
-from comparisons.designs.steady_motion import steady_motion
-from comparisons.designs.sweep.space import Grid, steps
-from comparisons.designs.sweep.sweep import SweepRequest
+from comparisons.designs.parameters import named_figures, steady_motion
+from comparisons.designs.space import Grid, steps
+from comparisons.designs.sweep import SweepRequest
 
 SIX_BAR = load("rimoldi-164")
 GRID = ("rod.B.x=160:180:5", "rod.mass=100g:0.2:3", "rod.centre.x=50:6cm:2")

@@ -5,10 +5,10 @@ import math
 import pytest
 
 from analytic.description.loading import load
-from analytic.designs.figure_names import REDUCTIONS, figure_names
+from analytic.designs.figures import REDUCTIONS, figure_names
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.named_figures import named_figures
+from comparisons.designs.parameters import named_figures
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text
 from tests.comparisons.designs.sweeps import BARE

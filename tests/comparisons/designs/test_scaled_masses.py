@@ -9,8 +9,7 @@ import linkproof
 from analytic.description.changes import numbers, with_numbers, without
 from analytic.description.loading import load, parse
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.named_figures import named_figures
-from comparisons.designs.steady_motion import steady_motion
+from comparisons.designs.parameters import named_figures, steady_motion
 from tests.analytic.drives import driven
 from tests.analytic.linkages import mechanism
 

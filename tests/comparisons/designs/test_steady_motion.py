@@ -6,8 +6,7 @@ import pytest
 from analytic.description.changes import LOADS, without
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.named_figures import named_figures
-from comparisons.designs.steady_motion import steady_motion
+from comparisons.designs.parameters import named_figures, steady_motion
 from tests.analytic.drives import path_of
 
 POWERS = {"Mkr": 2, "Teq": 2, "Peq": 3, "joint_force": 2, "stroke": 0}

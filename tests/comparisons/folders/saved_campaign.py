@@ -8,12 +8,11 @@ from analytic.description.crank_motion import crank_motion
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest
+from comparisons.campaign.project import judged_campaign
 from comparisons.campaign.results import document, load, save
-from comparisons.campaign.standards import judged_campaign
 from comparisons.datasheet.building import bare_sheet
-from comparisons.judging.limits import shipped_limits
+from comparisons.judging.limits import Standard, shipped_limits
 from comparisons.judging.records import RunRecord
-from comparisons.judging.verdicts import Standard
 from engines.contract import Outcome, Run
 from tests.comparisons.true_motions import perfect_motion
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from comparisons.faults.simulation import Simulation
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
-from comparisons.imported.judging.samples import Samples
+from comparisons.imported.judgement import Samples
 
 
 def samples(name, time):

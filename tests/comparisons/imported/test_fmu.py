@@ -12,10 +12,10 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.imported.files import binary_files
-from comparisons.imported.files.result_files import result_tables
+from comparisons.imported import binary_files
 from comparisons.imported.judge import judge
 from comparisons.imported.reading import read_results
+from comparisons.imported.result_files import result_tables
 
 HERE = Path(__file__).parent
 MODEL = load(str(HERE / "foreign" / "slider-crank.toml"))

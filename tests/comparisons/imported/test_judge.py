@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion
-from analytic.description.crank_motion.table import table_motion
+from analytic.description.crank_motion.prescribed import table_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.imported.columns import MappingNeededError
-from comparisons.imported.files.result_files import result_tables
 from comparisons.imported.reading import read_results
+from comparisons.imported.result_files import result_tables
 from tests.comparisons.imported import layouts
 from tests.comparisons.imported.layouts import Channel
 

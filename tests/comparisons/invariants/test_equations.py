@@ -15,8 +15,7 @@ from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants import corrections
 from comparisons.invariants.assur_groups import AssurGroups
-from comparisons.invariants.corrections import LEVELS, Corrected, findings
-from comparisons.invariants.relaxation import carried, forgotten, speed_errors
+from comparisons.invariants.corrections import LEVELS, Corrected, carried, findings, forgotten, speed_errors
 from comparisons.judging.limits import limit
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case

@@ -14,8 +14,7 @@ from analytic.description.crank_motion import REGIMES, CrankMotion, Segment, cra
 from analytic.description.linkage import ReleasedRegime, RotaryDamper
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.invariants import invariants
-from comparisons.invariants.checks import _check, checks
+from comparisons.invariants.checks import _check, checks, closure, crank_phase, joint_gaps
 from comparisons.invariants.energy_account import energy_balance
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import limit
@@ -303,7 +302,7 @@ def test_a_linkage_that_takes_the_smooth_way_through_a_change_point_is_caught_by
     one = _unequal(1e-7)
     history = _parallel(one)
     seen = ObservedMotion(one.scene(EVERYTHING), history)
-    assert invariants.joint_gaps(seen).values.max() < 1e-4 * 0.025
+    assert joint_gaps(seen).values.max() < 1e-4 * 0.025
     mode = Inspection(seen).assembly_mode()
     assert mode.values.max() > 0.5
     assert (
@@ -359,7 +358,7 @@ def test_the_angle_turned_before_the_first_acceleration_is_not_the_engines_error
     history = true_history(one)
     late = Signal(history.acceleration.time[4:], history.acceleration.values[4:])
     seen = Inspection(ObservedMotion(one.scene(EVERYTHING), dataclasses.replace(history, acceleration=late)))
-    assert np.max(invariants.crank_phase(seen).values) < 1e-12
+    assert np.max(crank_phase(seen).values) < 1e-12
 
 
 def test_tiny_dissipation_is_caught_over_many_turns():
@@ -408,11 +407,11 @@ def test_a_speed_its_acceleration_does_not_make_is_caught():
     one = released(JUKI, damping=0.5, torque=2.0, speed=10.0, turns=1.0)
     history = true_history(one, 401)
     seen = ObservedMotion(one.scene(EVERYTHING), history)
-    assert invariants.closure(Inspection(seen))["drift"].values.max() < limit("closure", "tuned", "own").value
+    assert closure(Inspection(seen))["drift"].values.max() < limit("closure", "tuned", "own").value
     slow = with_signal(
         history, "velocity", lambda values, time: values * (1.0 + 0.2 * np.exp(-time / 0.01))[:, None, None]
     )
-    drift = invariants.closure(Inspection(ObservedMotion(one.scene(EVERYTHING), slow)))["drift"]
+    drift = closure(Inspection(ObservedMotion(one.scene(EVERYTHING), slow)))["drift"]
     assert drift.values.max() > 0.1
 
 
@@ -428,7 +427,7 @@ def motion():
 def test_a_body_out_of_place_opens_its_joints_and_no_others(motion):
     moved = with_signal(motion.history, "position", lambda values, _: values + _at(values, 1000, 1))
     wrong = ObservedMotion(motion.scene, moved)
-    gaps = invariants.joint_gaps(wrong).values
+    gaps = joint_gaps(wrong).values
     assert gaps[1000] == pytest.approx(1e-6, rel=0.5)
     assert gaps[999] < 1e-15
     name = motion.scene.bodies[1].name

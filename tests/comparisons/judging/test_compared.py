@@ -13,9 +13,9 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.checks import checks
 from comparisons.judging.deviations import NoSampleError, deviation
+from comparisons.judging.limits import judge
 from comparisons.judging.quantities import QUANTITIES, all_quantities, chosen_quantities
 from comparisons.judging.records import Verdict, blank_record
-from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from engines.contract import Signal

@@ -9,10 +9,20 @@ import pytest
 from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
 from comparisons.judging.baseline import Baseline, Place, read_baseline, regime_key
-from comparisons.judging.limits import USERS, LimitTable, limit, read_limits, shipped_limits, with_rows
+from comparisons.judging.limits import (
+    USERS,
+    LimitTable,
+    Standard,
+    deciding,
+    judge,
+    limit,
+    read_limits,
+    shipped_limits,
+    shipped_standard,
+    with_rows,
+)
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.judging.records import Record, Verdict
-from comparisons.judging.verdicts import Standard, deciding, judge, shipped_standard
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Origin, Setting
 

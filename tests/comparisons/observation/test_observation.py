@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from comparisons.observation.interpolation import resample
-from comparisons.observation.quadrature import error_bound, error_estimate, integral
+from comparisons.observation.interpolation import error_bound, error_estimate, integral, resample
 from engines.contract import Signal
 
 

@@ -12,13 +12,13 @@ from analytic.description.schema import Erratum
 from analytic.dynamics import joint_forces, reduced
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.mechanism import Mechanism
-from analytic.turn.farthest import top_of_turn
-from analytic.turn.unit_functions import top_dead_centre
+from analytic.motion.farthest import top_of_turn
+from analytic.motion.unit_functions import top_dead_centre
 from comparisons.datasheet.building import usual_case
 from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import chosen_quantities
 from comparisons.reference.case import MOST_CLOCKS, Case
-from comparisons.reference.farthest import farthest
+from comparisons.reference.motion import farthest
 from comparisons.reference.printed_models import printed_motion
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.swinging import double_rocker

@@ -11,14 +11,14 @@ from itertools import count, islice, pairwise
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.runs.cluster import connecting
-from comparisons.runs.cluster.connecting import check_scheduler, opened
-from comparisons.runs.failures import GIB, Failure, Lost
+from comparisons.runs import cluster as connecting
+from comparisons.runs.cluster import check_scheduler, opened
+from comparisons.runs.run_engine import GIB, Failure, Lost
 from comparisons.runs.workers import EVERY_CORE, Bounds, PoolLostError, run_jobs
 from tests.comparisons.faults import PATIENCE, children, job, wait_for
 from tests.comparisons.runs.test_workers import runs, written
 
-pools = pytest.importorskip("comparisons.runs.cluster.pool", exc_type=ImportError)
+pools = pytest.importorskip("comparisons.runs.cluster_pool", exc_type=ImportError)
 pytestmark = [
     pytest.mark.skipif(not sys.platform.startswith("linux"), reason="kills processes, and reads /proc"),
 ]
@@ -245,8 +245,8 @@ def test_a_lost_scheduler_is_an_error_and_its_processes_end(tmp_path):
 
 COMMAND = """
 import sys
-from comparisons.runs.cluster import connecting
-from comparisons.runs.cluster.connecting import opened
+from comparisons.runs import cluster as connecting
+from comparisons.runs.cluster import opened
 from tests.comparisons.faults import PATIENCE, job
 connecting.PATIENCE = PATIENCE
 with opened("local:1", None) as pool:

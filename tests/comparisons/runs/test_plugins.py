@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import pytest
 
 from comparisons.runs import plugins
-from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.plugins import engine
+from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.workers import run_jobs
 from engines import registry
 from tests.comparisons.faults import announce

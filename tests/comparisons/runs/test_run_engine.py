@@ -12,8 +12,7 @@ from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.runs import environment
-from comparisons.runs.failures import AdapterError
-from comparisons.runs.run_engine import gap, readable
+from comparisons.runs.run_engine import AdapterError, gap, readable
 from comparisons.runs.timing import Noise, calibrate, no_collection, timed
 from engines.contract import Outcome, Run, Signal
 from engines.scene import Free, Prescribed

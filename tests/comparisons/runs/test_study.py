@@ -2,7 +2,7 @@
 
 import pytest
 
-from comparisons.runs.failures import Failure, Lost
+from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.study import Journal, Study, Task
 from comparisons.runs.workers import LocalPool
 from tests.comparisons.faults import job

@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from comparisons.runs import worker_pool
-from comparisons.runs.failures import GIB, SHOW_OUTPUT, Failure, Lost
+from comparisons.runs.run_engine import GIB, SHOW_OUTPUT, Failure, Lost
 from comparisons.runs.worker_pool import WorkerPool
 from comparisons.runs.workers import Bounds, LastingPool, run_jobs
 from tests.comparisons.faults import PATIENCE, Clock, job, wait_for, work_within

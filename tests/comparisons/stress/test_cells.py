@@ -8,16 +8,15 @@ import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.runs import environment
-from comparisons.runs.failures import AdapterError, Failure, Lost
 from comparisons.runs.record_file import RECORDS
+from comparisons.runs.run_engine import AdapterError, Failure, Lost
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress
-from comparisons.stress.axes import axes
 from comparisons.stress.campaign import StressRequest, make_cells
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
-from comparisons.stress.cells import find_cell, lost, made, usages
+from comparisons.stress.cells import axes, find_cell, lost, made, usages
 from comparisons.stress.scenes import case
 from engines.contract import Abilities, Method, Outcome, Run
 from tests.comparisons.faults import PATIENCE

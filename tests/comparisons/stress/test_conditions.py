@@ -16,7 +16,7 @@ from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import FreeMotion
 from comparisons.reference.case import own_motion
-from comparisons.stress.axes import axes, chosen_axes
+from comparisons.stress.cells import axes, chosen_axes
 from comparisons.stress.scenes import (
     MOST_RELAXATIONS,
     RELEASED,

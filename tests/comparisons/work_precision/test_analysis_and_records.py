@@ -14,10 +14,10 @@ from comparisons.work_precision.analysis import (
     judged,
     method_sweeps,
     on_front,
+    places,
 )
-from comparisons.work_precision.floor import Cause
-from comparisons.work_precision.places import places
 from comparisons.work_precision.records import KIND, Bench, by_quantity, load, save
+from comparisons.work_precision.step_sweep import Cause
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 

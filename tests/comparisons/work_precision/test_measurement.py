@@ -11,7 +11,7 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, own_case
 from comparisons.reference.start_state import scene
-from comparisons.runs.failures import AdapterError
+from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import costs
 from comparisons.work_precision import measure as point
 from comparisons.work_precision.costs import REDUCTIONS, ROUNDS, most_reducible

@@ -10,15 +10,15 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
-from comparisons.runs.failures import Failure, Lost
+from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure, rounds
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import method_sweeps
-from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.points import OUT_OF_TIME, Extent, planned_sweeps
 from comparisons.work_precision.records import SETTING
+from comparisons.work_precision.step_sweep import Cause
 from comparisons.work_precision.study import BenchRequest, bench
 from engines.contract import Setting
 from tests.comparisons.bench_engine import METHODS, KnownEngine

@@ -6,9 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.stats import theilslopes
 
-from comparisons.work_precision.floor import Cause, floor
 from comparisons.work_precision.step_sweep import (
+    Cause,
     StepSweep,
+    floor,
     observed_order,
     pareto,
     price,

@@ -12,7 +12,7 @@ from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND
 from analytic.motion.released import free_motion
-from comparisons.invariants import invariants
+from comparisons.invariants.checks import joint_gaps
 from comparisons.invariants.inspection import Inspection
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene
@@ -92,7 +92,7 @@ def test_the_motion_keeps_the_laws_of_mechanics_by_itself(name):
     linkage = on_trial(name, None, True)
     model, history = _run(linkage, _motion("constant-speed"))
     seen, time = ObservedMotion(model, history), history.torque.time
-    assert np.max(invariants.joint_gaps(seen).values) <= ROUNDING * linkage.linkage.extent()
+    assert np.max(joint_gaps(seen).values) <= ROUNDING * linkage.linkage.extent()
     power = history.torque.values * seen.crank(Channel.VELOCITY, time) + seen.load_power(time)
     energy = seen.kinetic_energy(time) + seen.potential_energy(time)
     surplus = energy - energy[0] - cumulative_simpson(power, x=time, initial=0.0)

@@ -7,7 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
-from engines.mechanics.loads import applied_loads
+from engines.mechanics.joints import applied_loads
 from engines.mechanics.states import pose_of, start_motion
 from engines.mujoco_adapter import EXPERT, MujocoEngine
 from engines.scene import Prescribed

@@ -11,8 +11,7 @@ from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
 from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict, run_record
-from reports.campaign.junit import junit
-from reports.campaign.summary import markdown
+from reports.campaign.summary import junit, markdown
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
 from tests.comparisons.judging.test_judgement import RECORD

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reports.charts import draw, labels, scales
-from reports.charts.style import DARK, PALETTE
+from reports.charts.scales import DARK, PALETTE
 from reports.document.chart import Chart, Curve, Mark, Note, Panel
 from tests.reports.drawn_words import check_words, texts
 

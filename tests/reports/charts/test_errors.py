@@ -5,7 +5,7 @@ import numpy as np
 from comparisons.judging.records import Verdict
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from reports.charts import draw
-from reports.charts.errors import MARKERS, errors_chart
+from reports.charts.judged import MARKERS, errors_chart
 from reports.records.views import views
 from tests.reports.drawn_words import texts
 from tests.reports.made_up_results import made_up_results

@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.crank_motion import LAWS, REGIMES
 from comparisons.judging.quantities import QUANTITIES
-from comparisons.stress.axes import axes
+from comparisons.stress.cells import axes
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line.parameters import GLOSSARY

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from analytic.errors import LinkproofError
-from reports.command_line.interruption import interruptible, journal
+from reports.command_line.destination import interruptible, journal
 from reports.requests.campaign import request
-from reports.requests.options.campaign import CompareOptions
-from reports.requests.options.declaring import command_line
+from reports.requests.campaign_options import CompareOptions
+from reports.requests.options import command_line
 
 OPTIONS = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",))
 

@@ -3,7 +3,7 @@
 import io
 import sys
 
-from reports.document.characters import accept_any_text
+from reports.document.numbers import accept_any_text
 
 
 def test_a_sign_that_a_character_set_lacks_is_shown_by_a_plain_one(monkeypatch):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from markupsafe import Markup
 
-from reports.charts.style import DARK, NAMED, PALETTE, PAPER
+from reports.charts.scales import DARK, NAMED, PALETTE, PAPER
 from reports.document import html
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import (

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from comparisons.datasheet.thinning import extremes
+from comparisons.datasheet.instants import extremes
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.mechanism.curves import STRETCHES, chart_data, curves, pack, worst_samples

@@ -11,7 +11,7 @@ from comparisons.reference.case import Case
 from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table, Widget
 from reports.mechanism.page import file_of, page
 from tests.analytic.linkages import MADE_UP, from_text, mechanism
-from tests.reports.designs.results.samples import MASS, TURN, piston_text
+from tests.reports.designs.samples import MASS, TURN, piston_text
 from tests.reports.made_up_results import made_up_results
 
 

@@ -7,7 +7,7 @@ from analytic.description.loading import load
 from comparisons.datasheet.building import usual_sheet
 from reports.mechanism.page import SAMPLES, player_data
 from tests.analytic.linkages import FOLDER
-from tests.reports.designs.results.samples import SPEED
+from tests.reports.designs.samples import SPEED
 from tests.reports.mechanism.test_shown import shown
 
 

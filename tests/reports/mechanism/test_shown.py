@@ -12,7 +12,7 @@ from comparisons.datasheet.curves import SignalFigure
 from comparisons.reference.case import Case
 from reports.mechanism.shown import words
 from tests.analytic.linkages import FOLDER, from_text
-from tests.reports.designs.results.samples import CRANK, ROD, SPEED, piston_text
+from tests.reports.designs.samples import CRANK, ROD, SPEED, piston_text
 
 
 def shown(speed=SPEED, start=0.0, length="mm", metres=1e-3):

@@ -8,7 +8,7 @@ import pytest
 from analytic.description.loading import load
 from comparisons.datasheet.building import usual_sheet
 from reports.mechanism.page import feed_chart, released_section, sentences, thread_section
-from tests.reports.designs.results.samples import released_sheet
+from tests.reports.designs.samples import released_sheet
 
 
 @pytest.mark.parametrize("name", ["fork-takeup", "slotted-takeup"])

@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from comparisons.campaign.standards import JudgedCampaign
+from comparisons.campaign.project import JudgedCampaign
 from comparisons.judging.records import Record, run_record
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.pytest_plugin import asserting
 from reports.python.campaign import Comparison
-from reports.requests.options.campaign import CompareOptions
+from reports.requests.campaign_options import CompareOptions
 from tests.reports.pytest_plugin.projects import project, run
 
 pytest_plugins = ["pytester"]

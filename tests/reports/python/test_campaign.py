@@ -6,7 +6,7 @@ from matplotlib.text import Text
 
 import linkproof
 from analytic.description.loading import read
-from comparisons.campaign.standards import JudgedCampaign
+from comparisons.campaign.project import JudgedCampaign
 
 FAST = {"engine": "direct", "jobs": 0}
 

@@ -7,7 +7,7 @@ import xarray
 import linkproof
 from reports.command_line.commands.sweep import sweep
 from reports.command_line.destination import Destination
-from reports.requests.options.designs import SweepFiles, SweepOptions
+from reports.requests.designs_options import SweepFiles, SweepOptions
 from tests.comparisons.faults import announce
 
 da = pytest.importorskip("dask.array")

@@ -8,9 +8,8 @@ from comparisons.folders.difference import FolderDifference, MovedRecord, RunPai
 from comparisons.judging.records import Record, Verdict
 from reports.document.numbers import ABSENT
 from reports.document.terminal import rendered
-from reports.records import matrix
 from reports.records.differences import changed_figures, difference_printout
-from reports.records.views import View, anchor, once, short_title, views
+from reports.records.views import View, anchor, limit_table, once, short_title, views
 from tests.analytic.drives import driven
 from tests.reports.made_up_results import made_up_results
 
@@ -21,7 +20,7 @@ def results():
 
 
 def test_limits_carry_their_reasons(results):
-    rows = matrix.limit_table(results).rows
+    rows = limit_table(results).rows
     jeq = next(row for row in rows if row[0].startswith("Jeq") and "tuned" in row[1])
     assert jeq[3] == "1e-5"
     assert "smoother than torque" in jeq[4]

@@ -11,15 +11,14 @@ from analytic.description.loading import catalogue, find
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.machine_code.compiling import cores
 from comparisons.campaign.campaign import cases
-from comparisons.runs.failures import GIB
+from comparisons.runs.run_engine import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.requests import campaign
-from reports.requests.campaign import installed, left_out, linkages, request
-from reports.requests.options.campaign import CompareOptions, RunLimits
-from reports.requests.options.declaring import command_line, stated
-from reports.requests.running import Running, running
+from reports.requests.campaign import Running, installed, left_out, linkages, request, running
+from reports.requests.campaign_options import CompareOptions, RunLimits
+from reports.requests.options import command_line, stated
 from tests.counting import calls
 
 JUKI = "juki-mf7923d"

@@ -10,10 +10,10 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.building import MARGIN
 from reports.requests.campaign import request
+from reports.requests.campaign_options import CompareOptions
+from reports.requests.motion_options import MotionOptions
 from reports.requests.motions import own_regimes, prescribed
-from reports.requests.options.campaign import CompareOptions
-from reports.requests.options.declaring import stated
-from reports.requests.options.motion import MotionOptions
+from reports.requests.options import stated
 from tests.analytic.drives import driven, path_of
 
 SWING = {"from_angle": 20.0, "to_angle": 110.0}

@@ -8,8 +8,8 @@ import pytest
 from analytic.description.loading import read
 from analytic.errors import LinkproofError, UnknownNameError
 from reports.requests.campaign import files, request
-from reports.requests.options.campaign import BenchOptions, CompareOptions, RunLimits, StandardOptions, StressOptions
-from reports.requests.options.declaring import command_line
+from reports.requests.campaign_options import BenchOptions, CompareOptions, RunLimits, StandardOptions, StressOptions
+from reports.requests.options import command_line
 from reports.requests.standard import baseline_file, in_project, of_project
 
 PROJECT = """

@@ -9,8 +9,8 @@ import pytest
 import linkproof as package
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from reports.requests.options.designs import SweepOptions
-from reports.requests.steady import steady_case
+from reports.requests.case import steady_case
+from reports.requests.designs_options import SweepOptions
 from tests.analytic.drives import path_of
 from tests.commands import linkproof, refused
 

@@ -7,17 +7,15 @@ import re
 import pytest
 
 from comparisons.judging.records import QuantityRecord
-from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cell_result import Cell, StressVerdict
+from comparisons.stress.cells import axes
 from reports.document import html
 from reports.document.parts import as_text
 from reports.document.terminal import rendered
-from reports.stress.facts import SIGNS, axis_title
-from reports.stress.maps import border_place, map_data, story
+from reports.stress.maps import SIGNS, axis_title, border_place, map_data, story
 from reports.stress.page import MOST_OPEN, OPEN, draw_map, page
-from reports.stress.tables import MOST_ALONE, border_table, incident_table, ranking, summary
-from reports.stress.terminal import cell_details, printout
+from reports.stress.tables import MOST_ALONE, border_table, cell_details, incident_table, printout, ranking, summary
 from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
 
 STRESS = made_up_stress()

@@ -5,8 +5,7 @@ import re
 
 import pytest
 
-from comparisons.work_precision.analysis import apart, on_front
-from comparisons.work_precision.places import by_regime, places
+from comparisons.work_precision.analysis import apart, by_regime, on_front, places
 from comparisons.work_precision.records import KIND, METHOD, Bench, load, save
 from reports.document import html
 from reports.document.parts import Fold, Section

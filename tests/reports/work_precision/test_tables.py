@@ -1,9 +1,8 @@
 """A benchmark in words and tables: choices, orders and floors, costs, and the terminal."""
 
-from comparisons.work_precision.analysis import WANTED
-from comparisons.work_precision.floor import Cause
-from comparisons.work_precision.places import by_regime, places
+from comparisons.work_precision.analysis import WANTED, by_regime, places
 from comparisons.work_precision.records import Bench, MeasuredCost
+from comparisons.work_precision.step_sweep import Cause
 from reports.document.parts import Fold, Table
 from reports.document.terminal import rendered
 from reports.work_precision.choices import section, verdicts

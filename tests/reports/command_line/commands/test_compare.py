@@ -10,7 +10,7 @@ import pytest
 
 from analytic.description.loading import read
 from comparisons.campaign.results import load
-from reports.records import matrix
+from reports.records.views import limit_table
 from tests.commands import linkproof
 from tests.comparisons.faults import announce
 
@@ -102,7 +102,7 @@ def test_limits_of_a_file_are_saved_with_the_results(folder):
         "quantities": ["Mkr"], "settings": [], "regimes": [], "mechanisms": [], "value": 0.001, "reason": "my own",
     }  # fmt: skip
     assert len(document["descriptions"][0]["checksum"]) == 16
-    assert matrix.limit_table(load(folder / "out")).rows[0][3:] == ("1e-3", "my own")
+    assert limit_table(load(folder / "out")).rows[0][3:] == ("1e-3", "my own")
     assert "my own" in (folder / "out" / "RESULTS.md").read_text(encoding="utf-8")
 
 

@@ -11,7 +11,7 @@ from comparisons.conformance import conformance
 from reports.command_line.commands import engines
 from reports.command_line.commands.engines import export
 from reports.command_line.destination import Destination
-from reports.requests.options.campaign import ExportOptions
+from reports.requests.campaign_options import ExportOptions
 from tests.comparisons.conformance.wrong_engines import Direct, PrintingEngine
 
 CELL = "jump/four-bar/0.1/exudyn/tuned"

@@ -7,12 +7,12 @@ import pytest
 
 from analytic.errors import LinkproofError
 from reports.command_line.commands.results import results
-from reports.requests.options.linkage import ResultsFiles, ResultsOptions
+from reports.requests.motion_options import ResultsFiles, ResultsOptions
 from tests.analytic.drives import path_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
 from tests.options import shared_out
-from tests.reports.designs.results.samples import piston_text
+from tests.reports.designs.samples import piston_text
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from comparisons.stress.cell_result import StressVerdict, blank_result
 from reports.command_line.commands import stress
 from reports.command_line.commands.stress import run
 from reports.command_line.destination import Destination
-from reports.requests.options.campaign import StressOptions
+from reports.requests.campaign_options import StressOptions
 from tests.comparisons.faults import PATIENCE
 
 CELL = "start/positions/1e-08/direct/tuned"

@@ -17,7 +17,7 @@ from comparisons.campaign.results import load as load_campaign
 from comparisons.folders.verification import verify
 from reports.command_line.commands.sweep import sweep
 from reports.command_line.destination import Destination
-from reports.requests.options.designs import SweepFiles, SweepOptions
+from reports.requests.designs_options import SweepFiles, SweepOptions
 from tests.comparisons.faults import announce
 from tests.options import shared_out
 

@@ -8,7 +8,7 @@ import pytest
 import linkproof as package
 from analytic.errors import LinkproofError
 from reports.command_line.commands.tolerance import tolerance
-from reports.requests.options.designs import ToleranceFiles, ToleranceOptions
+from reports.requests.designs_options import ToleranceFiles, ToleranceOptions
 from tests.analytic.drives import path_of
 from tests.commands import linkproof, refused
 from tests.options import shared_out

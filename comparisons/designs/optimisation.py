@@ -1,0 +1,284 @@
+"""The best design of a linkage for a request, with further results for its designer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import with_numbers
+from analytic.designs.derivatives import signal_gradients
+from analytic.designs.figures import Reduction
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designs.parameters import NamedFigure, SteadyMotion, named_figures
+from comparisons.designs.problem import (
+    ALLOWED_EXCESS,
+    Constraint,
+    DesignProblem,
+    Variable,
+    constraint,
+    constraint_texts,
+    variables,
+)
+from comparisons.designs.searches import ACTIVE, Announce, Descent, End, Search, independent, search
+
+# An optimum whose lengths can be made: whole steps between their bounds, the other numbers searched for again.
+
+
+NEAR = 1e-9  # of a step: a bound that is a multiple but for rounding
+
+
+def step_size(variables: Sequence[Variable], text: str) -> float:
+    """The step, m, that is typed as ``0.1mm`` or in the file's unit; raises LinkproofError for none."""
+    lengths = [variable.parameter for variable in variables if variable.parameter.kind == "length"]
+    if not lengths:
+        raise LinkproofError("--round: expected a length among the numbers of --over, got none; leave it out")
+    step = replace(lengths[0], name="--round").si(text)
+    if not step > 0.0:
+        raise LinkproofError(f"--round: expected a positive length, got '{text}'; correct it")
+    return step
+
+
+def rounded(problem: DesignProblem, numbers: Mapping[str, float], step: float) -> dict[str, float]:
+    """Numbers, SI, of the best design near an optimum's whose lengths are multiples of a step, m.
+
+    One length after the other takes the better of its two neighbours, and the numbers that are left are searched for
+    anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds without a multiple.
+    """
+    best, left = dict(numbers), list(problem.variables)
+    for variable in [entry for entry in problem.variables if entry.parameter.kind == "length"]:
+        left.remove(variable)
+        name, unit = variable.parameter.name, variable.parameter.unit
+        below = math.floor(best[name] / step + NEAR)
+        near = [
+            n * step
+            for n in (below, below + 1)
+            if variable.low - NEAR * step <= n * step <= variable.high + NEAR * step
+        ]
+        tried = [_solved(problem, {**best, name: value}, left) for value in near]
+        ranked = [(rank, number) for number, (rank, _) in enumerate(tried) if rank is not None]
+        if not ranked:
+            raise LinkproofError(
+                f"--round: expected designs at multiples of {step / unit.size:g} {unit.name} beside {name} "
+                f"{best[name] / unit.size:g}, within the bounds, got none; give a finer step or wider bounds"
+            )
+        best = tried[min(ranked)[1]][1]
+    return best
+
+
+def _solved(
+    problem: DesignProblem, numbers: dict[str, float], left: Sequence[Variable]
+) -> tuple[tuple[float, float] | None, dict[str, float]]:
+    """Numbers with those that are ``left`` searched for anew, and their rank; None where there is no such design."""
+    fixed = {
+        name: value for name, value in numbers.items() if name not in {variable.parameter.name for variable in left}
+    }
+    if left:
+        mechanism = problem.mechanism.redesigned(with_numbers(problem.mechanism.linkage, fixed))
+        rest = replace(problem, mechanism=mechanism, variables=tuple(left))
+        start = np.array([numbers[variable.parameter.name] for variable in left])
+        end = Descent(rest).run(np.clip((start - rest.low) / rest.width, 0.0, 1.0))
+        numbers = numbers if end is None else {**fixed, **rest.numbers(end.place)}
+    values = np.array([numbers[variable.parameter.name] for variable in problem.variables])
+    try:
+        return Descent(problem).end((values - problem.low) / problem.width).rank, numbers
+    except AssemblyError:
+        return None, numbers
+
+
+# The best design of a linkage for a request, with further results for its designer.
+
+Array = NDArray[np.float64]
+
+REPORTED: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min")
+KINKED: Final = (Reduction.MAX, Reduction.RANGE)
+OF_MANY: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
+
+
+@dataclass(frozen=True)
+class OptimisationRequest:
+    """An optimisation as typed: a figure, numbers to vary, figures to constrain, and search options.
+
+    Lengths are rounded to a ``step``, if there is one.
+    """
+
+    figure: str
+    over: Sequence[str]
+    keep: Sequence[str] = ()
+    is_least: bool = True
+    starts: int = 1
+    seed: int = 0
+    everywhere: bool = False
+    step: str = ""
+
+    def check(self) -> None:
+        """Raise LinkproofError for options that contradict one another or are out of range."""
+        if self.starts < 1:
+            raise LinkproofError(f"--starts: expected 1 or more designs, got {self.starts}; correct it")
+        if self.seed < 0:
+            raise LinkproofError(f"--seed: expected a number that is not negative, got {self.seed}; correct it")
+        if self.everywhere and self.starts > 1:
+            raise LinkproofError("--global chooses its starts itself, and --starts says how many: leave one out")
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The best design: numbers and ``values`` (2, figures), SI, before and after; the aims come first.
+
+    Lengths are multiples of a ``step``, if one was typed; ``exact`` (figures,) are the values before they were rounded.
+    """
+
+    problem: DesignProblem
+    search: Search
+    end: End
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    figures: tuple[NamedFigure, ...]
+    values: Array
+    step: str
+    exact: Array
+
+    def bound(self, variable: Variable) -> str:
+        """At which of its bounds a number ended: lower, upper, or neither."""
+        here = (self.after[variable.parameter.name] - variable.low) / (variable.high - variable.low)
+        return "lower" if here < ACTIVE else "upper" if here > 1.0 - ACTIVE else ""
+
+    def curves(self) -> dict[str, Array]:
+        """The signals of aims and constraints, and Mkr, over the crank angles of the search: (2, angles), SI."""
+        known = self.problem.mechanism
+        names = [figure.figure.signal for figure in (*self.problem.figures, *_reported(known, ["Mkr.peak"]))]
+        signals, maxima = tuple(dict.fromkeys(names)), self.problem.maxima
+        rows = [
+            signal_gradients(known, numbers, signals, maxima.grid, speed=maxima.motion.speed)[0]
+            for numbers in (self.before, self.after)
+        ]
+        return dict(zip(signals, np.stack(rows, axis=1), strict=True))
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether the constraints leave nothing to vary."""
+        slopes = self.problem.at(self.end.place, self.problem.windows(self.end.place)).equal_slopes
+        return len(independent(slopes)) == len(self.problem.variables)
+
+    @property
+    def change(self) -> Array:
+        """Relative changes of the figures (figures,); nan from zero."""
+        before, after = self.values
+        return np.asarray((after - before) / np.where(before == 0.0, np.nan, np.abs(before)))
+
+
+def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRequest, announce: Announce) -> Optimum:
+    """The best design between the bounds; raises LinkproofError for bad input and if no design is feasible."""
+    request.check()
+    varied = variables(mechanism.linkage, request.over, motion.speed)
+    step = step_size(varied, request.step) if request.step else None
+    aims = named_figures(mechanism, [request.figure])
+    sign = 1.0 if request.is_least else -1.0
+    texts = constraint_texts(mechanism, request.keep)
+    _check_figures(aims, tuple(texts), request)
+    requested = named_figures(mechanism, [*dict.fromkeys(figure.name for figure in (*aims, *texts))])
+    others = [
+        figure
+        for figure in _reported(mechanism, REPORTED)
+        if figure.name not in {named_figure.name for named_figure in requested}
+    ]
+    figures = (*requested, *others)
+    before = {variable.parameter.name: variable.parameter.value for variable in varied}
+    own = _figures(mechanism, motion, figures, before)
+    sizes = dict(zip((figure.name for figure in figures), own, strict=True))
+    constraints = tuple(constraint(figure, text, float(sizes[figure.name])) for figure, text in texts.items())
+    problem = DesignProblem(
+        mechanism, motion, aims, sign, varied, constraints,
+        max(float(np.max([np.abs(sizes[aim.name]) for aim in aims])), _least(aims[0])),
+        tuple(max(_size(part), abs(float(sizes[part.figure.name])), _least(part.figure)) for part in constraints),
+    )  # fmt: skip
+    start = np.clip((np.array(list(before.values())) - problem.low) / problem.width, 0.0, 1.0)
+    _check_depends(problem, start)
+    result = search(problem, start, announce, starts=request.starts, seed=request.seed, everywhere=request.everywhere)
+    end = _checked(problem, result, motion)
+    exact = problem.numbers(end.place)
+    after = exact if step is None else rounded(problem, exact, step)
+    values = np.array([own, *(_figures(mechanism, motion, figures, numbers) for numbers in (after, exact))])
+    return Optimum(problem, result, end, before, after, figures, values[:2], request.step, values[2])
+
+
+def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], request: OptimisationRequest) -> None:
+    """Raise LinkproofError for figures that cannot be optimised or constrained."""
+    for figure in (*aims, *keep):
+        if figure.figure.signal.startswith("transmission_angle:") and figure.figure.reduction in KINKED:
+            raise LinkproofError(f"{figure.name}: expected .min, the least transmission angle, which can be optimised "
+                                 "and kept; its largest is mostly 90°, in a kink")  # fmt: skip
+    if len(aims) > 1 and aims[0].figure.reduction not in (OF_MANY if request.is_least else (Reduction.MIN,)):
+        names = ", ".join(aim.name for aim in aims)
+        raise LinkproofError(f"expected one figure, got {request.figure}, which stands for {names}; choose one of them")
+
+
+def _reported(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
+    """Those of the figures that the linkage has."""
+    figures: list[NamedFigure] = []
+    for name in names:
+        try:
+            figures += named_figures(mechanism, [name])
+        except LinkproofError:
+            continue
+    return figures
+
+
+def _figures(
+    mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure], design: Mapping[str, float]
+) -> Array:
+    """Figures (figures,) of a design, refined, SI."""
+    numbers = {name: np.array([value]) for name, value in design.items()}
+    return motion.figures(mechanism, numbers, [figure.figure for figure in figures])[:, 0]
+
+
+def _size(figure: Constraint) -> float:
+    return max((abs(end) for end in (figure.low, figure.high) if np.isfinite(end)), default=0.0)
+
+
+def _least(figure: NamedFigure) -> float:
+    """A size for a figure that is zero: a millionth of the file's unit."""
+    return 1e-6 * figure.unit.size
+
+
+def _check_depends(problem: DesignProblem, start: Array) -> None:
+    """Raise LinkproofError where the aim depends on none of the numbers."""
+    try:
+        model = problem.at(start, problem.windows(start))
+    except AssemblyError:
+        return
+    if not np.any(np.abs(model.aim_slopes) > ALLOWED_EXCESS):
+        names = ", ".join(variable.parameter.name for variable in problem.variables)
+        aim = ", ".join(figure.name for figure in problem.aims)
+        raise LinkproofError(f"expected a figure that depends on {names}, got {aim}, which does not; choose others")
+
+
+def _checked(problem: DesignProblem, result: Search, motion: SteadyMotion) -> End:
+    """The best end; raises LinkproofError where no design assembles or the constraints are out of reach."""
+    best = result.best
+    if best is None:
+        raise LinkproofError(
+            f"expected designs that can be assembled at every angle, got none of {result.counter.sampled + 1} within "
+            "the bounds; choose others"
+        )
+    if best.is_feasible:
+        return best
+    values = _figures(problem.mechanism, motion, problem.figures, problem.numbers(best.place))[len(problem.aims) :]
+    worst = max(
+        zip(problem.constraints, values, problem.constraint_sizes, strict=True),
+        key=lambda row: float(row[0].missed(row[1])) / row[2],
+    )
+    figure, value, size = worst[0].figure, worst[1], worst[0].figure.unit.size
+    ends = [f"{word} {end / size:.6g}" for word, end in (("from", worst[0].low), ("to", worst[0].high))
+            if np.isfinite(end)]  # fmt: skip
+    name = f"of {worst[0].low / size:.6g}" if worst[0].is_equal else " ".join(ends)
+    unit = f" {figure.unit.name}" if figure.unit.name else ""
+    raise LinkproofError(
+        f"expected a design with {figure.name} {name}{unit}, got none within the bounds; the nearest found has "
+        f"{float(value) / size:.6g}{unit}: widen --over or --keep"
+    )

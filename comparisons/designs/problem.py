@@ -1,0 +1,294 @@
+"""The optimisation problem: a figure of a linkage, bounded numbers of its file as variables, constraints on figures."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import SPEED
+from analytic.description.linkage import Linkage
+from analytic.designs.figures import Figure, Reduction, SignalExtreme
+from analytic.designs.results import design_figures
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designs.local_maxima import LocalMaxima, Window, reduction, sides
+from comparisons.designs.parameters import NamedFigure, Parameter, SteadyMotion, named_figures, parameter
+
+Array = NDArray[np.float64]
+
+ALLOWED_EXCESS: Final = 1e-9  # share of its size by which a figure may violate its constraint
+
+
+class Variable(NamedTuple):
+    """A number that may differ between bounds, SI."""
+
+    parameter: Parameter
+    low: float
+    high: float
+
+
+class Constraint(NamedTuple):
+    """A figure that stays between two values, SI, or at one."""
+
+    figure: NamedFigure
+    low: float
+    high: float
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether the range is a single value."""
+        return self.low == self.high
+
+    def missed(self, value: Array) -> Array:
+        """By how much values are out of it, 0 where they are not."""
+        return np.maximum(np.maximum(self.low - value, value - self.high), 0.0)
+
+
+class Pieces(NamedTuple):
+    """A figure as ``sign`` times the highest of smooth values (k,), with their derivatives (k, variables)."""
+
+    sign: float
+    values: Array
+    slopes: Array
+
+    @property
+    def top(self) -> tuple[Array, Array]:
+        """The highest alone: (1,), (1, variables)."""
+        here = slice(best := int(np.argmax(self.values)), best + 1)
+        return self.values[here], self.slopes[here]
+
+    @property
+    def value(self) -> float:
+        """The figure."""
+        return self.sign * float(np.max(self.values))
+
+    def below(self, sign: float) -> tuple[Array, Array]:
+        """Values whose highest is ``sign`` times the figure: all the pieces, or the negative of the highest."""
+        if sign == self.sign:
+            return self.values, self.slopes
+        values, slopes = self.top
+        return -values, -slopes
+
+
+class Linearised(NamedTuple):
+    """A design: what the aim has to be above, and what has to be positive or zero, with their derivatives; scaled."""
+
+    aim: Array
+    aim_slopes: Array
+    inside: Array
+    inside_slopes: Array
+    equal: Array
+    equal_slopes: Array
+
+    @property
+    def missed(self) -> float:
+        """The largest relative violation of a constraint."""
+        return float(max(np.max(-self.inside, initial=0.0), np.max(np.abs(self.equal), initial=0.0)))
+
+
+@dataclass(frozen=True)
+class DesignProblem:
+    """Minimise the largest of the ``aims``, or with ``sign`` -1 maximise the least, over ``variables``.
+
+    Designs are points between 0 and 1, the bounds. Sizes are those of the design ``start`` from the file.
+    """
+
+    mechanism: Mechanism
+    motion: SteadyMotion
+    aims: tuple[NamedFigure, ...]
+    sign: float
+    variables: tuple[Variable, ...]
+    constraints: tuple[Constraint, ...]
+    aim_size: float
+    constraint_sizes: tuple[float, ...]
+
+    @property
+    def figures(self) -> tuple[NamedFigure, ...]:
+        """The aims and the constrained figures."""
+        return (*self.aims, *(figure.figure for figure in self.constraints))
+
+    @cached_property
+    def maxima(self) -> LocalMaxima:
+        """Finds the local maxima of every signal side that an aim or a constraint is made of, for any design."""
+        every = [side for figure in self.figures for side in sides(figure.figure)]
+        return LocalMaxima(self.mechanism, self.motion, tuple(dict.fromkeys(every)))
+
+    @cached_property
+    def low(self) -> Array:
+        """Lower bounds, SI."""
+        return np.array([variable.low for variable in self.variables])
+
+    @cached_property
+    def width(self) -> Array:
+        """The bounds' distances, SI."""
+        return np.array([variable.high - variable.low for variable in self.variables])
+
+    def numbers(self, place: Array) -> dict[str, float]:
+        """A design's numbers, SI."""
+        values = np.clip(self.low + self.width * place, self.low, self.low + self.width)
+        return dict(zip((variable.parameter.name for variable in self.variables), values.tolist(), strict=True))
+
+    def windows(self, place: Array) -> tuple[Window, ...]:
+        """Windows around a design's local maxima; raises AssemblyError."""
+        return self.maxima.windows(self.numbers(place)) if self.maxima.sides else ()
+
+    def at(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
+        """The design at a place, with the same local maxima for the same windows; raises AssemblyError."""
+        pieces = self._pieces(place, windows)
+        aims = [piece.below(self.sign) for piece in pieces[: len(self.aims)]]
+        inside, equal = [], []
+        for figure, entry, size in zip(self.constraints, pieces[len(self.aims) :], self.constraint_sizes, strict=True):
+            if figure.is_equal:
+                values, slopes = entry.top
+                equal.append(((entry.sign * values - figure.low) / size, entry.sign * slopes / size))
+                continue
+            for sign, bound in ((1.0, figure.high), (-1.0, -figure.low)):
+                if np.isfinite(bound):
+                    values, slopes = entry.below(sign)
+                    inside.append(((bound - values) / size, -slopes / size))
+        values, slopes = self._stacked(aims)
+        return Linearised(values / self.aim_size, slopes / self.aim_size, *self._stacked(inside), *self._stacked(equal))
+
+    def _stacked(self, parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+        if not parts:
+            return np.empty(0), np.empty((0, len(self.variables)))
+        return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])
+
+    def _pieces(self, place: Array, windows: tuple[Window, ...]) -> list[Pieces]:
+        numbers = self.numbers(place)
+        heights: dict[SignalExtreme, tuple[Array, Array]] = {}
+        if windows:
+            values, slopes = self.maxima.heights(numbers, windows)
+            for side in self.maxima.sides:
+                rows = [row for row, window in enumerate(windows) if window.side == side]
+                heights[side] = values[rows], slopes[rows] * self.width
+        plain = [figure.figure for figure in self.figures if not sides(figure.figure)]
+        smooth = {}
+        if plain:
+            values, slopes = self.motion.gradients(self.mechanism, numbers, plain)
+            smooth = {
+                figure: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, figure in enumerate(plain)
+            }
+        return [
+            smooth[figure.figure] if figure.figure in smooth else _made(figure.figure, heights)
+            for figure in self.figures
+        ]
+
+    def sampled(self, places: Array, angles: Array) -> Array:
+        """Scaled aim and violation of the constraints of many designs (designs, variables): (2, designs).
+
+        Nan where a design cannot be assembled; extremes are those of the sampled angles.
+        """
+        values = self.low + self.width * places
+        named = {variable.parameter.name: values[:, column] for column, variable in enumerate(self.variables)}
+        figures = [figure.figure for figure in self.figures]
+        array = design_figures(self.mechanism, named, figures, angles, speed=self.motion.speed)
+        aim = np.max(self.sign * array[: len(self.aims)], axis=0) / self.aim_size
+        missed = [figure.missed(row) / size for figure, row, size in
+                  zip(self.constraints, array[len(self.aims) :], self.constraint_sizes, strict=True)]  # fmt: skip
+        return np.array([aim, np.sum(missed, axis=0) if missed else np.zeros(len(places))])
+
+
+def _made(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) -> Pieces:
+    """A figure from the local maxima of its sides."""
+    parts = [heights[side] for side in sides(figure)]
+    if reduction(figure) is Reduction.RANGE:
+        (up, up_slopes), (down, down_slopes) = parts
+        slopes = up_slopes[:, None] + down_slopes[None]
+        return Pieces(1.0, (up[:, None] + down[None]).ravel(), slopes.reshape(-1, slopes.shape[-1]))
+    sign = -1.0 if figure.reduction is Reduction.MIN else 1.0
+    return Pieces(sign, np.concatenate([values for values, _ in parts]), np.vstack([values for _, values in parts]))
+
+
+# Bounds and constraints as typed: ``rod.B.x=170:180``, ``rod.B.x=±10%``, ``stroke=29.9:30.1``.
+
+SHARE: Final = re.compile(r"\s*(?:±|\+-|\+/-)\s*(?P<percent>\d+\.?\d*|\.\d+)\s*%\s*")
+NOT_NEGATIVE: Final = ("mass", "inertia")
+
+
+def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Variable, ...]:
+    """The numbers to be varied, the driver's ``speed``, SI, among them.
+
+    Raises LinkproofError for malformed bounds, UnknownNameError for a name.
+    """
+    if not texts:
+        raise LinkproofError("expected numbers to vary, got none: name them with their bounds, --over rod.B.x=170:180")
+    result: dict[str, Variable] = {}
+    for text in texts:
+        name, mark, bounds = text.rpartition("=")
+        if not mark:
+            raise LinkproofError(f"--over: expected NAME=LOW:HIGH or NAME=±10%, got '{text}'; correct it")
+        number = parameter(linkage, name.strip(), speed)
+        if number.name in result:
+            raise LinkproofError(f"--over: expected each number once, got {number.name} twice; leave one out")
+        result[number.name] = Variable(number, *_bounds(number, bounds))
+    return tuple(result.values())
+
+
+def _bounds(number: Parameter, text: str) -> tuple[float, float]:
+    """Bounds, SI, checked."""
+    share = SHARE.fullmatch(text)
+    if share is not None:
+        part = 0.01 * float(share["percent"])
+        low, high = sorted((number.value * (1.0 - part), number.value * (1.0 + part)))
+    else:
+        ends = text.split(":")
+        if len(ends) != 2:
+            raise LinkproofError(f"--over {number.name}: expected LOW:HIGH or ±10%, got '{text}'; correct it")
+        low, high = map(number.si, ends)
+    if not low < high:
+        about = f"; {number.name} is {number.value / number.unit.size:g}" if share else ""
+        raise LinkproofError(f"--over {number.name}: expected LOW below HIGH, got '{text}'{about}; correct it")
+    if number.kind in NOT_NEGATIVE and low < 0.0:
+        raise LinkproofError(f"--over {number.name}: expected bounds that are not negative, got '{text}'; correct it")
+    if number.kind == SPEED and low <= 0.0:
+        raise LinkproofError(f"--over speed: expected bounds above 0, got '{text}'; --clockwise turns the other way")
+    return low, high
+
+
+def split(text: str) -> tuple[str, str | None]:
+    """The figure of a constraint and the text of its values, None if the file's value is to stay."""
+    name, mark, values = text.rpartition("=")
+    return (name.strip(), values) if mark else (text.strip(), None)
+
+
+def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
+    """The constrained figures, each with the text of its values."""
+    return {figure: values for name, values in map(split, texts) for figure in named_figures(mechanism, [name])}
+
+
+def constraint(figure: NamedFigure, text: str | None, own: float) -> Constraint:
+    """A constraint to a value or a range, either end of which may be left out; without a text to ``own``, SI."""
+    if text is None:
+        return Constraint(figure, own, own)
+    ends = text.split(":")
+    numbers = [_number(figure, end, open_end) for end, open_end in zip(ends, (-math.inf, math.inf), strict=False)]
+    low, high = numbers * 2 if len(ends) == 1 else numbers[:2] if len(ends) == 2 else (math.nan, math.nan)
+    if len(ends) == 1 and not text.strip():
+        low = math.nan
+    if not low <= high or low == -high == -math.inf:
+        raise LinkproofError(
+            f"--keep {figure.name}: expected LOW:HIGH, LOW:, :HIGH or a value, got '{text}'; correct it, "
+            "or give the name alone to keep what the file has"
+        )
+    return Constraint(figure, low * figure.unit.size, high * figure.unit.size)
+
+
+def _number(figure: NamedFigure, text: str, open_end: float) -> float:
+    if not text.strip():
+        return open_end
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        unit = f" of {figure.unit.name}" if figure.unit.name else ""
+        raise LinkproofError(f"--keep {figure.name}: expected finite numbers{unit}, got '{text}'; correct it")
+    return number

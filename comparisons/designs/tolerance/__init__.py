@@ -1,1 +1,0 @@
-"""Tolerances: which number of a linkage moves which figure by how much."""

@@ -1,0 +1,298 @@
+"""The crank's motion from a column of a result file: as few polynomials of time as the column's rounding allows.
+
+A column of angles is rounded, and its differences are far from the crank's acceleration. A piece is therefore as long
+as one polynomial of low degree stays within the rounding: a constant speed is one piece, a linear run-up two, whatever
+the number of samples. No judged signal is smoothed, only the angles at which the closed form is evaluated.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+from scipy.interpolate import PPoly, make_lsq_spline
+
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.errors import LinkproofError
+from comparisons.imported.known_motions import FAMILIES, SLACK, known_fit
+
+Array = NDArray[np.float64]
+Segments = tuple[Segment, ...]
+
+DEGREES: Final = (1, 2, 4, 7)  # of a piece: constant speed, linear run-up, cubic run-up, anything else
+WORTH: Final = 1.3  # a higher degree has to reach so much farther
+FEWEST: Final = 4  # samples that tell a motion
+MOST: Final = 1000  # samples to which a piece is fitted while its end is sought
+WIDER: Final = 4.0  # times the rounding: the next noise that is tried
+FINEST: Final = 0.02  # of the coarsest rounding of a column
+EXACT: Final = 0.02  # of the rounding: a known motion that leaves less is printed in full, 1.5° after 1.5°
+ROUND: Final = 200.0  # roundings: such an angle or speed starts at a multiple of so many, that is, of 100 last digits
+NOTHING: Final = 1e-6  # of the rounding: the last bits of a number
+MANY: Final = 8  # pieces, from which a column may contain more than rounding
+FEWER: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
+BOUND: Final = 5.0  # root mean squares of noise that none of its samples exceeds
+SIXTH: Final = 20.5  # median of the sixth differences of noise, over its root mean square
+LARGEST_NOISE: Final = 1e-3  # of the largest value
+LEAST_JUMP: Final = 0.02  # of the largest acceleration
+TRIALS: Final = 4  # other columns that would round to the same
+WAVES: Final = (0.0, 1.0, 3.0, 7.0)  # half waves of slow ones over the column; none: all samples are off by the same
+SPREAD: Final = 3.0  # from the largest of so few trials to a bound
+
+
+@dataclass(frozen=True)
+class ColumnMotion(CrankMotion):
+    """A motion read from a column.
+
+    ``steps`` are the times at which its acceleration jumps, s; ``noise`` is the column's rounding, rad, or rad/s of a
+    column of speeds.
+    """
+
+    steps: tuple[float, ...] = ()
+    noise: float = 0.0
+    likewise: tuple[CrankMotion, ...] = ()
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it is a run-up or a swing, not just any polynomials."""
+        return self.regime in FAMILIES
+
+    @cached_property
+    def doubt(self) -> float:
+        """By how much its acceleration differs from that of columns that would be printed the same, rad/s²."""
+        return _spread(np.linspace(0.0, self.duration, 501), [o.segments for o in (self, *self.likewise)], 2)
+
+    @cached_property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps, s."""
+        return self.steps
+
+    @cached_property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        return max(float(np.max(np.abs(p.value(np.linspace(p.start, p.end, 33), 1)))) for p in self.segments)
+
+
+def motion_of_angles(time: Array, angle: Array, resolution: Array, name: str = "column") -> ColumnMotion:
+    """The motion behind a column of crank angles (n,), rad, at times (n,), s, each rounded within its resolution."""
+    return _motion(time, angle, resolution, name, of_speed=False)
+
+
+def motion_of_speeds(
+    time: Array, speed: Array, resolution: Array, start_angle: float = 0.0, name: str = "column"
+) -> ColumnMotion:
+    """The motion behind a column of crank speeds (n,), rad/s, from a start angle, rad."""
+    motion = _motion(time, speed, resolution, name, of_speed=True)
+    if motion.is_known:  # its pieces are those of the angle
+        return replace(motion, segments=_from(motion.segments, start_angle), likewise=_all_from(motion, start_angle))
+    others = tuple(CrankMotion(name, _integrated(o.segments, start_angle)) for o in motion.likewise)
+    return ColumnMotion(name, _integrated(motion.segments, start_angle), motion.steps, motion.noise, others)
+
+
+def _all_from(motion: ColumnMotion, angle: float) -> tuple[CrankMotion, ...]:
+    return tuple(CrankMotion(other.regime, _from(other.segments, angle)) for other in motion.likewise)
+
+
+def _from(segments: Segments, angle: float) -> Segments:
+    """Pieces of a motion that starts at an angle."""
+    return tuple(Segment(p.start, p.end, (angle + p.coefficients[0], *p.coefficients[1:])) for p in segments)
+
+
+def _motion(time: Array, values: Array, resolution: Array, name: str, *, of_speed: bool) -> ColumnMotion:
+    if len(time) < FEWEST:
+        raise LinkproofError(f"crank's motion: expected {FEWEST} samples or more, got {len(time)}; export more of them")
+    coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
+    rounding = np.maximum(resolution, FINEST * coarsest)  # the first angles of a run-up have more digits than any fit
+    known = known_fit(time, values, rounding, of_speed=of_speed)
+    if known is not None:
+        column = known.column  # of fewer samples than the file, if that has many
+        share, start = float(np.max(np.abs(known.rest) / column.rounding)), float(known.values[0]) / (ROUND * coarsest)
+        is_exact = share < EXACT and abs(start - round(start)) < EXACT
+        within = column.rounding * (max(share, NOTHING) if is_exact else 1.0)
+        trials = (replace(column, values=column.values + trial) for trial in _trials(within))
+        alike = tuple(trial.near(known.time).motion for trial in trials)
+        return ColumnMotion(known.column.name, known.motion.segments, known.motion.jumps, coarsest, alike)
+    within, pieces = _within(time, values, rounding)
+    columns = (values, *(values + trial for trial in _trials(within)))
+    order = 1 if of_speed else 2
+    loose = [tuple(_fitted(time, column, *piece) for piece in pieces) for column in columns]
+    steps = _jumps(loose[0], loose[1:], order)
+    if any(degree == DEGREES[-1] for *_, degree in pieces):
+        joined = [_joined(time, column, pieces, steps) for column in columns]
+        loose = min((loose, joined), key=lambda curves: _spread(time, curves, order))
+    finer = tuple(_fitted(time, values, *piece[:2], _finer(piece[2])) for piece in pieces)
+    others = tuple(CrankMotion(name, segments) for segments in (*loose[1:], finer))
+    return ColumnMotion(name, loose[0], steps, float(np.max(within)), others)
+
+
+def _finer(degree: int) -> int:
+    """A degree for a second fit of a piece: two higher if the piece may be no polynomial at all."""
+    return degree + 2 if degree == DEGREES[-1] else degree
+
+
+def _trials(within: Array) -> Array:
+    """Roundings of other columns that would be printed the same, (trials, n): random ones, and slow ones.
+
+    Where every sample goes on by the same angle the last digit is off by the same, or changes slowly.
+    """
+    random = np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, len(within)))
+    slow = np.cos(np.outer(WAVES, np.linspace(0.0, math.pi, len(within))))
+    return np.asarray(np.concatenate([random, slow]) * within)
+
+
+def _spread(time: Array, curves: Sequence[Segments], order: int) -> float:
+    """By how much a derivative differs between the fits of columns that would be printed the same."""
+    values = [CrankMotion("", segments)._evaluate(time, order) for segments in curves]
+    return float(max(np.max(np.abs(other - values[0])) for other in values[1:]))
+
+
+def _within(time: Array, values: Array, rounding: Array) -> tuple[Array, list[tuple[int, int, int]]]:
+    """The noise of the column and its pieces: the rounding, or more where that makes far fewer pieces."""
+    if len(values) > MOST:  # of a smooth column so finely sampled these differences are its noise
+        noise = float(np.median(np.abs(np.diff(values, 6)))) / SIXTH
+        rounding = np.maximum(rounding, BOUND * noise)
+    pieces = _pieces(time, values, SLACK * rounding)
+    most = LARGEST_NOISE * float(np.max(np.abs(values)))
+    while len(pieces) > MANY and float(np.max(rounding)) * WIDER < most:
+        fewer = _pieces(time, values, SLACK * WIDER * rounding)
+        if len(fewer) > FEWER * len(pieces):
+            break
+        rounding, pieces = WIDER * rounding, fewer
+    return rounding, pieces
+
+
+def _joined(time: Array, values: Array, pieces: list[tuple[int, int, int]], steps: tuple[float, ...]) -> Segments:
+    """The pieces as one curve, with continuous acceleration but at its ``steps``, continuous speed everywhere."""
+    degree, knots, before = DEGREES[-1], [float(time[0])] * (DEGREES[-1] + 1), 0
+    for first, *_ in pieces[1:]:
+        if first - before > degree and len(time) - 1 - first > degree:
+            at = float(time[first])
+            knots += [at] * (degree - 1 if at in steps else degree - 3)
+            before = first
+    knots += [float(time[-1])] * (degree + 1)
+    if len(time) < len(knots) - degree - 1:
+        return tuple(_fitted(time, values, *piece) for piece in pieces)
+    curve = PPoly.from_spline(make_lsq_spline(time, values, knots, degree))
+    borders = curve.x
+    return tuple(
+        Segment(float(start), float(end), tuple(float(c) for c in curve.c[::-1, number]))
+        for number, (start, end) in enumerate(itertools.pairwise(borders))
+        if end > start
+    )
+
+
+def _pieces(time: Array, values: Array, within: Array) -> list[tuple[int, int, int]]:
+    """First and last sample and degree of every piece; neighbours share a sample."""
+    pieces, first, last = [], 0, len(time) - 1
+    while first < last:
+        reached = {degree: _reach(time, values, within, first, degree) for degree in DEGREES}
+        degree = next(d for d in DEGREES if reached[d] - first >= (max(reached.values()) - first) / WORTH)
+        pieces.append((first, reached[degree], degree))
+        first = reached[degree]
+    return _centred(time, values, within, pieces)
+
+
+def _centred(
+    time: Array, values: Array, within: Array, pieces: list[tuple[int, int, int]]
+) -> list[tuple[int, int, int]]:
+    """The pieces with each border midway between where the one before ends at the latest and the next may begin."""
+    borders = [0]
+    for (before, end, _), (_, last, degree) in itertools.pairwise(pieces):
+        first = len(time) - 1 - _reach(-time[::-1], values[::-1], within[::-1], len(time) - 1 - last, degree)
+        borders.append(max((max(first, before) + end) // 2, borders[-1] + 1))
+    borders.append(len(time) - 1)
+    return [(*pair, degree) for pair, (*_, degree) in zip(itertools.pairwise(borders), pieces, strict=True)]
+
+
+def _reach(time: Array, values: Array, within: Array, first: int, degree: int) -> int:
+    """The last sample to which one polynomial stays within the rounding."""
+
+    def fits(last: int) -> bool:
+        here = slice(first, last + 1, max(1, (last - first) // MOST))
+        if last - first <= degree:
+            return True
+        x = _scaled(time[here])
+        vandermonde = np.polynomial.chebyshev.chebvander(x, degree)
+        coefficients = np.linalg.lstsq(vandermonde, values[here], rcond=None)[0]
+        rest: Array = np.abs(vandermonde @ coefficients - values[here])
+        return bool(np.all(rest <= within[here]))
+
+    end, good, step = len(time) - 1, first + 1, 8
+    if fits(end):
+        return end
+    while good + step < end and fits(good + step):
+        good, step = good + step, 2 * step
+    bad = min(good + step, end)
+    while bad - good > 1:
+        middle = (good + bad) // 2
+        good, bad = (middle, bad) if fits(middle) else (good, middle)
+    return good
+
+
+def _scaled(time: Array) -> Array:
+    return np.asarray(2.0 * (time - time[0]) / (time[-1] - time[0]) - 1.0)
+
+
+def _fitted(time: Array, values: Array, first: int, last: int, degree: int) -> Segment:
+    """One piece, its polynomial in powers of the time since its start."""
+    here = slice(first, last + 1)
+    start, end = float(time[first]), float(time[last])
+    fit = np.polynomial.Chebyshev.fit(time[here] - start, values[here], min(degree, last - first), [0.0, end - start])
+    power = fit.convert(kind=Polynomial, domain=[-1.0, 1.0], window=[-1.0, 1.0])
+    return Segment(start, end, tuple(float(c) for c in power.coef))
+
+
+def _jumps(segments: Segments, others: Sequence[Segments], order: int) -> tuple[float, ...]:
+    """Times, s, between two pieces at which the derivative of an ``order`` jumps by more than the rounding explains.
+
+    ``others`` are fits of columns that would be printed the same: what differs among them is rounding.
+    """
+    scale = max(float(np.max(np.abs(s.value(np.array([s.start, s.end]), order)))) for s in segments)
+    sizes = np.array([_jumps_of(pieces, order) for pieces in (segments, *others)]).reshape(len(others) + 1, -1)
+    doubt = np.max(np.abs(sizes[1:] - sizes[0]), axis=0, initial=0.0)
+    real = np.abs(sizes[0]) > np.maximum(4.0 * doubt, LEAST_JUMP * scale)
+    return tuple(piece.start for piece, is_real in zip(segments[1:], real, strict=True) if is_real)
+
+
+def _jumps_of(segments: Segments, order: int) -> list[float]:
+    pairs = itertools.pairwise(segments)
+    return [float(after.value(after.start, order) - before.value(after.start, order)) for before, after in pairs]
+
+
+def _integrated(segments: Segments, start_angle: float) -> Segments:
+    angle, result = start_angle, []
+    for piece in segments:
+        coefficients = (angle, *(c / (power + 1) for power, c in enumerate(piece.coefficients)))
+        result.append(Segment(piece.start, piece.end, coefficients))
+        angle = float(result[-1].value(piece.end))
+    return tuple(result)
+
+
+def unwrapped(angle: Array) -> Array:
+    """Angles, rad, without the jumps of a whole turn that a tool makes at ±180° or 360°, even if they are degrees."""
+    turn = next((turn for turn in (2.0 * math.pi, 360.0) if np.ptp(angle) <= SLACK * turn), None)
+    return np.asarray(np.unwrap(angle, period=turn) if turn else angle)
+
+
+def regular(at: Array, resolution: Array) -> tuple[Array, Array]:
+    """The instants and what is unknown of them: equal steps, where the printed ones are such but for their rounding.
+
+    What is then unknown is the mean of n roundings; a step that is printed in full leaves nothing open.
+    """
+    number = np.arange(len(at))
+    if len(at) < FEWEST:
+        return at, resolution
+    known = np.maximum(resolution, 1e-12 * np.max(np.abs(at)))
+    from_zero = float(np.sum(number * at / known**2) / np.sum((number / known) ** 2)) * number
+    for even in (from_zero, np.polyval(np.polyfit(number, at, 1, w=1.0 / known), number)):
+        if np.all(np.abs(even - at) <= SLACK * known):
+            return np.asarray(even), np.full(
+                len(at), float(np.max(np.abs(even - at))) / math.sqrt(len(at)), dtype=float
+            )
+    return at, resolution

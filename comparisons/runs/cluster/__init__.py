@@ -1,1 +1,0 @@
-"""Jobs on many machines: the workers of a Dask scheduler, each engine run still in a process of its own."""

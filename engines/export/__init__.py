@@ -1,1 +1,0 @@
-"""A pass of an engine as a script in the engine's own API, free of this suite."""

@@ -1,0 +1,130 @@
+"""A run of one pass as a script: the source of the engine's loop, its model and course as data, and their figures.
+
+Names of a linkage are data in it: every text is written by ``repr``.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import replace
+from importlib import import_module
+from pprint import pformat
+from typing import Any, NamedTuple
+
+from analytic.description.linkage import DriverKind
+from engines.contract import History
+from engines.registry import silenced
+from engines.scene import Scene
+from engines.stepping.intervals import Cost, DivergedError, UnsupportedError
+from engines.stepping.loop_engine import LoopEngine, plain, plain_course
+from engines.stepping.own_units import OwnUnits, restored
+
+WIDTH = 130  # a docstring's line of 120 characters stays one
+OURS = {"linkproof", "analytic", "engines", "comparisons", "reports"}
+ANGLE = 2  # number of the angle among a body's coordinates
+RUN = """
+try:
+    samples = follow(build(MODEL), COURSE)
+except ArithmeticError as error:
+    raise SystemExit(str(error)) from error
+show_figures(ENGINE, samples, FIGURES)
+"""
+
+
+class ScriptFigure(NamedTuple):
+    """A figure of a run, SI: what it is, its unit, its channel and joint, and which element of a sample.
+
+    ``time`` is the sample's, s; ``read`` the engine's value then, ``true`` the closed form's.
+    """
+
+    what: str
+    unit: str
+    signal: tuple[str, ...]
+    element: tuple[int, ...] = ()
+    time: float = 0.0
+    read: float = 0.0
+    true: float = 0.0
+
+    def factor(self, units: OwnUnits | None, driver: DriverKind) -> float:
+        """Unit of the script's samples in SI."""
+        kind, *joint = self.signal
+        if units is None or (kind not in ("torque", "joint_force") and self.element[-1] == ANGLE):
+            return 1.0
+        return units.unit("force" if joint or (kind == "torque" and driver is not DriverKind.CRANK) else kind)
+
+
+def script(
+    engine: LoopEngine[Any],
+    scene: Scene,
+    recipe: Any,  # noqa: ANN401 - the engine's
+    about: str,
+    figures: Callable[[History], Sequence[ScriptFigure]],
+) -> str:
+    """Python source that repeats one run without linkproof.
+
+    The run is made here once: ``figures`` takes those of its history that the script shows at its end. ``about``
+    describes the run.
+
+    Raises UnsupportedError in a sentence for what cannot be exported.
+    """
+    reason = engine.obstacle(scene)
+    if reason is not None:
+        raise UnsupportedError(reason)
+    given, units, (course, *more) = engine.planned(scene, recipe, Cost())
+    if more:
+        raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
+    docstring, source = _alone(engine.loop)
+    _, closing = _alone("engines.exported_figures")
+    shown: Sequence[ScriptFigure] = ()
+    with silenced() if engine.chatters else nullcontext():
+        world = engine.build(given, recipe)
+        try:
+            history = engine.follow(world, replace(course, cost=Cost()))
+            shown = figures(restored(history, units, scene.driver_kind) if units else history)
+        except DivergedError as error:
+            about += f"\nIt does not get to its end: {error}"
+    data = {
+        "ENGINE": engine.name,
+        "MODEL": engine.model(given, recipe),
+        "COURSE": plain_course(course),
+        "FIGURES": [(*figure, figure.factor(units, scene.driver_kind)) for figure in shown],
+    }
+    head = written(f"{about}\n\n{_units_in_words(units)}\n\n{docstring}")
+    rows = [f"{name} = {written(value)}" for name, value in data.items()]
+    return "\n".join([head, source, closing, "", "", *rows, RUN])
+
+
+def written(value: object) -> str:
+    """Python source of plain data; any text in it stays data."""
+    return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
+
+
+def _alone(loop: str) -> tuple[str, str]:
+    """Docstring and source of a module that has to do without linkproof, without remarks for linters."""
+    source = inspect.getsource(import_module(loop))
+    module = ast.parse(source)
+    for node in ast.walk(module):
+        if not isinstance(node, (ast.Import, ast.ImportFrom)):
+            continue
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
+        if getattr(node, "level", 0) or OURS & {name.partition(".")[0] for name in names}:
+            raise UnsupportedError(
+                f"line {node.lineno} of its loop '{loop}' imports a part of linkproof or of its own package, "
+                "which a script does not have"
+            )
+    docstring = ast.get_docstring(module)
+    rest = source.splitlines()[module.body[0].end_lineno or 0 :] if docstring else source.splitlines()
+    return docstring or "", re.sub(r"  # noqa.*", "", "\n".join(rest))
+
+
+def _units_in_words(units: OwnUnits | None) -> str:
+    if units is None:
+        return "Units: m, kg, s, rad and what follows from them."
+    return (
+        f"Units: the length is {units.length!r} m, the mass {units.mass!r} kg; s and rad. So a force is "
+        f"{units.unit('force')!r} N, a torque or a moment of inertia {units.unit('torque')!r} N m or kg m2."
+    )

@@ -1,0 +1,279 @@
+"""An optimum for a terminal and as JSON: numbers and figures before and after, and what the search cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from analytic.designs.derivatives import is_exact
+from analytic.errors import printable
+from analytic.written import change, finite
+from comparisons.designs.optimisation import Optimum
+from comparisons.designs.problem import Constraint
+from comparisons.designs.searches import Search
+from reports.charts import draw
+from reports.document import numbers
+from reports.document.chart import Chart, Curve, Note, Panel
+from reports.document.numbers import figure, steady_error
+from reports.document.parts import Paragraph, Table
+from reports.document.terminal import Printed
+
+DIGITS: Final = 6
+ROUNDED: Final = 1e-8  # share of its size by which a constrained figure may be off
+SETTLED: Final = 1e-4  # a residual that a local optimum stays below
+
+
+def printed(optimum: Optimum, conditions: str) -> list[Printed]:
+    """The tables and the lines beneath."""
+    return [
+        Paragraph(f"{aim(optimum)}; {conditions}", colour="bold"),
+        "",
+        _numbers(optimum),
+        "",
+        _figures(optimum),
+        "",
+        *_remarks(optimum),
+    ]
+
+
+def aim(optimum: Optimum) -> str:
+    """The aim of the search in words."""
+    names, least = ", ".join(named_figure.name for named_figure in optimum.problem.aims), optimum.problem.sign > 0.0
+    of_many = f"{'largest' if least else 'least'} of " if len(optimum.problem.aims) > 1 else ""
+    return f"{'least' if least else 'largest'} {of_many}{names}"
+
+
+def _numbers(optimum: Optimum) -> Table:
+    rows = []
+    for variable in optimum.problem.variables:
+        name, size = variable.parameter.name, variable.parameter.unit.size
+        at = optimum.bound(variable)
+        outside = (
+            "" if variable.low <= optimum.before[name] <= variable.high else "the file's value is out of the bounds"
+        )
+        words = "; ".join(filter(None, (f"at its {at} bound" if at else "", outside)))
+        values = (variable.low, variable.high, optimum.before[name], optimum.after[name])
+        cells = [figure(value / size, DIGITS) for value in values]
+        rows.append((name, variable.parameter.unit.name, *cells, _percent(_relative(*values[2:])), words))
+    return Table("", ("number", "unit", "low", "high", "before", "after", "change", ""), rows, "llrrrrrl")
+
+
+def _figures(optimum: Optimum) -> Table:
+    figures = {constraint.figure.name: constraint for constraint in optimum.problem.constraints}
+    aims = {named_figure.name for named_figure in optimum.problem.aims}
+    rows = []
+    for entry, before, after, share in zip(optimum.figures, *optimum.values, optimum.change, strict=True):
+        sentences = [aim_word(optimum)] if entry.name in aims else []
+        sentences += [f"kept {_range(figures[entry.name])}"] if entry.name in figures else []
+        cells = (figure(value / entry.unit.size, DIGITS) for value in (before, after))
+        rows.append((entry.name, entry.unit.name, *cells, _percent(float(share)), "; ".join(sentences)))
+    return Table("", ("figure", "unit", "before", "after", "change", ""), rows, "llrrrl")
+
+
+def closing(optimum: Optimum) -> str:
+    """The outcome in one sentence: the aim before and after, and the numbers that give it."""
+    sign, many = optimum.problem.sign, len(optimum.problem.aims)
+    before, after = (sign * max((sign * values[:many]).tolist()) for values in optimum.values)
+    unit = optimum.problem.aims[0].unit
+    numbers = (
+        f"{part.name} {figure(optimum.after[part.name] / part.unit.size, DIGITS)} {part.unit.name}".rstrip()
+        for part in (variable.parameter for variable in optimum.problem.variables)
+    )
+    ends = " to ".join(figure(value / unit.size, DIGITS) for value in (before, after))
+    return f"{aim(optimum)}: from {ends} {unit.name} at {', '.join(numbers)}".replace("  ", " ")
+
+
+def aim_word(optimum: Optimum) -> str:
+    """The participle for the aim: minimised or maximised."""
+    return "minimised" if optimum.problem.sign > 0.0 else "maximised"
+
+
+def _range(constraint: Constraint) -> str:
+    low, high = (figure(end / constraint.figure.unit.size, DIGITS) for end in (constraint.low, constraint.high))
+    if constraint.is_equal:
+        return f"at {low}"
+    return " ".join([*([f"from {low}"] if math.isfinite(constraint.low) else []),
+                     *([f"to {high}"] if math.isfinite(constraint.high) else [])])  # fmt: skip
+
+
+def _relative(before: float, after: float) -> float:
+    return (after - before) / abs(before) if before else math.nan
+
+
+def _percent(share: float) -> str:
+    return change(share) if math.isfinite(share) else ""
+
+
+def _remarks(optimum: Optimum) -> Iterator[Printed]:
+    """How the search went."""
+    search, problem = optimum.search, optimum.problem
+    way = "exact derivatives" if is_exact(problem.mechanism) else "differences"
+    grid = len(problem.maxima.grid)
+    sampled = f", {search.counter.sampled} sampled designs" if search.counter.sampled else ""
+    yield (
+        f"Method: {search.method}, {way}, extremes refined. Evaluated: {search.counter.gradients} designs with "
+        f"derivatives at {grid} angles each{sampled}."
+    )
+    if optimum.is_fixed:
+        names = ", ".join(variable.parameter.name for variable in problem.variables)
+        name = ", ".join(constraint.figure.name for constraint in problem.constraints if constraint.is_equal)
+        yield f"Nothing is left to vary: {name} alone determines {names}. Vary more numbers, or hold a range, LOW:HIGH."
+    else:
+        yield from _optimality(search)
+    if len(search.ends) > 1:
+        yield _starts(optimum)
+    if optimum.step:
+        yield _rounding(optimum)
+
+
+def _optimality(search: Search) -> Iterator[str]:
+    """How near to an optimum the search came."""
+    yield (
+        f"Remaining possible improvement (KKT residual): {steady_error(search.residual)}, as a share of the aim over "
+        "the whole of the bounds."
+    )
+    if search.residual > SETTLED:
+        why = "beyond it designs cannot be assembled" if search.counter.beyond else "a figure may have a kink there"
+        yield f"This is no smooth local optimum: the search could go no further, {why}."
+
+
+def _rounding(optimum: Optimum) -> str:
+    """The cost of whole steps: the loss of the aim, and the constraints they violate."""
+    many = len(optimum.problem.aims)
+    before, after = (
+        max((optimum.problem.sign * values[:many]).tolist()) for values in (optimum.exact, optimum.values[1])
+    )
+    cost = change((after - before) / abs(before)) if before else ""
+    after_of = dict(
+        zip((named_figure.name for named_figure in optimum.figures), optimum.values[1].tolist(), strict=True)
+    )
+    missed = [
+        f"{constraint.figure.name} by {figure(by / constraint.figure.unit.size)} {constraint.figure.unit.name}".rstrip()
+        for constraint, size in zip(optimum.problem.constraints, optimum.problem.constraint_sizes, strict=True)
+        if (by := float(constraint.missed(np.asarray(after_of[constraint.figure.name])))) > ROUNDED * size
+    ]
+    name = (
+        f"; it misses {', '.join(missed)}"
+        if missed
+        else ", and the held figures stay within their ranges" * bool(optimum.problem.constraints)
+    )
+    return f"Rounded: lengths are multiples of {optimum.step}, which costs {cost} of the aim{name}."
+
+
+def _starts(optimum: Optimum) -> str:
+    """Where the searches ended."""
+    ends = [end for end in optimum.search.ends if end is not None]
+    elsewhere = optimum.search.elsewhere
+    feasible = [end for end in elsewhere if end.is_feasible]
+    sentence = f"Starts: {len(optimum.search.ends)}; {len(ends) - len(elsewhere)} ended at this optimum"
+    if feasible:
+        worse = [(end.aim - optimum.end.aim) / abs(optimum.end.aim or 1.0) for end in feasible]
+        sentence += f", {len(feasible)} at others, worse by {_percent(min(worse))} to {_percent(max(worse))}"
+    if len(elsewhere) > len(feasible):
+        sentence += f", {len(elsewhere) - len(feasible)} where a held figure is outside its range"
+    if len(ends) < len(optimum.search.ends):
+        sentence += f", {len(optimum.search.ends) - len(ends)} could not be assembled"
+    return f"{sentence}."
+
+
+def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
+    """The same as plain data; SI, angles in rad, nothing in place of what is not finite."""
+    problem, search = optimum.problem, optimum.search
+    numbers = [
+        {"name": variable.parameter.name, "low": variable.low, "high": variable.high,
+         "before": optimum.before[variable.parameter.name], "after": optimum.after[variable.parameter.name],
+         "bound": optimum.bound(variable) or None}
+        for variable in problem.variables
+    ]  # fmt: skip
+    figures = [
+        {"name": entry.name, "before": finite(before), "after": finite(after), "change": finite(share)}
+        for entry, before, after, share in zip(
+            optimum.figures, *optimum.values.tolist(), optimum.change.tolist(), strict=True
+        )
+    ]
+    tables = [
+        {"name": constraint.figure.name, "low": finite(constraint.low), "high": finite(constraint.high)}
+        for constraint in problem.constraints
+    ]
+    ends = [
+        end and {"numbers": problem.numbers(end.place), "aim": problem.sign * end.aim * problem.aim_size,
+                 "is_kept": end.is_feasible}
+        for end in search.ends
+    ]  # fmt: skip
+    return {
+        "command": command,
+        "mechanism": problem.mechanism.linkage.name,
+        "variant": problem.mechanism.linkage.variant,
+        "conditions": conditions,
+        "aim": {aim_word(optimum): [named_figure.name for named_figure in problem.aims]},
+        "kept": tables,
+        "numbers": numbers,
+        "rounded_to": optimum.step or None,
+        "figures": figures,
+        "search": {
+            "method": search.method,
+            "derivatives": "exact" if is_exact(problem.mechanism) else "differences",
+            "angles": len(problem.maxima.grid),
+            "designs_with_derivatives": search.counter.gradients,
+            "designs_sampled": search.counter.sampled,
+            "residual": search.residual,
+            "nothing_to_vary": optimum.is_fixed,
+            "ends": ends,
+        },
+    }
+
+
+# Curves of a linkage before and after its numbers were changed, with their peaks.
+
+Array = NDArray[np.float64]
+
+FIRST: Final = ("Mkr",)
+PANEL, FRAME = 1.9, 0.6  # in, height of a panel, of the words below the last
+TURN: Final = 360.0
+
+
+class Change(NamedTuple):
+    """A signal over the driver's places (n,), degrees or a length, before and after (n,), and the unit of both."""
+
+    places: Array
+    before: Array
+    after: Array
+    unit: str
+
+
+def before_after_figure(
+    signals: Mapping[str, Change], *head: str, axis: str = "crank angle φ, °", most: int = 9
+) -> Figure:
+    """A panel per signal, the drive's torque first; of each the largest magnitude before and after is marked."""
+    names = sorted(signals, key=lambda name: name not in FIRST)
+    more = f"The first {most} of {len(names)} signals are drawn." if len(names) > most else ""
+    panels = tuple(_panel(name, signals[name], axis) for name in names[:most])
+    key = (Curve(np.zeros(0), np.zeros(0), "before", "muted", "--"), Curve(np.zeros(0), np.zeros(0), "after", 0))
+    lines = tuple(line for line in (*head, more) if line)
+    return draw.figure(Chart(panels, PANEL * len(panels) + FRAME, wide=True, head=lines, key=key))
+
+
+def _panel(name: str, change: Change, axis: str) -> Panel:
+    curves: list[Curve] = []
+    notes, sentences = [], []
+    for values, ink, line in ((change.before, "muted", "--"), (change.after, 0, "-")):
+        curves.append(Curve(change.places, values, "", ink, line))
+        size = np.where(np.isfinite(values), np.abs(values), -1.0)
+        place = int(np.argmax(size)) if len(size) else -1
+        if place < 0 or size[place] < 0.0:
+            sentences.append(numbers.ABSENT)
+            continue
+        x, y = float(change.places[place]), float(values[place])
+        curves.append(Curve(np.array([x]), np.array([y]), "", ink, "", marker="o"))
+        sentences.append(numbers.figure(y))
+        notes.append(Note(x, y, sentences[-1]))
+    turn = axis.endswith("°") and abs(float(np.ptp(change.places)) - TURN) < 0.1 * TURN and change.places[0] > -1.0
+    unit = printable(change.unit)
+    title = f"{printable(name)}: peak {' → '.join(sentences)} {unit}".rstrip()
+    label = ", ".join(filter(None, ("value", unit)))
+    return Panel(tuple(curves), axis, label, (), tuple(notes), turn=bool(turn), names="", title=title)

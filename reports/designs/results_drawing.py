@@ -1,0 +1,163 @@
+"""Results as pictures: all in one drawing, or one figure by its name in the width of a paper's column."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from io import BytesIO
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+from analytic.errors import LinkproofError, UnknownNameError, printable
+from analytic.signals import MAGNITUDE
+from comparisons.datasheet.curves import TRANSMISSION
+from comparisons.datasheet.sheet import JOINT, Sheet
+from reports.charts import draw
+from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.labels import LINE
+from reports.charts.moving import SECONDS
+from reports.charts.scales import FULL_WIDTH, PALETTE
+from reports.charts.scheme import Draw, draw_names, draw_paths, draw_position, draw_scheme, scaled_figure
+from reports.charts.scheme import place as place_scheme
+from reports.document.chart import Chart, Panel
+from reports.document.templates import plain
+from reports.mechanism.designer import MOST_CURVES, OUTPUT, hodograph
+from reports.mechanism.shown import chart, place, stacked, together, words
+
+# Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
+TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
+PAPER_DOTS: Final = 300  # to the inch
+CURVES: Final = {"Mkr": "torque", "Peq": "power", "S": "S"}
+COLUMN: Final = 85.0 / 25.4  # inches
+SINGLE, STACKED = 2.3, 1.2  # inches: heights of a panel, and of one of several over one axis
+SIGNALS: Final = {"torque": ("Mkr",), "power": ("Peq",), "energy": ("Teq",), "inertia": ("Jeq",), "output": OUTPUT}
+
+
+def picture(sheet: Sheet, kind: str, name: str | None = None) -> str | bytes:
+    """The drawing, or one figure of it by name for a paper's column, on white; ``kind`` is svg, png or pdf.
+
+    The sheet is that of a page.
+    """
+    figure = _everything(sheet) if name is None else _column_figure(sheet, name)
+    if kind == "svg":
+        return draw.svg(figure, page="white")
+    return draw.pdf(figure) if kind == "pdf" else draw.png(figure, PAPER_DOTS)
+
+
+def _everything(sheet: Sheet) -> Figure:
+    """All panels, in as many rows as there are forces."""
+    joints = [name for name in sheet.values if name.startswith(JOINT) and name.endswith(":x")]
+    vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if name in sheet.values]
+    rows = -(-len(vectors) // PER_ROW)
+
+    def draw_all(figure: Figure) -> None:
+        heights = (UPPER, *(rows * CELL,) * (rows > 0))
+        whole = draw.head(figure, [printable(sheet.conditions)])
+        upper, *lower = whole.subfigures(len(heights), height_ratios=heights, squeeze=False)[:, 0]
+        left, right = upper.subfigures(1, 2, width_ratios=(LEFT, FULL_WIDTH - LEFT))
+        if sheet.positions is not None:
+            scheme = KinematicScheme(sheet.linkage, sheet.positions)
+            place_scheme(left, scheme, scheme.extent, draw_scheme)
+        signals = [name for name in CURVES if name in sheet.values]
+        if signals:
+            curves = stacked(sheet, signals, UPPER)
+            titles = [
+                replace(panel, title=_title(sheet, name)) for panel, name in zip(curves.panels, signals, strict=True)
+            ]
+            draw.place(right, replace(curves, panels=tuple(titles)))
+        if vectors:
+            draw.place(lower[0], Chart(tuple(_hodograph(sheet, name) for name in vectors), columns=PER_ROW))
+
+    return draw.drawn(FULL_WIDTH, TITLE + UPPER + rows * CELL, draw_all)
+
+
+def _title(sheet: Sheet, name: str) -> str:
+    """Name of a curve, its peak, and the place of the peak."""
+    peak = sheet.peaks[name]
+    what = "force" if name == "Mkr" and sheet.is_linear else CURVES[name]
+    return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"
+
+
+def _hodograph(sheet: Sheet, vector: str) -> Panel:
+    """The tip of a force, named with its peak."""
+    panel = hodograph(sheet, vector, 0, sheet.unit(f"{vector}:x").on_page)
+    name, peak = printable(panel.title or "shaking force"), sheet.peaks[vector + MAGNITUDE]
+    return replace(panel, title=f"{name}, {words(sheet, peak)}")
+
+
+def _draw_curves(axes: Axes, scheme: KinematicScheme, size: float) -> None:
+    """The curves of all points, and the linkage in one position."""
+    draw_paths(axes, scheme)
+    draw_position(axes, scheme, size, masses=False)
+    draw_names(axes, scheme, size)
+
+
+SCHEMES: Final[Mapping[str, Draw]] = {"scheme": draw_scheme, "curves": _draw_curves}
+FIGURES: Final = (*SCHEMES, *SIGNALS, "forces", "transmission")
+
+
+def _column_figure(sheet: Sheet, name: str) -> Figure:
+    """The figure of a name; raises LinkproofError for an unknown name, or where the linkage has nothing for it."""
+    if name not in FIGURES:
+        raise UnknownNameError("figure", name, FIGURES)
+    positions = sheet.positions
+    if positions is not None and name in SCHEMES:
+        scheme = KinematicScheme(sheet.linkage, positions)
+        return scaled_figure(scheme, scheme.extent, SCHEMES[name], COLUMN)
+    result = _chart(sheet, name) if name not in SCHEMES else Chart(())
+    if not result.panels:
+        raise LinkproofError(
+            f"--figure {name}: expected a linkage that has what it shows, got '{sheet.name}', which does not; "
+            "choose another figure"
+        )
+    return draw.figure(result, COLUMN)
+
+
+def _chart(sheet: Sheet, name: str) -> Chart:
+    """The panels of a figure, without curves where the linkage has nothing for them."""
+    if name in SIGNALS:
+        stack = [signal for signal in SIGNALS[name] if signal in sheet.values]
+        return stacked(sheet, stack, SINGLE if len(stack) == 1 else STACKED * len(stack))
+    if name == "forces":
+        signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
+        label = f"|F|, {sheet.own('N').on_page}"
+    else:
+        groups = [name for name in sheet.values if name.startswith(TRANSMISSION)]
+        signals = {name: plain(name.removeprefix(TRANSMISSION)) for name in groups}
+        label = f"transmission angle, {sheet.own('rad').on_page}"
+    panels = [replace(together(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
+    return chart(sheet, panels, SINGLE + LINE * len(signals))
+
+
+# The scheme in motion as a GIF, for a slide or a message.
+
+FRAMES: Final = 60
+DOTS, COLOURS = 100, 64  # to the inch, and of a frame
+
+
+def gif(sheet: Sheet) -> bytes:
+    """The bytes of a GIF that repeats for ever: a turn the way the crank turns, or the motion forth and back."""
+    positions, angle = sheet.positions, sheet.values["phi"]
+    assert positions is not None
+    axis = positions.axis
+    if positions.closed:
+        places = np.linspace(axis[0], axis[-1], FRAMES, endpoint=False)[:: -1 if angle[-1] < angle[0] else 1]
+    else:
+        places = np.linspace(axis[0], axis[-1], FRAMES // 2 + 1)
+        places = np.concatenate([places, places[-2:0:-1]])
+    schemes = [KinematicScheme(sheet.linkage, positions, float(place)) for place in places]
+    pictures = (draw.png(scaled_figure(scheme, scheme.extent, _draw_frame), DOTS) for scheme in schemes)
+    frames = [Image.open(BytesIO(picture)).convert("RGB") for picture in pictures]
+    first, *rest = (frame.quantize(COLOURS, Image.Quantize.MAXCOVERAGE) for frame in frames)
+    data = BytesIO()
+    first.save(data, "GIF", save_all=True, append_images=rest, duration=round(1e3 * SECONDS / FRAMES), loop=0)
+    return data.getvalue()
+
+
+def _draw_frame(axes: Axes, scheme: KinematicScheme, size: float) -> None:
+    draw_paths(axes, scheme)
+    draw_position(axes, scheme, size)

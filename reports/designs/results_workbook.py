@@ -1,0 +1,54 @@
+"""Results as a workbook: a sheet of every signal and a sheet of the key figures, in the units of the linkage's file."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from openpyxl import Workbook
+from openpyxl.cell import WriteOnlyCell
+
+from analytic.errors import printable
+from analytic.written import finite
+from comparisons.datasheet.sheet import Sheet
+from reports.designs.results_files import columns
+
+Cell = str | float | None
+
+
+def workbook(sheet: Sheet) -> bytes:
+    """The bytes of an .xlsx file: numbers are numbers, empty where they have no bound, and no name is a formula."""
+    table = columns(sheet)
+    head = ("figure", "signal", "value", "unit", f"at φ [{sheet.unit('phi').name}]", "at time [s]")
+    pages = {
+        "curves": [[*table], *np.column_stack([*table.values()]).tolist()],
+        "key figures": [head, *_key_figures(sheet)],
+    }
+    book, data = Workbook(write_only=True), io.BytesIO()
+    for title, rows in pages.items():
+        page = book.create_sheet(title)
+        page.freeze_panes = "B2"
+        for row in rows:
+            page.append([_text(page, cell) if isinstance(cell, str) else _number(cell) for cell in row])
+    book.save(data)
+    return data.getvalue()
+
+
+def _text(page: object, text: str) -> WriteOnlyCell:
+    """A name as text, which would be a formula if it began with =."""
+    cell = WriteOnlyCell(page, printable(text))
+    cell.data_type = "s"
+    return cell
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else finite(value)
+
+
+def _key_figures(sheet: Sheet) -> Iterator[Sequence[Cell]]:
+    """The key figures of the terminal's tables, a row for each number."""
+    for figure in (row for rows in sheet.figures.values() for row in rows):
+        what = f"{figure.what} on {figure.on}" if figure.on else figure.what
+        phi = None if figure.phi is None else sheet.angle(figure.phi)
+        yield what, figure.signal, sheet.shown(figure), sheet.unit_of(figure).name, phi, figure.time

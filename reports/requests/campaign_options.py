@@ -1,0 +1,118 @@
+"""The options of campaigns: runs of engines that compare, bench, stress and export make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from reports.requests.motion_options import MotionOptions
+from reports.requests.options import Argument, Option
+
+Engines = Annotated[
+    tuple[str, ...], Option("Engine; repeatable; default: all that are installed.", "NAME", names="engines")
+]
+Settings = Annotated[
+    tuple[str, ...],
+    Option(
+        "naive, tuned, best, or all; repeatable; default: tuned (stress: a setting or a fixed-step method; default: "
+        "those of each map).",
+        "NAME",
+        names="settings",
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    Option("Worker processes; default: one per core; compare: 0 for none, no limits.", "N", repeated=False),
+]
+Scheduler = Annotated[
+    Any,  # an address, or in Python a client of Dask
+    Option(
+        "Run on the workers of a Dask scheduler, tcp://HOST:8786, or on N of this machine, local:N.",
+        "ADDRESS",
+        repeated=False,
+    ),
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunsOptions(MotionOptions):
+    """Linkages, engines, settings and quantities of runs; empty means the default."""
+
+    mechanisms: Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")] = ()
+    engine: Engines = ()
+    setting: Settings = ()
+    quantity: Annotated[
+        tuple[str, ...],
+        Option(
+            "Quantity, such as Mkr; repeatable; default: all (bench: Mkr, Jeq, phi, joint_force).",
+            "NAME",
+            names="quantities",
+        ),
+    ] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions(RunsOptions):
+    """The runs of ``linkproof compare``."""
+
+    full: Annotated[bool, Option("Run the files' regimes in every setting, not only in tuned.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchOptions(RunsOptions):
+    """The runs of ``linkproof bench``, which has settings and methods of its own."""
+
+    quick: Annotated[bool, Option("Measure only the fronts, over one turn, in under a minute.")] = False
+    costs: Annotated[bool, Option("Also measure the cost of each output and load.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions(MotionOptions):
+    """The run that ``linkproof export`` writes as a script: of a mechanism, or the ``cell`` of a stability map."""
+
+    mechanism: Annotated[str | None, Argument("MECHANISM", "mechanisms")] = None
+    engine: Annotated[str | None, Option("Engine.", "NAME", names="engines")] = None
+    setting: Annotated[str | None, Option("naive or tuned; default: tuned.", "NAME", names="settings")] = None
+    cell: Annotated[
+        str | None, Option("Instead of a mechanism: a run of a stability map, AXIS/ROW/VALUE/ENGINE/USAGE.", "CELL")
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class StressOptions:
+    """Stability maps or cells for ``linkproof stress``; empty means the default."""
+
+    words: Annotated[tuple[str, ...], Argument("AXIS|CELL", "axes")] = ()
+    engine: Engines = ()
+    setting: Settings = ()
+    quick: Annotated[bool, Option("Fewer cells, coarser borders: about a minute.")] = False
+    time_limit: Annotated[
+        float | None, Option("Wall time that one cell may take; default: that of its map.", "SECONDS")
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class StandardOptions:
+    """Files of limits and of a baseline, each before the project's; with ``record_baseline`` it is written anew."""
+
+    limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None
+    baseline: Annotated[Path | None, Option("Errors and key figures recorded earlier.", "FILE")] = None
+    record_baseline: Annotated[
+        bool, Option("Record errors and key figures in the file of --baseline or the project.", repeated=False)
+    ] = False
+    allow_new: Annotated[bool, Option("Allow linkages and motions that the baseline does not contain.")] = False
+    allow_missing: Annotated[bool, Option("Allow linkages and motions of the baseline to be missing.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunLimits:
+    """Limits of each run, s and GiB, and the place of runs; None means the default.
+
+    ``scheduler`` is an address, or in Python a client of Dask: its workers make the runs.
+    """
+
+    time_limit: Annotated[float | None, Option("Wall time that one run may take; default: 600.", "SECONDS")] = None
+    memory_limit: Annotated[float | None, Option("Memory that one run may add; default: 4.", "GIB")] = None
+    jobs: Jobs = None
+    scheduler: Scheduler = None

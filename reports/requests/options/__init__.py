@@ -1,1 +1,0 @@
-"""The options of every request as annotated fields; nothing else is imported, so that help comes at once."""
