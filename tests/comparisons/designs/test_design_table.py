@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.designs import design_table as table
+from comparisons.designs import space as table
 from comparisons.designs.space import read_table
 from tests.comparisons.designs.sweeps import SIX_BAR
 
