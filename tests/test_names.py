@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 PACKAGES = ("linkproof", "analytic", "engines", "comparisons", "reports")
@@ -22,12 +23,12 @@ def names(tree):
                 yield re.sub("(?<=[a-z])(?=[A-Z])", "_", name).lower()
 
 
+@cache
 def trees():
     """Every file of the source with its syntax tree."""
     root = Path(__file__).parents[1]
-    for package in PACKAGES:
-        for path in (root / package).rglob("*.py"):
-            yield path.relative_to(root), ast.parse(path.read_text(encoding="utf-8"))
+    files = [path for package in PACKAGES for path in (root / package).rglob("*.py")]
+    return [(path.relative_to(root), ast.parse(path.read_text(encoding="utf-8"))) for path in files]
 
 
 def docstrings(tree):
