@@ -15,7 +15,7 @@ RECORD := --baseline tests/baseline.json --record-baseline
 
 DOCUMENTED := $(VENV)/.documented
 
-.PHONY: report pages pictures docs pins test nightly lint baseline speed targets release-check clean
+.PHONY: report pages pictures docs pins test nightly lint baseline speed release-check clean
 
 report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
@@ -53,9 +53,6 @@ baseline: $(READY)  ## record today's deviations as those to be held in future, 
 speed: $(READY)  ## time the hot paths at two commits, turn and turn about; fails where one got a tenth slower
 	$(BIN)/asv machine --yes $(SPEED)
 	$(BIN)/asv continuous --interleave-rounds --no-only-changed --factor 1.1 $(SPEED) $(BASE) HEAD
-
-targets: $(READY)  ## measure the accuracy and speed targets of tests/targets/targets.toml; fails where a minimum is missed
-	$(BIN)/python -m tests.targets.targets
 
 release-check: $(READY)  ## sdist and wheel in build/release, each installed anew, with README's commands and the type checker
 	$(BIN)/python -m tests.linkproof.release build/release

@@ -8,7 +8,7 @@ from analytic.kinematics.error_bounds import ErrorBounds, relative_bounds
 from tests.analytic.fifty_digits import exact
 from tests.analytic.linkages import angles, four_bars, from_text, mechanism, slider_cranks, text_of
 from tests.analytic.tolerances import BOUND_OVER_ERROR, FIFTY_DIGITS, ORACLE
-from tests.targets.random_linkages import draw
+from tests.nightly.random_linkages import draw
 
 # The linkage near toggle is nearest to it at 180°, where errors are magnified most.
 TOGGLE = np.pi + np.array([0.0, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2])

@@ -1,6 +1,6 @@
 """A campaign killed again and again, at random moments, and resumed each time: what is lost of it, what is doubled.
 
-``python -m tests.targets.endurance TIMES [SEED]`` measures it. Every attempt is a process forked from one that
+``python -m tests.nightly.endurance TIMES [SEED]`` measures it. Every attempt is a process forked from one that
 has imported everything, so that hundreds take a minute; most use workers forked likewise, some the usual server.
 """
 
@@ -76,7 +76,7 @@ def measure(times: int, seed: int = 0) -> Endurance:
 
     Runs in a process of its own, which has no threads when it forks. POSIX only.
     """
-    command = [sys.executable, "-m", "tests.targets.endurance", str(times), str(seed)]
+    command = [sys.executable, "-m", "tests.nightly.endurance", str(times), str(seed)]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
     return Endurance(**json.loads(done.stdout))

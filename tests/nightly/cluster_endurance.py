@@ -1,6 +1,6 @@
 """Records lost and doubled by a campaign on a cluster whose workers and schedulers are killed at random moments.
 
-``python -m tests.targets.cluster_endurance WORKERS SCHEDULERS [SEED]`` measures it, in campaigns one after the other
+``python -m tests.nightly.cluster_endurance WORKERS SCHEDULERS [SEED]`` measures it, in campaigns one after the other
 until so many have been killed. POSIX only, with a /proc.
 """
 
@@ -30,7 +30,7 @@ from comparisons.runs.record_file import Array
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import EVERY_CORE, PoolLostError
 from engines.contract import Setting
-from tests.targets.endurance import losses
+from tests.nightly.endurance import losses
 
 WORKERS = 2
 PAUSE = 0.5  # s, the mean from a result to the next kill

@@ -7,7 +7,7 @@ import pytest
 
 from comparisons.runs import cluster as connecting
 from tests.comparisons.faults import PATIENCE
-from tests.targets import cluster_endurance
+from tests.nightly import cluster_endurance
 
 pytestmark = [
     pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs distributed"),

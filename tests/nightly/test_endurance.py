@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from comparisons.campaign.results import load
-from tests.targets import endurance
-from tests.targets.endurance import losses, run_campaign
+from tests.nightly import endurance
+from tests.nightly.endurance import losses, run_campaign
 
 
 @pytest.fixture(scope="module")

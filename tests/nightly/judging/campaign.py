@@ -1,6 +1,6 @@
 """How often ``judge`` names the fault in files of a program that shares nothing with the closed form.
 
-``python -m tests.targets.judging.campaign KIND COUNT [SEED]``: KIND is ``clean``, ``fault`` or ``pair``. Every file is
+``python -m tests.nightly.judging.campaign KIND COUNT [SEED]``: KIND is ``clean``, ``fault`` or ``pair``. Every file is
 judged twice, the second time with points and links renamed and the linkage's file in another order.
 """
 
@@ -22,7 +22,7 @@ from analytic.errors import LinkproofError
 from comparisons.imported.judge import judge
 from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
-from tests.targets.judging.exports import ENDINGS, case
+from tests.nightly.judging.exports import ENDINGS, case
 
 KINDS = {"clean": 0, "fault": 1, "pair": 2}
 CLOSE = 0.05  # of a number's change, within which it is named right

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from tests.targets.judging.multibody import AssemblyError
-from tests.targets.judging.turning import DEGREE, LAWS, RPM, Turning
+from tests.nightly.judging.multibody import AssemblyError
+from tests.nightly.judging.turning import DEGREE, LAWS, RPM, Turning
 
 UNITS = {  # SI values of the units that a column of a kind may be in, whatever its header says
     "angle": (1.0, DEGREE), "omega": (1.0, DEGREE, RPM, 2.0 * np.pi), "Mkr": (1.0, 1e-3, 0.1129848290276),

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.targets.judging.campaign import RIGHT, judged, outcome, trial
-from tests.targets.judging.exports import case
+from tests.nightly.judging.campaign import RIGHT, judged, outcome, trial
+from tests.nightly.judging.exports import case
 
 SEED = 7
 

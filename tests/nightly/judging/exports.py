@@ -20,9 +20,9 @@ from tests.comparisons.imported.layouts import (
     solidworks,
     trajectory,
 )
-from tests.targets.judging.multibody import AssemblyError, Multibody
-from tests.targets.judging.planting import Plan, pick, planted, unit_kind
-from tests.targets.judging.turning import DEGREE, RPM, Turning
+from tests.nightly.judging.multibody import AssemblyError, Multibody
+from tests.nightly.judging.planting import Plan, pick, planted, unit_kind
+from tests.nightly.judging.turning import DEGREE, RPM, Turning
 
 ROOT, OWN = Path(__file__).parents[3], Path(__file__).parent
 CATALOGUE, FOREIGN = ROOT / "analytic/catalogue", ROOT / "tests/comparisons/imported/foreign"
