@@ -5,8 +5,10 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
+from graphlib import TopologicalSorter
 from pathlib import Path
 
+import grimp
 import pytest
 
 from analytic.description.loading import catalogue, literature
@@ -14,7 +16,7 @@ from engines.contract import Engine
 from engines.registry import engine, engine_names
 
 ROOT = Path(__file__).parents[1]
-MOST_FILES = 15
+MOST_FILES, MOST_LINES = 15, 350  # of a room; of a file
 NO_ENTRIES = ("__pycache__", "__init__.py", "py.typed")
 PACKAGES = ("linkproof", "analytic", "engines", "comparisons", "reports")
 SOURCES = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
@@ -48,6 +50,17 @@ def test_no_code_outside_an_adapter_compares_with_an_engines_name():
 def test_no_folder_of_the_source_is_crowded():
     files = Counter(path.parent for path in SOURCES if path.name not in NO_ENTRIES)
     assert not {str(folder): count for folder, count in files.items() if count > MOST_FILES}
+
+
+def test_no_file_is_too_long_to_be_read():
+    lengths = {path.relative_to(ROOT): path.read_text(encoding="utf-8").count("\n") for path in SOURCES}
+    assert not {str(path): length for path, length in lengths.items() if length > MOST_LINES}
+
+
+def test_no_files_import_each_other_in_a_circle():
+    """Imports within functions and those for types alone count as well; a CycleError names the circle."""
+    graph = grimp.build_graph(*PACKAGES)
+    TopologicalSorter({module: graph.find_modules_directly_imported_by(module) for module in graph.modules}).prepare()
 
 
 @pytest.mark.parametrize("name", engine_names())
