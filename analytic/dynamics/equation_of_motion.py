@@ -46,7 +46,7 @@ HALF_DERIVATIVES: Final[Mapping[str, Callable[[Sweep], Array]]] = {
 }
 
 
-class Timing(TypedDict, total=False):
+class TimeDependence(TypedDict, total=False):
     """Arguments of ``analytic.numerics.integration.integrate``."""
 
     push: Callable[[Array, Array], Array]
@@ -74,7 +74,7 @@ class EquationOfMotion:
         return self.closed_form(angle) if self.table is None else self.table(angle)
 
     def closed_form(self, angle: Array) -> Array:
-        """The same from the closed form, whether there is a table or not."""
+        """The ``terms`` from the closed form, whether there is a table or not; shape (3 or 4, *angle.shape)."""
         sweep = self.mechanism.sweep(angle)
         inertia = reduced.reduced_inertia(sweep)
         moment = reduced.generalised_force(sweep) + self.torque(angle)[0]
@@ -112,12 +112,12 @@ class EquationOfMotion:
         return math.inf if self.mechanism.linkage.is_linear else self.mechanism.period
 
     @property
-    def timing(self) -> Timing:
-        """The torque over time for an integrator: its part of φ̈, and the times of its kinks, s."""
+    def timing(self) -> TimeDependence:
+        """What an integrator needs of the torque over time: its part of φ̈, and the times of its kinks, s."""
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
-        """The same equation read from a table over its period; unchanged if the driver cannot make a full turn."""
+        """The equation read from a table over its period, which is faster; unchanged for a crank without full turns."""
         if self.mechanism.linkage.is_linear:
             return self
         try:
@@ -180,7 +180,7 @@ def crank_torque(torque: float | Law) -> Law:
 
 
 # A moment smaller than this share of what the links' weights could make is rounding: the linkage is balanced.
-BALANCED: Final = 1e-12
+NEGLIGIBLE: Final = 1e-12
 
 
 class Equilibrium(NamedTuple):
@@ -209,7 +209,7 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     start = mechanism.turn.angle if is_linear else grid()
     before = where_assembled(moment, start)
     peak = float(np.nanmax(np.abs(before), initial=0.0))
-    if peak <= BALANCED * _weight(mechanism):
+    if peak <= NEGLIGIBLE * _moment_scale(mechanism):
         return ()
     after = np.roll(before, -1)
     if is_linear:
@@ -227,7 +227,7 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     return tuple(sorted(equilibria))
 
 
-def _weight(mechanism: Mechanism) -> float:
+def _moment_scale(mechanism: Mechanism) -> float:
     """Moment of all links' weights at the largest lever arm in the drawing, N m."""
     linkage = mechanism.linkage
     return float(sum(link.mass for link in linkage.links.values()) * np.hypot(*linkage.gravity) * linkage.extent())

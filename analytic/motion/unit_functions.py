@@ -62,14 +62,15 @@ def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
     """Every reversal of the output over one turn, by crank angle; roots of its first derivative, not grid points."""
     angles = zeros(lambda phi: mechanism.sweep(phi).output(1), turns=round(mechanism.period / FULL_TURN))
     if not len(angles):
-        raise _still(mechanism)
+        raise _still_output(mechanism)
     coordinates = mechanism.sweep(angles).output()
     if np.ptp(coordinates) <= ROUNDING * mechanism.linkage.extent():
-        raise _still(mechanism)
+        raise _still_output(mechanism)
     return tuple(DeadCentre(float(a), float(c)) for a, c in zip(angles, coordinates, strict=True))
 
 
-def _still(mechanism: Mechanism) -> LinkproofError:
+def _still_output(mechanism: Mechanism) -> LinkproofError:
+    """The error for an output that does not move along its direction."""
     output = mechanism.linkage.output
     assert output is not None
     return LinkproofError(

@@ -57,7 +57,7 @@ def by_every_path(sample, places, chosen, is_compiled):
     varied = f"{sample.linkage.crank}.mass"  # a number that the list leaves open, and that has derivatives
     own = {varied: numbers(sample.linkage)[varied]}
     listed = linkage_trace(sample, own, chosen)
-    rows = listed.trace.computed(listed.signals, listed.values(own, places, SPEED))
+    rows = listed.trace.evaluate(listed.signals, listed.values(own, places, SPEED))
     paths = {
         "list": np.stack([np.broadcast_to(row, places.shape) for row in rows]),
         "dual": signal_gradients(sample, own, chosen, places, speed=SPEED)[0],

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from analytic.description.changes import design_numbers
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
-from analytic.designs.samples import evaluate_designs
+from analytic.designs.sampled_signals import evaluate_designs
 from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import compiling

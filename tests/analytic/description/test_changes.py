@@ -62,11 +62,11 @@ def test_scaling_follows_the_dimensions():
     assert changes.numbers(changes.scaled(LOADED, mass=7.0))["forces.T.1.y"] == pytest.approx(7.0 * force)
 
 
-@pytest.mark.parametrize("part", changes.NOTHING)
+@pytest.mark.parametrize("part", changes.EMPTY_PARTS)
 def test_a_part_left_out_is_gone_and_no_other(part):
     linkage = load("slotted-takeup") if part == "thread" else SPRUNG
     bare = changes.without(linkage, part)
-    assert getattr(bare, part) == changes.NOTHING[part]
+    assert getattr(bare, part) == changes.EMPTY_PARTS[part]
     assert {name for name in vars(linkage) if getattr(bare, name) != getattr(linkage, name)} <= {part}
 
 

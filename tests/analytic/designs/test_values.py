@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analytic.designs.samples import ASSEMBLED, evaluate_designs
+from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.machine_code import compiling
 from analytic.signals import table
