@@ -68,14 +68,14 @@ class MujocoModel:
         self.scene, self.tree = scene, spanning_tree(blocked)
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
 
-    def described(self, recipe: MujocoRecipe) -> dict[str, Any]:
+    def as_data(self, recipe: MujocoRecipe) -> dict[str, Any]:
         """The model in plain data: its XML, and what XML does not have."""
         scene, tree, numbers = self.scene, self.tree, body_numbers(self.scene)
         drive = scene.drive
         timed = drive.over_time if isinstance(drive, Free) else None
         loads = [(numbers[load.body], complex(*load.anchor), plain_law(load.force)) for load in scene.forces]
         return {
-            "xml": tostring(self.written(recipe), encoding="unicode"),
+            "xml": tostring(self.xml(recipe), encoding="unicode"),
             "settle": recipe.settle,
             "driven": self.driven,
             "is_linear": scene.driver_kind is not DriverKind.CRANK,
@@ -116,7 +116,7 @@ class MujocoModel:
             rows[guide.name] = (*rows[guide.name][:3], (-guide.along[1], guide.along[0]))
         return {joint.name: rows[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
 
-    def written(self, recipe: MujocoRecipe) -> Element:
+    def xml(self, recipe: MujocoRecipe) -> Element:
         """The scene as MuJoCo's XML."""
         scene, root = self.scene, Element("mujoco")
         SubElement(root, "compiler", angle="radian")
@@ -127,7 +127,7 @@ class MujocoModel:
         links = {GROUND: SubElement(root, "worldbody")}
         equalities, tendons, sensors = (SubElement(root, kind) for kind in ("equality", "tendon", "sensor"))
         for branch in self.tree.branches:
-            links[branch.body.name] = self.hung(branch, links[branch.parent])
+            links[branch.body.name] = self.add_body(branch, links[branch.parent])
         if isinstance(scene.drive, Prescribed):
             SubElement(equalities, "joint", name="/drive", joint1=self.driven)
         for cut in self.tree.cuts:
@@ -145,7 +145,7 @@ class MujocoModel:
         indent(root)
         return root
 
-    def hung(self, branch: Branch, parent: Element) -> Element:
+    def add_body(self, branch: Branch, parent: Element) -> Element:
         """A body inside its parent, with the joint between them; what cannot turn has any inertia."""
         body, host = branch.body, self.bodies[branch.parent]
         place = cmath.rect(1.0, -host.angle) * (complex(*body.position) - complex(*host.position))
@@ -195,7 +195,7 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
         return spanning_tree(cylinder_as_links(slots_as_blocks(scene, 1.0), 1.0)).obstacle
 
     def model(self, scene: Scene, recipe: MujocoRecipe) -> Mapping[str, Any]:
-        return MujocoModel(scene, recipe).described(recipe)
+        return MujocoModel(scene, recipe).as_data(recipe)
 
 
 def _plane(vector: complex) -> str:

@@ -30,7 +30,7 @@ from engines.stepping.stepped_engine import Course
 
 
 EFFORT_UNIT = "relative tolerance"
-ODD = (1, 3, 5, 7)  # steps to a sample that keep the sign of what alternates from step to step
+ODD_RATIOS = (1, 3, 5, 7)  # steps to a sample that keep the sign of what alternates from step to step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +89,7 @@ TUNED = replace(
     turns=10,
     least_steps=100,
 )
-BEST = replace(TRAPEZOIDAL, effort=1e-12, steps_per_turn=150, ratios=ODD, least_steps=100)
+BEST = replace(TRAPEZOIDAL, effort=1e-12, steps_per_turn=150, ratios=ODD_RATIOS, least_steps=100)
 SETTINGS: Mapping[type, Mapping[Setting, ExudynRecipe]] = {
     Prescribed: {Setting.NAIVE: NAIVE, Setting.TUNED: TUNED, Setting.BEST: BEST},
     # A free crank adds its phase error up over all turns: 160 in 10 s of the slotted take-up, where 1600 steps a turn
@@ -102,10 +102,11 @@ SETTINGS: Mapping[type, Mapping[Setting, ExudynRecipe]] = {
 }
 
 
-def _extrapolated(count: int) -> tuple[str, ExudynRecipe]:
-    parts = ", 1/".join(map(str, ODD[:count]))
+def _extrapolated_method(count: int) -> tuple[str, ExudynRecipe]:
+    """What a method of ``count`` extrapolated runs is, in a sentence, and its recipe."""
+    parts = ", 1/".join(map(str, ODD_RATIOS[:count]))
     about = f"the same at 1/{parts} of the step, extrapolated to order {2 * count}"
-    return about, replace(TRAPEZOIDAL, ratios=ODD[:count], effort=1e-12)
+    return about, replace(TRAPEZOIDAL, ratios=ODD_RATIOS[:count], effort=1e-12)
 
 
 STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
@@ -118,7 +119,7 @@ STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
         "the implicit trapezoidal rule, constraints on velocity level, started anew at jumps and every 1.7 turns",
         TRAPEZOIDAL,
     ),
-    **{f"trapezoidal x{count}": _extrapolated(count) for count in (2, 3, 4)},
+    **{f"trapezoidal x{count}": _extrapolated_method(count) for count in (2, 3, 4)},
 }
 
 
@@ -166,7 +167,7 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
 
     def model(self, scene: Scene, recipe: ExudynRecipe) -> Mapping[str, Any]:
         rule = {name: getattr(recipe, name) for name in ("as_shipped", "effort", "adaptive", "damping")}
-        return ExudynModel(scene).described() | rule
+        return ExudynModel(scene).as_data() | rule
 
     def follow(self, world: Any, course: Course[ExudynRecipe]) -> History:  # noqa: ANN401 - the loop's
         course.cost.details.update(course.recipe.details())

@@ -56,7 +56,7 @@ def coordinate(terms: Sequence[float], order: int) -> Callable[..., Any]:
     return value
 
 
-def at(law: Any, angle: float) -> Any:  # noqa: ANN401
+def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
     """A load's components at an angle or a travel: those of cubics between knots."""
     knots, pieces, repeats = law
     angle = knots[0] + (angle - knots[0]) % FULL_TURN if repeats else min(max(angle, knots[0]), knots[-1])
@@ -161,7 +161,7 @@ class ExudynWorld:
                 return [size * each for each in direction] if vector else size * direction[0]
 
             return {f"{name}UserFunction": timed}
-        value = lru_cache(maxsize=1)(lambda angle: at(values, angle))  # it is evaluated at every iteration
+        value = lru_cache(maxsize=1)(lambda angle: law_values(values, angle))  # it is evaluated at every iteration
 
         def over_angle(mbs: Any, t: float, _load: Any) -> Any:  # noqa: ANN401
             components = value(self.angle(mbs, t))

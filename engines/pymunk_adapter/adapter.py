@@ -53,7 +53,7 @@ def iterations_for(layout: PartLayout, remaining: float) -> int:
     return int(np.clip(max(min(enough, ENOUGH), needed), FEWEST, MOST))
 
 
-def way(scene: Scene) -> float:
+def driver_travel(scene: Scene) -> float:
     """Travel of the driver from its start, rad or m, to its farther side; a crank's is a full turn at most."""
     if isinstance(scene.drive, Free):
         return FULL_TURN
@@ -66,7 +66,7 @@ def poses_of(equations: JointEquations) -> list[Pose]:
     pose = equations.start()
     start = equations.driven(pose, equations.arms(pose))
     poses = [pose]
-    for travel in way(equations.scene) / equations.driver.scale * np.arange(1, POSES + 1) / POSES:
+    for travel in driver_travel(equations.scene) / equations.driver.scale * np.arange(1, POSES + 1) / POSES:
         for _ in range(CORRECTIONS):
             arms = equations.arms(pose)
             residual = equations.residual(pose, arms)

@@ -51,7 +51,7 @@ def joined(histories: Sequence[History]) -> History:
 
 
 def labelled(history: History) -> Iterator[tuple[str, Signal]]:
-    """Every signal of a history with its name in words."""
+    """Every signal of a history with a name for messages: its channel, or its joint."""
     for name in CHANNELS:
         signal = getattr(history, name)
         if signal is not None:
@@ -70,7 +70,7 @@ CLOCK_ROUNDING = 1e-9
 SAFETY = 2.0  # of an estimated error over that of the theory of evenly shrinking terms
 COARSE = 0.5  # relative error assumed of a step that is far too long
 # A component this much smaller than its neighbours is rounding and has no relative error.
-NOTHING = 1e-9
+NEGLIGIBLE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -151,13 +151,13 @@ def change(history: History, other: History) -> float:
     for pairs in (hard, easy):
         present = [(a, b) for a, b in pairs if a is not None and b is not None]
         if present:
-            return max(_relative(a, b) for a, b in present)
+            return max(_relative_change(a, b) for a, b in present)
     return 0.0
 
 
-def _relative(signal: Signal, other: Signal) -> float:
+def _relative_change(signal: Signal, other: Signal) -> float:
     shape = (-1, other.values.shape[-1] if other.values.ndim > 1 else 1)
     peak = np.abs(other.values).reshape(shape).max(axis=0)
     difference = np.abs(signal.values - other.values).reshape(shape).max(axis=0)
-    moves = peak > NOTHING * peak.max()
+    moves = peak > NEGLIGIBLE * peak.max()
     return float(np.max(difference[moves] / peak[moves], initial=0.0))

@@ -171,7 +171,7 @@ def test_pymunk_builds_a_spring_for_every_spring_and_none_else(spaces):
 
 
 def test_pymunk_reads_states_only_where_a_channel_needs_them(monkeypatch):
-    looks = calls(monkeypatch, pytest.importorskip("engines.pymunk_adapter.loop"), "look")
+    looks = calls(monkeypatch, pytest.importorskip("engines.pymunk_adapter.loop"), "body_states")
     history_of(PymunkEngine(), _scene(SIX_BAR, frozenset({Channel.TORQUE, Channel.JOINT_FORCE})))
     assert len(looks) == 0
     history_of(PymunkEngine(), _scene(SIX_BAR, JEQ))
@@ -193,7 +193,7 @@ def test_pymunk_reads_states_only_where_a_channel_needs_them(monkeypatch):
 )
 def test_direct_solves_no_further_than_the_channels_need(monkeypatch, channels, taken):
     """Velocities, accelerations, loads, joint forces."""
-    steps = calls(monkeypatch, solution, "transfer"), calls(monkeypatch, solution, "bends")
+    steps = calls(monkeypatch, solution, "transfer"), calls(monkeypatch, solution, "velocity_terms")
     steps += calls(monkeypatch, solution, "applied_loads"), calls(monkeypatch, Equations, "joint_forces")
     history_of(DirectEngine(), _scene(LOADED, channels))
     assert tuple(map(bool, steps)) == taken

@@ -17,7 +17,7 @@ from tests.analytic.linkages import mechanism
 @pytest.mark.parametrize("name", ["force-over-angle", "spring-and-damper"])
 def test_pushes_of_an_instant_are_the_loads_without_gravity_and_dampers(name):
     pytest.importorskip("mujoco")
-    from engines.mujoco_loop import pushes  # noqa: PLC0415 - it imports MuJoCo
+    from engines.mujoco_loop import load_rows  # noqa: PLC0415 - it imports MuJoCo
 
     motion = crank_motion("constant-speed", start_angle=0.7)
     given = dataclasses.replace(scene(mechanism(name), Prescribed(motion), frozenset()), gravity=(0.0, 0.0), dampers=())
@@ -26,7 +26,7 @@ def test_pushes_of_an_instant_are_the_loads_without_gravity_and_dampers(name):
     centre, velocity = (values[0, :, :2] @ [1.0, 1j] for values in (place, rate))
     direction = (pose.cosine + 1j * pose.sine)[0]
     state = [values.tolist() for values in (centre, direction, velocity, rate[0, :, 2])]
-    rows = pushes(MujocoEngine().model(given, EXPERT), given.crank_angle, state)
+    rows = load_rows(MujocoEngine().model(given, EXPERT), given.crank_angle, state)
     loads = applied_loads(given, pose, rate)[0]
     assert np.abs(loads).max() > 1.0
     np.testing.assert_allclose(rows, loads, rtol=0, atol=1e-12 * np.abs(loads).max())

@@ -92,8 +92,8 @@ def test_best_is_better_than_tuned_however_short_the_run():
 
 def test_the_torque_is_the_motors_impulse_less_what_keeps_its_sign_and_nothing_else(monkeypatch):
     """A term of the adapter's own that grows with the motion would not be the engine's word."""
-    seen, stepped = [], loop.stepped
-    monkeypatch.setattr(loop, "stepped", lambda *given: seen.append((given, stepped(*given))) or seen[-1][1])
+    seen, stepped = [], loop.take_steps
+    monkeypatch.setattr(loop, "take_steps", lambda *given: seen.append((given, stepped(*given))) or seen[-1][1])
     model = driven(mechanism("juki-mf7923d"), _motion(), channels=frozenset({Channel.TORQUE}))
     torque = history_of(ENGINE, model).torque
     (((world, step, *_), (_, impulses)),) = seen
