@@ -192,20 +192,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Reactions:
-    """Forces and moments of the joints and of the drive, by joint name; arrays end in the shape of the sweep's angles.
+    """Forces of the joints by name, (2, ...), N, ground frame, and the drive's ``torque``; in the sweep's shape.
 
-    ``forces`` (2, ...), N; ``moments`` (...), N m, of guides on sliders about their ``Slider.point``; ``torque`` (...),
-    N m, of the drive on the crank, or its force, N, along a slider's guide or a cylinder; it equals
-    ``analytic.dynamics.reduced.drive_torque``, which comes from virtual work.
+    ``torque`` (...), N m, is that of the drive on the crank, or its force, N, along a slider's guide or a cylinder; it
+    equals ``analytic.dynamics.reduced.drive_torque``, which comes from virtual work.
     """
 
     forces: Mapping[str, Array]
-    moments: Mapping[str, Array]
     torque: Array
 
 
 def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
-    """Forces and moments of all joints for a crank speed ω (rad/s) and acceleration ε (rad/s²).
+    """Forces of all joints for a crank speed ω (rad/s) and acceleration ε (rad/s²).
 
     Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises AssemblyError where the
     linkage cannot be put together or stands in a dead position. Beside a change point that the linkage passes forces
@@ -217,20 +215,12 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         _book_group(balance, group)
     torque = _book_driver(balance)
     forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in pin.joints.items()}
-    moments = {}
-    for slider in linkage.sliders:
-        x, y, moments[slider.name] = balance.on_sliders[slider.link]
-        forces[slider.name] = (x, y)
-    for slot in linkage.slots:
-        forces[slot.name] = balance.on_sliders[slot.name][:2]
+    forces |= {slider.name: balance.on_sliders[slider.link] for slider in linkage.sliders}
+    forces |= {slot.name: balance.on_sliders[slot.name] for slot in linkage.slots}
     singular = structure.changes_at(sweep.angle)
     if singular.any():
         forces = {name: _nan_where_singular(singular, force) for name, force in forces.items()}
-    return Reactions(
-        {name: _filled_vector(sweep, force) for name, force in forces.items()},
-        {name: _filled(sweep, moment) for name, moment in moments.items()},
-        _filled(sweep, torque),
-    )
+    return Reactions({name: _filled(sweep, *force) for name, force in forces.items()}, _filled(sweep, torque)[0])
 
 
 def _book_group(balance: LinkBalance, group: AnyGroup) -> None:
@@ -256,33 +246,15 @@ def _book_driver(balance: LinkBalance) -> Scalar:
     return push
 
 
-def joint_forces(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dict[str, Array]:
-    """Force of every joint by name, (2, *angle.shape), N, ground frame; names and signs as described above."""
-    return dict(reactions(sweep, speed, acceleration).forces)
+def shaking(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector = (0.0, 0.0)) -> Array:
+    """Force of the linkage on its frame, N, and its moment about a point of the ground, N m: (3, *angle.shape).
 
-
-def shaking_force(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:
-    """Force of the linkage on its frame, (2, *angle.shape), N, ground frame: Σ weights + Σ applied forces − Σ m S̈.
-
-    It is the reverse of all that the ground exerts: by its joints, and by springs fastened to it. The links' weights
-    count. Forces at points come from outside; their reactions do not act on this frame.
+    By d'Alembert's principle the frame takes all that acts on the links from outside, Σ weights + Σ applied forces −
+    Σ m S̈; inner forces cancel. That is the reverse of what the ground exerts, by joints and by springs and dampers
+    fastened to it. The drive stands on the frame: the reverse of its torque is part of the moment. Forces at points and
+    torques on links come from outside; their reactions do not act on this frame.
     """
-    x, y, _ = _frame_wrench(sweep, speed, acceleration, (0.0, 0.0))
-    return _filled_vector(sweep, (x, y))
-
-
-def shaking_moment(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector = (0.0, 0.0)) -> Array:
-    """Moment of the linkage on its frame about a point of the ground, (*angle.shape), N m, counter-clockwise positive.
-
-    The drive stands on the frame: the reverse of its torque is part of the moment, and so are dampers fastened to the
-    ground. Torques on links come from outside, as forces at points do (``shaking_force``).
-    """
-    return _filled(sweep, _frame_wrench(sweep, speed, acceleration, about)[2])
-
-
-def _frame_wrench(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector) -> Wrench:
-    """Force, N, and moment, N m, on the frame: by d'Alembert's principle all that acts on the links from outside."""
-    return resultant(sweep, LoadedSweep(sweep, speed, acceleration).external_loads(), about)
+    return _filled(sweep, *resultant(sweep, LoadedSweep(sweep, speed, acceleration).external_loads(), about))
 
 
 def _nan_where_singular(singular: NDArray[np.bool_], force: Pair) -> Pair:
@@ -290,9 +262,6 @@ def _nan_where_singular(singular: NDArray[np.bool_], force: Pair) -> Pair:
     return (np.where(singular, np.nan, force[0]), np.where(singular, np.nan, force[1]))
 
 
-def _filled(sweep: Sweep, values: Scalar) -> Array:
-    return np.copy(np.broadcast_to(values, sweep.angle.shape))
-
-
-def _filled_vector(sweep: Sweep, pair: Pair) -> Array:
-    return np.stack([_filled(sweep, part) for part in pair])
+def _filled(sweep: Sweep, *parts: Scalar) -> Array:
+    """Numbers, each in the shape of the sweep's angles, as one array."""
+    return np.stack([np.copy(np.broadcast_to(part, sweep.angle.shape)) for part in parts])

@@ -15,7 +15,7 @@ import numpy as np
 from analytic.description.linkage import GROUND, Link, RotaryDamper, Spring, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import AnyGroup, DrivenDistance, GroupJoint, Prismatic, Revolute, Structure
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, GroupJoint, Revolute, Structure
 from analytic.kinematics.sweep import Sweep
 
 TINY: Final = float(np.finfo(float).tiny)
@@ -135,8 +135,8 @@ class LinkBalance:
     """The links at their poses under their loads, before any joint force is known.
 
     ``needs`` holds, by body, the wrench about its reference point that joints not yet booked must exert. ``at_pins``
-    has the force of a pin on each of its bodies, by point and body; ``on_sliders`` the wrench of the guide on each
-    slider, those in slots included, about its guided point.
+    has the force of a pin on each of its bodies, by point and body; ``on_sliders`` that of the guide on each slider,
+    those in slots included.
     """
 
     def __init__(self, loaded: LoadedSweep) -> None:
@@ -147,10 +147,9 @@ class LinkBalance:
             sweep.rates(group.first)  # refuses dead positions, in which the joints cannot hold the links
         self.poses = {body: sweep.poses(body) for body in (GROUND, *structure.bodies)}
         self.reference_points = reference_points(structure)
-        self.guided: dict[str, Vector] = {s.link: sweep.linkage.local(s.point, s.link) for s in sweep.linkage.sliders}
         self.needs: dict[str, Wrench] = dict.fromkeys(self.poses, (0.0, 0.0, 0.0))
         self.at_pins: dict[tuple[str, str], Pair] = {}
-        self.on_sliders: dict[str, Wrench] = {}
+        self.on_sliders: dict[str, Pair] = {}
         for load in (*loaded.external_loads(), *loaded.internal_loads()):
             if load.force is not None:
                 self._add_load(load.body, load.force, self.arm(load.body, load.at))
@@ -172,17 +171,8 @@ class LinkBalance:
             self._add_pin_force(joint.point, joint.far, (wrench[0], wrench[1]))
             self._add_pin_force(joint.point, joint.near, (-wrench[0], -wrench[1]))
         else:
-            self.on_sliders[joint.slider] = self._slider_wrench(joint, wrench)
-
-    def _slider_wrench(self, joint: Prismatic, wrench: Wrench) -> Wrench:
-        """The wrench on a slide's far link as one on its slider, about the slider's guided point."""
-        x, y, moment = wrench
-        guided = self.guided.get(joint.slider, (0.0, 0.0))
-        if joint.far == joint.slider:
-            gap = self.arm(joint.far, guided)
-            return (x, y, moment - frames.cross(gap, (x, y)))
-        gap = frames.minus(frames.point(self.poses[joint.slider], guided), self.place(joint.far))
-        return (-x, -y, frames.cross(gap, (x, y)) - moment)
+            x, y, _ = wrench
+            self.on_sliders[joint.slider] = (x, y) if joint.far == joint.slider else (-x, -y)
 
     def _add_load(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
         """Enter a load on a body, its force at an arm from the reference point; loads on the ground are not entered."""

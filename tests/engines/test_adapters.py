@@ -48,12 +48,11 @@ LOADS = tuple(name for name in ENGINES if name != "ondsel")
 KINDS = {
     "rimoldi-164": ENGINES,  # pins, and a guide on the ground
     "slotted-takeup": ENGINES,  # a mass on a pin in a slot that turns, and a damper on the crank
-    "carried-slider": ("exudyn", "mujoco", "ondsel", "simbody"),  # a body that slides and turns with its host
+    "carried-slider": ("ondsel",),  # a body that slides and turns with its host
     "moving-guides": ENGINES,  # guides on hosts that slide, turn and rest
     "ground-pin-in-slot": ENGINES,
-    "slot-without-mass": ENGINES,
     "scotch-yoke": ("exudyn", "pymunk"),  # a slot in a body that does not turn
-    "three-on-one-pin": ENGINES,
+    "three-on-one-pin": ("exudyn", "simbody"),
     "force-over-angle": LOADS,
     "spring-and-damper": LOADS,
 }
@@ -133,7 +132,7 @@ FREE_BEST = {"exudyn": 2e-8, "pymunk": 2e-8}
     ("name", "linkage", "setting"),
     [
         *((name, linkage, Setting.TUNED) for name in FREE_ANGLE for linkage in RELEASES
-          if (name, linkage) != ("simbody", "force-over-angle")),
+          if (name, linkage) != ("simbody", "force-over-angle") and (linkage != "slotted-takeup" or name == "exudyn")),
         *((name, "force-over-angle", Setting.BEST) for name in FREE_BEST),
     ],
 )  # fmt: skip

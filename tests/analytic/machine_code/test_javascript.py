@@ -52,7 +52,7 @@ def test_a_source_has_no_names():
     assert "fetch" not in javascript_source(of.trace, sorted(of.trace.inputs.values()), (), of.lines)
 
 
-ORDINARY = ("rimoldi-164", "moving-guides", "spring-and-damper")
+ORDINARY = ("moving-guides",)
 OTHERS = [pytest.param(name, marks=pytest.mark.nightly) for name in (*catalogue(), *literature(), *MADE_UP)]
 
 
