@@ -25,9 +25,8 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.checking import checked, speed_of
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
-from analytic.designs.means import mean_cells, unwrapped_near
 from analytic.designs.results import is_turn, period_of
-from analytic.designs.sampled_figures import FigureRequest
+from analytic.designs.sampled_figures import FigureRequest, mean_cells, unwrapped_near
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure

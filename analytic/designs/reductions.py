@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from analytic.designs.checking import speed_of
 from analytic.designs.figures import Figure, Reduction
-from analytic.designs.means import is_settled
-from analytic.designs.sampled_figures import FigureRequest, sampled
+from analytic.designs.sampled_figures import FigureRequest, is_settled, sampled
 from analytic.designs.sampled_signals import LEAST_RATIO
 from analytic.machine_code.compiling import Result, StraightFunction, in_threads
 from analytic.machine_code.tracing import LinkageTrace, Traced

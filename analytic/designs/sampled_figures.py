@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
-from analytic.designs.means import is_settled, mean_cells, unwrapped_near
 from analytic.designs.sampled_signals import (
     BLOCK,
     Booleans,
@@ -24,13 +23,15 @@ from analytic.designs.sampled_signals import (
     with_neighbours,
 )
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.averages import averages
+from analytic.numerics.averages import SAME, averages
+from analytic.numerics.dual import Dual
 from analytic.numerics.refine import Tops, summits, tops
 from analytic.signals import OUTPUT_COORDINATE, is_angle
 
 Array = NDArray[np.float64]
 Curves = Mapping[str, Array]
 
+CELLS: Final = 12  # of the motion, from which a mean is integrated
 CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
 TOP: Final = Figure(OUTPUT_COORDINATE, Reduction.MAX)
 # Between two crank angles a dyad's determinant changes by no more than this share of itself, or the step is divided in
@@ -303,3 +304,29 @@ def _reduced(figure: Figure, values: Array) -> Array:
     """A signal (designs, angles) brought down to a number for each design."""
     best = (np.argmax(end.height(values), axis=1)[:, None] for end in figure.extremes)
     return figure.of([np.take_along_axis(values, place, 1)[:, 0] for place in best])
+
+
+def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
+    """Where means of evenly spaced samples of a turn are right: every second sample gives the same mean.
+
+    The tolerance is a share of the signal's RMS, its ``size``; the error for smooth signals is the gap squared.
+    """
+    return np.abs(whole - half) <= SAME * size
+
+
+def mean_cells(grid: Array) -> Array:
+    """The ends, rad, of the cells from which means over a grid's whole length are integrated."""
+    return np.linspace(grid[0], grid[-1], CELLS + 1)
+
+
+def unwrapped_near(values: Any, phi: Array, places: Array, samples: Array | None) -> Any:  # noqa: ANN401 - plain or dual
+    """Values at ``phi`` (..., n) with whole turns added, as the unwrapped ``samples`` at ``places`` have them.
+
+    Without ``samples``, for signals that are no angles of links, the values as they are.
+    """
+    if samples is None:
+        return values
+    here = np.searchsorted(places, phi, "right") - 1
+    known = samples[here] if samples.ndim == 1 else np.take_along_axis(samples, here, 1)
+    plain = values.value if isinstance(values, Dual) else values
+    return values + FULL_TURN * np.round((known - plain) / FULL_TURN)

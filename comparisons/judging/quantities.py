@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.motion.farthest import top_of_turn
 from analytic.motion.thread_feed import feed, feed_of_length, reference_angle, reference_length
+from analytic.motion.unit_functions import top_of_turn
 from analytic.signals import SINGLE_SIGNALS, unit_of
 from comparisons.observation.interpolation import SHARP, peak, resample
 from comparisons.observation.observed_motion import ObservedMotion

@@ -13,8 +13,7 @@ from analytic.description.schema import Erratum
 from analytic.dynamics import joint_forces, reduced
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.farthest import top_of_turn
-from analytic.motion.unit_functions import top_dead_centre
+from analytic.motion.unit_functions import top_dead_centre, top_of_turn
 from comparisons.datasheet.building import usual_case
 from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import chosen_quantities
