@@ -59,6 +59,40 @@ class ExudynRecipe(stepped_engine.Recipe):
             table["tolerance"] = self.effort
         return table
 
+    def solver_settings(self) -> dict[str, Any]:
+        """The rule as exudyn's settings, by their dotted names."""
+        newton, alpha = "timeIntegration.newton", "timeIntegration.generalizedAlpha"
+        table: dict[str, Any] = {"solution.file.write": False}
+        if self.effort is not None:
+            table |= {f"{newton}.{kind}Tolerance": self.effort for kind in ("relative", "absolute")}
+        if self.as_shipped:
+            return table
+        if self.damping is not None:
+            table[f"{alpha}.spectralRadius"] = self.damping
+        return table | {
+            "linearSolver.solverType": "EigenDense",
+            "timeIntegration.adaptiveStep": self.adaptive,
+            f"{alpha}.useNewmark": self.damping is None,
+            f"{alpha}.useIndex2Constraints": self.damping is None,
+            f"{alpha}.computeInitialAccelerations": False,  # exudyn leaves out the drive's own
+            # Residuals hold the multipliers, which nothing fixes at a change point; the motion's corrections die out.
+            f"{newton}.residualMode": 1,
+            f"{newton}.useModifiedNewton": True,
+            f"{newton}.modifiedNewtonJacUpdatePerStep": True,
+        }
+
+
+# The static solver's, which finds the start of a part: corrections are judged, not loads. The square of a correction,
+# which is the next one, is rounding.
+STATIC_SETTINGS = {
+    "solution.file.write": False,
+    "solution.sensors.active": False,
+    "linearSolver.solverType": "EigenDense",
+    "staticSolver.useLoadFactor": False,
+    "staticSolver.newton.residualMode": 1,
+    "staticSolver.newton.relativeTolerance": 1e-9,
+    "staticSolver.newton.absoluteTolerance": 1e-9,
+}
 
 # Generalised α (J. Chung, G. M. Hulbert, ASME Journal of Applied Mechanics 60, 1993); exudyn has it on position level
 # only. Its auxiliary accelerations start as the true ones, which leaves the multipliers first order behind every start;
@@ -166,8 +200,8 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
     studied = STUDIED
 
     def model(self, scene: Scene, recipe: ExudynRecipe) -> Mapping[str, Any]:
-        rule = {name: getattr(recipe, name) for name in ("as_shipped", "effort", "adaptive", "damping")}
-        return ExudynModel(scene).as_data() | rule
+        settings = {"settings": recipe.solver_settings(), "static_settings": STATIC_SETTINGS}
+        return ExudynModel(scene).as_data() | settings | {"as_shipped": recipe.as_shipped}
 
     def follow(self, world: Any, course: Course[ExudynRecipe]) -> History:  # noqa: ANN401 - the loop's
         course.cost.details.update(course.recipe.details())

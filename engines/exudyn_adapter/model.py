@@ -14,6 +14,7 @@ from engines.scene import Body, Channel, GuidedJoint, PinJoint, Prescribed, Scen
 from engines.stepping.loop_engine import plain_law
 
 ANGLE = 2  # number of the angle among the coordinates of a two-dimensional rigid body
+USER_FUNCTIONS = {"ForceVector": "loadVectorUserFunction", "Coordinate": "loadUserFunction"}  # of loads
 COORDINATES = {
     Channel.POSITION: "Coordinates",
     Channel.VELOCITY: "Coordinates_t",
@@ -29,7 +30,7 @@ class ExudynModel:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.items: list[tuple[str, str, dict[str, Any], tuple[str, Any] | None]] = []
+        self.items: list[tuple[str, str, dict[str, Any], tuple[str, str, Any] | None]] = []
         self.counts: Counter[str] = Counter()
         self.scene = scene
         self.nodes: dict[str, int] = {}
@@ -75,7 +76,7 @@ class ExudynModel:
             "poses": [(*body.position, body.angle) for body in scene.bodies],
         }
 
-    def _add_item(self, category: str, kind: str, data: dict[str, Any], law: tuple[str, Any] | None = None) -> int:
+    def _add_item(self, category: str, kind: str, data: dict[str, Any], law: tuple[str, str, Any] | None = None) -> int:
         """Number of a new item in its category."""
         self.items.append((category, kind, data, law))
         self.counts[category] += 1
@@ -85,13 +86,13 @@ class ExudynModel:
         """Number of a new sensor on a node or an object."""
         return self._add_item("Sensor", kind, {**data, "outputVariableType": output, "storeInternal": True})
 
-    def _add_object(self, kind: str, law: tuple[str, Any] | None = None, **data: Any) -> int:  # noqa: ANN401
+    def _add_object(self, kind: str, law: tuple[str, str, Any] | None = None, **data: Any) -> int:  # noqa: ANN401
         return self._add_item("Object", kind, data, law)
 
     def _add_marker(self, kind: str, **data: Any) -> int:  # noqa: ANN401
         return self._add_item("Marker", kind, data)
 
-    def _add_load(self, kind: str, marker: int, law: tuple[str, Any] | None = None, **data: Any) -> None:  # noqa: ANN401
+    def _add_load(self, kind: str, marker: int, law: tuple[str, str, Any] | None = None, **data: Any) -> None:  # noqa: ANN401
         self._add_item("Load", kind, {"markerNumber": marker, **data}, law)
 
     def _angle_marker(self, body: str) -> int:
@@ -141,7 +142,7 @@ class ExudynModel:
         for kind, marker, law in loads:
             values = plain_law(law)
             if not law.is_constant:
-                self._add_load(kind, marker, ("angle", values))
+                self._add_load(kind, marker, ("angle", USER_FUNCTIONS[kind], values))
             elif kind == "ForceVector":
                 self._add_load(kind, marker, loadVector=[*values, 0.0])
             else:
@@ -176,7 +177,7 @@ class ExudynModel:
             else:
                 nodes = [self.nodes.get(body, self.ground) for body in scene.driver_ends[:2]]
                 markers = [self._add_marker("NodeCoordinates", nodeNumber=node) for node in nodes]
-                self.driver = self._add_object("ConnectorCoordinateVector", ("gap", None), markerNumbers=markers)
+                self.driver = self._add_object("ConnectorCoordinateVector", ("gap", "", None), markerNumbers=markers)
             return
         times = drive.over_time and (drive.over_time.times, drive.over_time.torque)
         if turns:
@@ -184,14 +185,15 @@ class ExudynModel:
             if drive.torque:
                 self._add_load("Coordinate", crank, load=drive.torque)
             if times:
-                self._add_load("Coordinate", crank, ("time", (0.0, times, [1.0])))
+                self._add_load("Coordinate", crank, ("time", USER_FUNCTIONS["Coordinate"], (0.0, times, [1.0])))
             return
         ends = [self._point_marker(*end) for end in zip(scene.driver_ends[:2], scene.driver_ends[2:], strict=True)]
         if scene.cylinder is not None:
-            pull = ("time", (drive.torque, times, [-1.0]))
+            pull = ("time", "springForceUserFunction", (drive.torque, times, [-1.0]))
             self._add_object("ConnectorSpringDamper", pull, markerNumbers=ends)
         else:
-            self._add_load("ForceVector", ends[0], ("time", (drive.torque, times, [*scene.driven_slider.along, 0.0])))
+            push = (drive.torque, times, [*scene.driven_slider.along])
+            self._add_load("ForceVector", ends[0], ("time", USER_FUNCTIONS["ForceVector"], push))
 
 
 def add_sensors(model: ExudynModel) -> dict[str, Any]:
