@@ -155,10 +155,8 @@ def why_unavailable(adapter: Engine) -> str | None:
 def _load_adapter(entry: EntryPoint) -> Engine:
     """Import the adapter of an entry point and check it; raises PluginError for one that breaks the contract."""
     late = f"loading it took longer than {LONGEST_LOADING:g} s"
-    with (
-        _time_limit(LONGEST_LOADING, late),
-        contextlib.redirect_stdout(sys.stderr),
-    ):  # the output may be JSON or a script
+    # Its output goes elsewhere: that of the command may be JSON or a script.
+    with _time_limit(LONGEST_LOADING, late), contextlib.redirect_stdout(sys.stderr):
         adapter: Engine = entry.load()()
         lacking = [part for part in CONTRACT if not hasattr(adapter, part)]
         if lacking:
@@ -253,17 +251,15 @@ def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
     ``extra`` is as in ``why_absent``, ``oldest`` the first version that will do.
     """
     version = installed_version(package)
-    return _not_installed(package, extra) if version is None else _too_old(version, package, extra, oldest)
+    if version is None:
+        return _not_installed(package, extra)
+    if _numbers(version) >= _numbers(oldest):
+        return None
+    return f"{package} {version} is too old, {oldest} is the first that will do: {_how_to_install(package, extra)}"
 
 
 def _not_installed(package: str, extra: str) -> str:
     return f"{package} is not installed: {_how_to_install(package, extra)}"
-
-
-def _too_old(version: str, package: str, extra: str, oldest: str) -> str | None:
-    if not oldest or _numbers(version) >= _numbers(oldest):
-        return None
-    return f"{package} {version} is too old, {oldest} is the first that will do: {_how_to_install(package, extra)}"
 
 
 def _how_to_install(package: str, extra: str) -> str:

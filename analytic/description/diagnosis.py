@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -36,10 +36,6 @@ class Source:
     text: str = ""
     variant: str | None = None
     copies: Mapping[str, str] = field(default_factory=dict)
-
-    def with_copies(self, copies: Mapping[str, str]) -> Source:
-        """The same file with copies of some of its parts."""
-        return replace(self, copies=copies)
 
     def fault(self, message: str) -> DescriptionError:
         """The error to raise about this file; the message begins with the key at fault."""

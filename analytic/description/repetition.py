@@ -11,6 +11,7 @@ import copy
 import operator
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 from analytic.description.diagnosis import Source, shown
@@ -43,7 +44,7 @@ def expanded(raw: Table, source: Source) -> tuple[Table, Source]:
                     raise source.fault(f"repeat.{name}.{key}: {UnknownNameError('key', key, ('count', *REPEATED))}")
             for key in sorted(group.keys() - {"count"}):
                 copies.add(copies.document, [key], group[key], ["repeat", name, key], number)
-    return copies.document, source.with_copies(copies.templates)
+    return copies.document, replace(source, copies=copies.templates)
 
 
 def _count(name: str, group: Table, source: Source) -> int:

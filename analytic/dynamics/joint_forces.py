@@ -219,7 +219,9 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     forces |= {slot.name: balance.on_sliders[slot.name] for slot in linkage.slots}
     singular = structure.changes_at(sweep.angle)
     if singular.any():
-        forces = {name: _nan_where_singular(singular, force) for name, force in forces.items()}
+        forces = {
+            name: (np.where(singular, np.nan, x), np.where(singular, np.nan, y)) for name, (x, y) in forces.items()
+        }
     return Reactions({name: _filled(sweep, *force) for name, force in forces.items()}, _filled(sweep, torque)[0])
 
 
@@ -255,11 +257,6 @@ def shaking(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vect
     torques on links come from outside; their reactions do not act on this frame.
     """
     return _filled(sweep, *resultant(sweep, LoadedSweep(sweep, speed, acceleration).external_loads(), about))
-
-
-def _nan_where_singular(singular: NDArray[np.bool_], force: Pair) -> Pair:
-    """A joint's force, N, with nan at change points."""
-    return (np.where(singular, np.nan, force[0]), np.where(singular, np.nan, force[1]))
 
 
 def _filled(sweep: Sweep, *parts: Scalar) -> Array:

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
+from analytic.description.linkage import Link, LinkTorque, PointForce, Spring
 from analytic.dynamics.link_loads import TINY
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar, is_zero
@@ -189,11 +189,7 @@ def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> 
     if turns:
         torque += half_inertia_derivative(sweep) * (speed * speed)
     torque -= generalised_force(sweep)
-    if turns and is_damped(sweep.linkage):
+    linkage = sweep.linkage
+    if turns and (linkage.dampers or not all(is_zero(spring.damping) for spring in linkage.springs)):
         torque += damping_coefficient(sweep) * speed
     return torque
-
-
-def is_damped(linkage: Linkage) -> bool:
-    """Whether there are any dampers or dashpots."""
-    return bool(linkage.dampers) or any(not is_zero(spring.damping) for spring in linkage.springs)

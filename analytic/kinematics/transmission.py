@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.kinematics import frames
-from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.frames import Pair
 from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
 
@@ -22,13 +22,9 @@ Array = NDArray[np.float64]
 
 def transmission_angle(sweep: Sweep, dyad: Dyad) -> Array:
     """The dyad's transmission angle, rad, in [0, π/2], at every crank angle of the sweep."""
-    angle = angle_between(*_parallel_when_dead(sweep, dyad))
+    pair, other = _parallel_when_dead(sweep, dyad)
+    angle = np.arctan2(np.abs(frames.cross(pair, other)), np.abs(frames.dot(pair, other)))  # of the two lines, acute
     return np.copy(np.broadcast_to(angle, sweep.angle.shape))
-
-
-def angle_between(pair: Pair, other: Pair) -> Scalar:
-    """Acute angle of two lines, rad, in [0, π/2]."""
-    return np.arctan2(np.abs(frames.cross(pair, other)), np.abs(frames.dot(pair, other)))
 
 
 def _parallel_when_dead(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:

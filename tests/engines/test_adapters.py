@@ -120,7 +120,7 @@ def test_a_crank_that_turns_at_the_start_moves_every_link_as_the_scene_says(name
 
 RELEASES = {  # torque, N m, angle at the start, rad, and duration, s
     "juki-mf7923d": (0.01, 0.4, 0.4),
-    "spring-and-damper": (0.0, 0.4, 0.1),
+    "spring-and-damper": (0.0, 0.4, 0.06),
     "force-over-angle": (0.5, 0.4, 0.04),
     "slotted-takeup": (0.025, math.radians(269.18), 0.5),
 }
@@ -320,6 +320,7 @@ print(engine("mujoco").run_method(model, engine("mujoco").methods(model)[1], 0.1
 """
 
 
+@pytest.mark.nightly
 def test_no_engine_prints_or_leaves_a_file(tmp_path):
     """In a run that finishes and, in MuJoCo, one that breaks."""
     installed("mujoco")

@@ -95,6 +95,7 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
     assert {(record.outcome, record.detail) for record in other.records} == {("unavailable", reason)}
 
 
+@pytest.mark.nightly
 def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins, monkeypatch):
     (plugins / "hanging.py").write_text("")  # it would be waited for
     words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "-", "--jobs", "0")

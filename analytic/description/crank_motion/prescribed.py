@@ -45,15 +45,9 @@ class Segment:
             total += coefficient
         return np.asarray(total)
 
-    @property
-    def turning_times(self) -> tuple[float, ...]:
-        """Start, end, and the times between at which the speed may be largest, s."""
-        return (self.start, self.end, *self._zeros(2))
-
-    @property
-    def standing_times(self) -> tuple[float, ...]:
-        """Start, end, and the times between at which the angle may be largest or smallest, s."""
-        return (self.start, self.end, *self._zeros(1))
+    def extreme_times(self, order: int) -> tuple[float, ...]:
+        """Start, end, and the times between at which the derivative of φ of an order may be largest or smallest, s."""
+        return (self.start, self.end, *self._zeros(order + 1))
 
     def _zeros(self, order: int) -> list[float]:
         """Times inside at which a derivative of φ is zero, s."""
@@ -94,12 +88,12 @@ class CrankMotion:
     @cached_property
     def peak_speed(self) -> float:
         """Largest |ω|, rad/s."""
-        return max(abs(float(s.value(t, 1))) for s in self.segments for t in s.turning_times)
+        return max(abs(float(s.value(t, 1))) for s in self.segments for t in s.extreme_times(1))
 
     @property
     def reach(self) -> tuple[float, float]:
         """Smallest and largest φ, rad."""
-        ends = [float(s.value(t)) for s in self.segments for t in s.standing_times]
+        ends = [float(s.value(t)) for s in self.segments for t in s.extreme_times(0)]
         return min(ends), max(ends)
 
     @cached_property
@@ -214,11 +208,7 @@ def table_motion(regime: str, time: Sequence[float], angle: Sequence[float]) -> 
         )
     pieces = spline.c[::-1].T.tolist()
     starts = [float(t) for t in time]
-    return CrankMotion(regime, tuple(map(_segment, starts, starts[1:], pieces)))
-
-
-def _segment(start: float, end: float, coefficients: Sequence[float]) -> Segment:
-    return Segment(start, end, tuple(coefficients))
+    return CrankMotion(regime, tuple(map(Segment, starts, starts[1:], map(tuple, pieces))))
 
 
 def check_table(time: Sequence[float], angle: Sequence[float]) -> None:
