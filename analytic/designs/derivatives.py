@@ -23,10 +23,10 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.description.changes import SPEED, design_numbers, with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.designs.checking import checked, speed_of
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.results import is_turn, period_of
 from analytic.designs.sampled_figures import FigureRequest, mean_cells, unwrapped_near
+from analytic.designs.sampled_signals import checked_parameters, speed_of
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure
@@ -340,4 +340,4 @@ def _check_moves(sweep: Sweep) -> None:
 
 def _check(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
     """Raise UnknownNameError and LinkproofError for numbers that a design cannot have."""
-    checked(mechanism.linkage, {name: [value] for name, value in parameters.items()}, has_speed=True)
+    checked_parameters(mechanism.linkage, {name: [value] for name, value in parameters.items()}, has_speed=True)

@@ -8,10 +8,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.designs.checking import speed_of
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.sampled_figures import FigureRequest, is_settled, sampled
-from analytic.designs.sampled_signals import LEAST_RATIO
+from analytic.designs.sampled_signals import LEAST_RATIO, speed_of
 from analytic.machine_code.compiling import Result, StraightFunction, in_threads
 from analytic.machine_code.tracing import LinkageTrace, Traced
 from analytic.signals import is_wrapped

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import design_numbers
 from analytic.description.law import FULL_TURN
-from analytic.designs.checking import checked
 from analytic.designs.figures import Figure
 from analytic.designs.reductions import can_reduce, reduced_figures
 from analytic.designs.sampled_figures import FigureRequest
+from analytic.designs.sampled_signals import checked_parameters
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code.compiling import is_worthwhile
@@ -58,7 +58,7 @@ def design_figures(
     if not parameters:  # of the file's own numbers one stands for all
         name, (_, value) = next(iter(design_numbers(mechanism.linkage).items()))
         parameters = {name: [value]}
-    arrays = checked(mechanism.linkage, parameters, has_speed=True)
+    arrays = checked_parameters(mechanism.linkage, parameters, has_speed=True)
     _check_names(mechanism, figures)
     closes = period_of(mechanism, places) if period == "auto" else period
     request = FigureRequest(mechanism, tuple(figures), places, speed, closes, refine, path)
