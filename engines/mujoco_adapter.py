@@ -120,7 +120,7 @@ class MujocoModel:
         """The scene as MuJoCo's XML."""
         scene, root = self.scene, Element("mujoco")
         SubElement(root, "compiler", angle="radian")
-        option = SubElement(root, "option", gravity=_plane(complex(*scene.gravity)), integrator=recipe.integrator)
+        option = SubElement(root, "option", gravity=_plane_text(complex(*scene.gravity)), integrator=recipe.integrator)
         SubElement(option, "flag", autoreset="disable")  # a run that breaks is to end as one
         if recipe.settle:
             SubElement(SubElement(root, "default"), "equality", solimp="0.9999 0.9999 1 0.5 2")  # the hardest
@@ -134,7 +134,7 @@ class MujocoModel:
             sites = f"{cut.name}/1", f"{cut.name}/2"
             SubElement(equalities, "connect", name=cut.name, site1=sites[0], site2=sites[1])
             for site, (link, anchor) in zip(sites, ends(cut), strict=True):
-                SubElement(links[link], "site", name=site, pos=_plane(complex(*anchor)))
+                SubElement(links[link], "site", name=site, pos=_plane_text(complex(*anchor)))
         for damper in scene.dampers:
             angle = SubElement(tendons, "fixed", damping=f"{damper.coefficient:.17g}")
             ours, theirs = self.tree.hinges(damper.first), self.tree.hinges(damper.second)
@@ -150,10 +150,10 @@ class MujocoModel:
         body, host = branch.body, self.bodies[branch.parent]
         place = cmath.rect(1.0, -host.angle) * (complex(*body.position) - complex(*host.position))
         turn, inertia = body.angle - host.angle, body.inertia or body.mass * scene_size(self.scene) ** 2
-        link = SubElement(parent, "body", name=body.name, pos=_plane(place), euler=f"0 0 {turn:.17g}")
+        link = SubElement(parent, "body", name=body.name, pos=_plane_text(place), euler=f"0 0 {turn:.17g}")
         SubElement(link, "inertial", pos="0 0 0", mass=f"{body.mass:.17g}", diaginertia=f"{inertia:.17g} " * 3)
-        slide = {"type": "slide", "axis": _plane(cmath.rect(1.0, branch.tilts[1]))}
-        hinge = {"type": "hinge", "pos": _plane(complex(*branch.points[1]))}
+        slide = {"type": "slide", "axis": _plane_text(cmath.rect(1.0, branch.tilts[1]))}
+        hinge = {"type": "hinge", "pos": _plane_text(complex(*branch.points[1]))}
         SubElement(link, "joint", slide if isinstance(branch.joint, SliderJoint) else hinge, name=body.name)
         return link
 
@@ -198,5 +198,5 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
         return MujocoModel(scene, recipe).as_data(recipe)
 
 
-def _plane(vector: complex) -> str:
+def _plane_text(vector: complex) -> str:
     return f"{vector.real:.17g} {vector.imag:.17g} 0"

@@ -28,7 +28,7 @@ def _force(reader: Reader, table: doc.ForceTable, where: str) -> PointForce:
     """A force at a point in SI units."""
     rows = table.force if isinstance(table.force, list) else [table.force]
     link = reader.owner(table.point, table.link, where)
-    return PointForce(table.point, link, _interpolated(reader, table, rows, "force", where))
+    return PointForce(table.point, link, _interpolated_law(reader, table, rows, "force", where))
 
 
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
@@ -40,11 +40,11 @@ def torques(reader: Reader) -> tuple[LinkTorque, ...]:
 def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
     """A torque on a link in SI units."""
     values = table.torque if isinstance(table.torque, list) else [table.torque]
-    law = _interpolated(reader, table, [(value,) for value in values], "torque", where)
+    law = _interpolated_law(reader, table, [(value,) for value in values], "torque", where)
     return LinkTorque(reader.body(table.link, where), law)
 
 
-def _interpolated(
+def _interpolated_law(
     reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], kind: str, where: str
 ) -> Law:
     """The law of a force or torque, by a spline or by straight lines as the table says."""

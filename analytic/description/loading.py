@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
 from analytic.description.linkage import Linkage
-from analytic.description.repetition import expanded
+from analytic.description.repetition import expand_copies
 from analytic.description.schema import Document
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, is_safe, listed, printable
 from analytic.shelves import announced
@@ -177,7 +177,7 @@ def document(
     if chosen not in names:
         raise UnknownNameError(f"variant of '{name}'", chosen, names)
     overlay = {} if chosen == base_name else dict(overlays[chosen])
-    raw, source = expanded(
+    raw, source = expand_copies(
         _with_variant(raw, {"repeat": overlay.pop("repeat")}) if "repeat" in overlay else raw, source
     )
     if chosen != base_name:

@@ -28,7 +28,7 @@ OPERATIONS: Final[Mapping[type, Callable[[Any, Any], Any]]] = {
 Table = dict[str, Any]
 
 
-def expanded(raw: Table, source: Source) -> tuple[Table, Source]:
+def expand_copies(raw: Table, source: Source) -> tuple[Table, Source]:
     """A document with all copies written out, and its source with the line in the file of every copied key.
 
     Raises DescriptionError for a copy that cannot be made and for a name that is taken already.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.designs.figures import Figure, Reduction
-from analytic.designs.sampled_figures import FigureRequest, is_settled, sampled
+from analytic.designs.sampled_figures import FigureRequest, is_settled, sampled_source
 from analytic.designs.sampled_signals import LEAST_RATIO, speed_of
 from analytic.machine_code.compiling import Result, StraightFunction, in_threads
 from analytic.machine_code.tracing import LinkageTrace, Traced
@@ -54,7 +54,7 @@ class _DesignSums:
         self.places: dict[str, int] = {}
         lines = dict(zip(request.signals, listed.signals, strict=True))
         for quantity in request.figures:
-            name = sampled(quantity.signal)
+            name = sampled_source(quantity.signal)
             if quantity.is_mean:
                 self._add_mean(name, Traced(listed.trace, lines[name]))
             else:
@@ -65,10 +65,10 @@ class _DesignSums:
             self._add(f"steep {number}", line, STEEP)
             self._add(f"last {number}", line, LAST)
 
-    def _add(self, name: str, line: int, how: tuple[str, float]) -> None:
+    def _add(self, name: str, line: int, reduction: tuple[str, float]) -> None:
         if name not in self.places:
             self.places[name] = len(self.results)
-            self.results.append(Result(line, *how))
+            self.results.append(Result(line, *reduction))
 
     def _add_mean(self, name: str, value: Any) -> None:  # noqa: ANN401 - a traced number
         """Add the sums from which a signal's mean and mean square follow, over all and over every second sample."""
@@ -83,7 +83,7 @@ class _DesignSums:
         def result_of(name: str) -> Array:
             return np.asarray(values[self.places[name]])
 
-        name = sampled(quantity.signal)
+        name = sampled_source(quantity.signal)
         if quantity.is_mean:
             power = "square" if quantity.reduction is Reduction.RMS else "mean"
             whole, half = (quantity.of_mean(result_of(f"{name} {power} {share}")) for share in (SHARE, HALF_SHARE))

@@ -68,7 +68,7 @@ class FigureRequest:
     @property
     def signals(self) -> tuple[str, ...]:
         """Sampled signals, each once; the output's coordinate in place of S."""
-        return tuple(dict.fromkeys(sampled(figure.signal) for figure in self.figures))
+        return tuple(dict.fromkeys(sampled_source(figure.signal) for figure in self.figures))
 
     def designs(self, arrays: Mapping[str, Array]) -> Designs:
         """The designs that differ in ``arrays`` (designs,) of numbers by name."""
@@ -94,7 +94,7 @@ class FigureRequest:
         return values
 
 
-def sampled(name: str) -> str:
+def sampled_source(name: str) -> str:
     """The signal that is sampled for a signal: the output's coordinate for S, else the signal itself."""
     return OUTPUT_COORDINATE if name == "S" else name
 
@@ -149,7 +149,7 @@ class _Chunk:
                 elif figure.is_mean:
                     result[row, here] = self._mean(figure, sampled[figure.signal])
                 elif not extremes:
-                    result[row, here] = _reduced(figure, sampled[figure.signal])
+                    result[row, here] = _reduce_samples(figure, sampled[figure.signal])
             if extremes:
                 grid, sampled = self._with_period_end(sampled, len(here))
                 self._enter_tops(extremes, sampled, here, grid)
@@ -254,7 +254,7 @@ class _Chunk:
 
     def _curves(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Array]:
         """Signals of some of the designs at crank angles, (designs, angles), and determinants; faults are noted."""
-        sources = {name: sampled(name) for name in names}
+        sources = {name: sampled_source(name) for name in names}
         samples = self.sampler(self.rows[here], phi, tuple(dict.fromkeys(sources.values())))
         if list(sources) != [OUTPUT_COORDINATE]:
             self.faulty[here[~samples.moves.all(axis=1)]] = True
@@ -300,7 +300,7 @@ class _Chunk:
         return np.where(extreme.is_kink(highest), SQUARE, highest)
 
 
-def _reduced(figure: Figure, values: Array) -> Array:
+def _reduce_samples(figure: Figure, values: Array) -> Array:
     """A signal (designs, angles) brought down to a number for each design."""
     best = (np.argmax(end.height(values), axis=1)[:, None] for end in figure.extremes)
     return figure.of([np.take_along_axis(values, place, 1)[:, 0] for place in best])

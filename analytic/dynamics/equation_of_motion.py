@@ -24,7 +24,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
 from analytic.numerics.refine import extremes, grid, in_turn
-from analytic.numerics.roots import root, where_assembled
+from analytic.numerics.roots import evaluate_assembled, root
 
 Array = NDArray[np.float64]
 NO_INERTIA: Final = 1e-12  # of the peak of Jeq: a smooth minimum this deep is a zero to rounding
@@ -92,7 +92,7 @@ class EquationOfMotion:
             terms = np.abs(self.terms(angle))
             return np.asarray(terms[0] + most * terms[3] if most else terms[0])
 
-        return float(np.nanmax(where_assembled(moment, seen), initial=0.0))
+        return float(np.nanmax(evaluate_assembled(moment, seen), initial=0.0))
 
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
         """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape, without ``push``."""
@@ -144,7 +144,7 @@ def _check_inertia(mechanism: Mechanism) -> None:
     """Raise LinkproofError where Jeq vanishes at a crank angle, so that no acceleration follows from the loads."""
 
     def inertia(angle: Array) -> Array:
-        return where_assembled(lambda at: reduced.reduced_inertia(mechanism.sweep(at)), angle.ravel()).reshape(
+        return evaluate_assembled(lambda at: reduced.reduced_inertia(mechanism.sweep(at)), angle.ravel()).reshape(
             angle.shape
         )
 
@@ -207,7 +207,7 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
 
     is_linear = mechanism.linkage.is_linear
     start = mechanism.turn.angle if is_linear else grid()
-    before = where_assembled(moment, start)
+    before = evaluate_assembled(moment, start)
     peak = float(np.nanmax(np.abs(before), initial=0.0))
     if peak <= NEGLIGIBLE * _moment_scale(mechanism):
         return ()

@@ -212,8 +212,8 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     structure, linkage = sweep.structure, sweep.linkage
     balance = LinkBalance(LoadedSweep(sweep, speed, acceleration))
     for group in reversed(structure.groups):
-        _book_group(balance, group)
-    torque = _book_driver(balance)
+        _enter_group(balance, group)
+    torque = _enter_driver(balance)
     forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in pin.joints.items()}
     forces |= {slider.name: balance.on_sliders[slider.link] for slider in linkage.sliders}
     forces |= {slot.name: balance.on_sliders[slot.name] for slot in linkage.slots}
@@ -225,26 +225,26 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     return Reactions({name: _filled(sweep, *force) for name, force in forces.items()}, _filled(sweep, torque)[0])
 
 
-def _book_group(balance: LinkBalance, group: AnyGroup) -> None:
+def _enter_group(balance: LinkBalance, group: AnyGroup) -> None:
     """Enter the forces of a group's joints."""
     for joint, wrench in group_wrenches(balance, group):
         if joint.near in group.links and joint.far in group.links:
-            balance.book(joint, wrench)
+            balance.enter_wrench(joint, wrench)
         else:
-            balance.book_outer(joint, wrench)
+            balance.enter_outer_wrench(joint, wrench)
 
 
-def _book_driver(balance: LinkBalance) -> Scalar:
+def _enter_driver(balance: LinkBalance) -> Scalar:
     """Enter the wrench of the driver's joint to the ground; the rest is the drive's: a torque, or a force."""
     pivot = balance.structure.pivot
     if pivot is None:
         return balance.drive
     x, y, moment = balance.needs[pivot.far]
     if isinstance(pivot, Revolute):
-        balance.book(pivot, (x, y, 0.0))
+        balance.enter_wrench(pivot, (x, y, 0.0))
         return moment
     push = frames.dot(pivot.along, (x, y))
-    balance.book(pivot, (x - push * pivot.along[0], y - push * pivot.along[1], moment))
+    balance.enter_wrench(pivot, (x - push * pivot.along[0], y - push * pivot.along[1], moment))
     return push
 
 

@@ -134,7 +134,7 @@ Wrench = tuple[Scalar, Scalar, Scalar]
 class LinkBalance:
     """The links at their poses under their loads, before any joint force is known.
 
-    ``needs`` holds, by body, the wrench about its reference point that joints not yet booked must exert. ``at_pins``
+    ``needs`` holds, by body, the wrench about its reference point that joints not yet entered must exert. ``at_pins``
     has the force of a pin on each of its bodies, by point and body; ``on_sliders`` that of the guide on each slider,
     those in slots included.
     """
@@ -156,14 +156,14 @@ class LinkBalance:
             if load.torque is not None:
                 self._add_load(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
 
-    def book_outer(self, joint: GroupJoint, wrench: Wrench) -> None:
+    def enter_outer_wrench(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter the wrench of an outer joint of a group on its far link; its reverse is a load on the near link."""
-        self.book(joint, wrench)
+        self.enter_wrench(joint, wrench)
         x, y, moment = wrench
         arm = self.arm(joint.near, joint.near_local) if isinstance(joint, Revolute) else self.gap(joint.near, joint.far)
         self._add_load(joint.near, (-x, -y), arm, -moment)
 
-    def book(self, joint: GroupJoint, wrench: Wrench) -> None:
+    def enter_wrench(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter the wrench of a joint on its far body, and the reverse on the near body."""
         if isinstance(joint, DrivenDistance):
             self.drive = frames.dot(self.direction(joint), (wrench[0], wrench[1]))

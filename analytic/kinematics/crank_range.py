@@ -18,7 +18,7 @@ from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.groups.solver import DEAD, GroupSolver
 from analytic.kinematics.structure import AnyGroup, Structure
-from analytic.kinematics.sweep import Sweep, placed, solver_of
+from analytic.kinematics.sweep import Sweep, driver_poses, solver_of
 from analytic.numerics.roots import lowest, may_touch_zero, root
 
 Array = NDArray[np.float64]
@@ -130,7 +130,7 @@ class _Margins:
 
     def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
         """Every group placed at crank angles, assembled or not."""
-        poses = placed(self.structure, angle)
+        poses = driver_poses(self.structure, angle)
         solvers = [solver_of(group, angle) for group in self.structure.groups]
         for solver in solvers:
             poses.update(zip(solver.dyad.links, solver.poses(poses), strict=True))

@@ -25,7 +25,7 @@ from analytic.kinematics.groups.following import follow_branch
 from analytic.kinematics.groups.solver import configuration_at_sketch, problem_of
 from analytic.kinematics.sketch import named_places, nearest_to_sketch
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
-from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
+from analytic.kinematics.sweep import Array, Sweep, driver_poses, solver_of
 
 AT_REST = 1e-6  # rad from a change point
 
@@ -43,7 +43,7 @@ class Mechanism:
     def _assemble(self, linkage: Linkage, signs: Sequence[int]) -> None:
         """Find the groups, their assembly modes and their change points."""
         self.linkage = linkage
-        signed = _signed(linkage, find_structure(linkage), signs)
+        signed = _with_assembly_modes(linkage, find_structure(linkage), signs)
         self.structure, self.undetermined = with_change_points(signed, linkage.sketch_angle)
         self.period = period_of(self.structure)
 
@@ -133,13 +133,13 @@ class Mechanism:
                     )
 
 
-def _signed(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
+def _with_assembly_modes(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
     """Choose each group's assembly mode nearest to the sketch, group by group.
 
     Dyads take the ``signs``, if there are any.
     """
     left = iter(signs)
-    poses = placed(structure, linkage.sketch_angle)
+    poses = driver_poses(structure, linkage.sketch_angle)
     done: list[AnyGroup] = []
     for group in structure.groups:
         if isinstance(group, Dyad):

@@ -56,7 +56,7 @@ def output_of(linkage: Linkage) -> Output:
     return linkage.output
 
 
-def placed(structure: Structure, angle: Scalar) -> dict[str, Pose]:
+def driver_poses(structure: Structure, angle: Scalar) -> dict[str, Pose]:
     """Poses of the ground and the driven link, which belong to no group."""
     poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0)}
     return poses if structure.pivot is None else poses | {structure.pivot.far: crank_pose(structure.pivot, angle)}
@@ -96,20 +96,20 @@ class Sweep:
 
     def poses(self, body: str) -> Pose:
         """Origin x, y, m, and cosine and sine of the angle of a body's frame."""
-        pose: Pose = self._solved(body, 0)
+        pose: Pose = self._solve(body, 0)
         return pose
 
     def rates(self, body: str) -> Rate:
         """First derivatives x', y' (m/rad) and θ' of a body's frame."""
-        rate: Rate = self._solved(body, 1)
+        rate: Rate = self._solve(body, 1)
         return rate
 
     def accelerations(self, body: str) -> Rate:
         """Second derivatives x'', y'' (m/rad²) and θ'' of a body's frame."""
-        second: Rate = self._solved(body, 2)
+        second: Rate = self._solve(body, 2)
         return second
 
-    def _solved(self, body: str, order: int) -> Any:  # noqa: ANN401 - a pose or a rate
+    def _solve(self, body: str, order: int) -> Any:  # noqa: ANN401 - a pose or a rate
         """Pose of a body or its derivative of an order; computes its dyad and those before it as far as needed."""
         known = self._known[order]
         if body not in known:
@@ -119,10 +119,10 @@ class Sweep:
             if order == 0:
                 solver = self._solvers[group.first] = solver_of(group, self.angle)
             else:
-                self._solved(body, order - 1)
+                self._solve(body, order - 1)
                 solver = self._solvers[group.first]
             for host in solver.hosts:
-                self._solved(host, order)
+                self._solve(host, order)
             if order == 1:
                 self._check_motion(solver)
             solved = (solver.poses, solver.rates, solver.accelerations)[order](known)
@@ -154,13 +154,13 @@ class Sweep:
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
         """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
-        motion: Any = tuple(self._solved(body, k) for k in range(order + 1))
+        motion: Any = tuple(self._solve(body, k) for k in range(order + 1))
         return point_derivative(motion, local, order)
 
     def point(self, name: str, order: int = 0) -> Array:
         """A named point in the ground frame, m, or a derivative of it; shape (2, *angle.shape)."""
         body = self.carrier(name)
-        return self._full(self.local_point(body, self.linkage.local(name, body), order))
+        return self._filled(self.local_point(body, self.linkage.local(name, body), order))
 
     def carrier(self, name: str) -> str:
         """The body through which a named point is cheapest to reach: ground, crank, else the first dyad's link."""
@@ -189,7 +189,7 @@ class Sweep:
             self._centres[body, order] = self.local_point(body, self.linkage.links[body].centre, order)
         return self._centres[body, order]
 
-    def _full(self, pair: Pair) -> Array:
+    def _filled(self, pair: Pair) -> Array:
         return np.stack([np.broadcast_to(part, self.angle.shape) for part in pair])
 
     def output(self, order: int = 0) -> Array:

@@ -103,7 +103,7 @@ class FreeMotion:
     def _integration_error(self, time: Array, angle: Array) -> float:
         """Largest difference of φ, rad, from the second integration."""
         equation = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
-        control = _integrated(equation, self.start, self.duration, CONTROL_NODES, TIGHTENED * self.tolerance)
+        control = _integrate_windows(equation, self.start, self.duration, CONTROL_NODES, TIGHTENED * self.tolerance)
         return float(np.max(np.abs(angle - control.angle_at(time))))
 
     def _closed_form_error(self, time: Array, angle: Array) -> float:
@@ -165,13 +165,13 @@ def follow(
 ) -> FreeMotion:
     """Integrate an equation of motion that may be tabulated already; arguments as for ``free_motion``."""
     start = (start_angle, start_speed)
-    windows = _integrated(equation, start, duration, NODES, tolerance)
+    windows = _integrate_windows(equation, start, duration, NODES, tolerance)
     timed = equation.over_time is not None and any(equation.over_time.torque)
     regime = "driven" if timed or np.any(equation.torque.values) else "free"
     return FreeMotion(regime, start, duration, equation, windows, tolerance)
 
 
-def _integrated(
+def _integrate_windows(
     equation: EquationOfMotion, start: tuple[float, float], duration: float, nodes: int, tolerance: float
 ) -> Windows:
     """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""

@@ -205,7 +205,7 @@ def integrate(
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
     unsettled = SETTLED * tolerance if tolerance > FINE else 0.0
     path = _Path(scheme, start, period)
-    pushed = _timed(acceleration, push)
+    pushed = _with_push(acceleration, push)
     borders = [*sorted(knot for knot in knots if 0.0 < knot < duration), duration]
     path.acceleration = _end_acceleration(pushed, path)
     length = longest = _first_window(path, duration)
@@ -229,7 +229,7 @@ def integrate(
     return path.windows()
 
 
-def _timed(acceleration: Acceleration, push: Push | None) -> Timed:
+def _with_push(acceleration: Acceleration, push: Push | None) -> Timed:
     """The whole acceleration, rad/s², as a function of time, φ and ω."""
     if push is None:
         return lambda _time, angle, speed: acceleration(angle, speed)

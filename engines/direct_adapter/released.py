@@ -53,7 +53,7 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
                 raise UnsolvableError(f"{reason} at {run.t:.4g} s")
             run.max_step = STEP * run.h_abs
             times.append(run.t)
-            pieces.append(_ahead(run.dense_output(), turned))
+            pieces.append(_shifted(run.dense_output(), turned))
             if path.turns is not None:  # rounded as an angle of many turns is, the state would lose energy
                 whole = FULL_TURN * np.floor((run.y - path.low) / FULL_TURN) * (1.0, 0.0)
                 run.y, turned = run.y - whole, turned + whole[:, None]
@@ -61,8 +61,9 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
     return OdeSolution(times, pieces)
 
 
-def _ahead(piece: DenseOutput, by: Array) -> Callable[[Array], Array]:
-    return lambda time: np.asarray(piece(time) + by)
+def _shifted(piece: DenseOutput, offset: Array) -> Callable[[Array], Array]:
+    """A piece of the motion with whole periods of φ added."""
+    return lambda time: np.asarray(piece(time) + offset)
 
 
 def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[float, Array], tuple[float, float]]:

@@ -22,7 +22,7 @@ from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import Pose, body_masses
 from engines.pymunk_adapter.layout import PartLayout, exact_layout, plain_layout
-from engines.pymunk_adapter.space import described
+from engines.pymunk_adapter.space import space_data
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.intervals import UnsupportedError
 from engines.stepping.loop_engine import LoopEngine
@@ -199,4 +199,4 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
         elif recipe.centred:
             iterations = iterations_for(layout, recipe.remaining)
         lead = min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios))) if recipe.centred else 1
-        return described(scene, layout, centred=recipe.centred) | {"iterations": iterations, "lead": lead}
+        return space_data(scene, layout, centred=recipe.centred) | {"iterations": iterations, "lead": lead}

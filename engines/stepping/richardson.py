@@ -28,26 +28,26 @@ from engines.contract import History, Origin, Signal, weakest
 CHANNELS = ("position", "velocity", "acceleration", "torque")  # of one signal each
 
 
-def combined(histories: Sequence[History], combine: Callable[[Sequence[Signal]], Signal]) -> History:
+def combine_histories(histories: Sequence[History], combine: Callable[[Sequence[Signal]], Signal]) -> History:
     """One history, each signal made of those of its channel; a channel is None where all histories lack it."""
 
-    def of_channel(name: str) -> Signal | None:
+    def combine_channel(name: str) -> Signal | None:
         present = [signal for history in histories if (signal := getattr(history, name)) is not None]
         return combine(present) if present else None
 
     forces = {name: combine([history.joint_force[name] for history in histories]) for name in histories[0].joint_force}
-    position, velocity, acceleration, torque = map(of_channel, CHANNELS)
+    position, velocity, acceleration, torque = map(combine_channel, CHANNELS)
     return History(position, velocity, acceleration, torque, forces)
 
 
-def joined(histories: Sequence[History]) -> History:
+def join_histories(histories: Sequence[History]) -> History:
     """Histories of consecutive parts of a run as one; a channel is None in all or in none."""
 
     def end_to_end(signals: Sequence[Signal]) -> Signal:
         time, values = (np.concatenate([getattr(signal, name) for signal in signals]) for name in ("time", "values"))
         return replace(signals[0], time=time, values=values)
 
-    return combined(histories, end_to_end)
+    return combine_histories(histories, end_to_end)
 
 
 def labelled(history: History) -> Iterator[tuple[str, Signal]]:
@@ -114,7 +114,7 @@ def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8), we
             origin = Origin.EXTRAPOLATED
         return Signal(time, values, origin)
 
-    return combined([each.history for each in passes], weighted)
+    return combine_histories([each.history for each in passes], weighted)
 
 
 def estimated_error(passes: Sequence[Pass], orders: Sequence[int]) -> float:

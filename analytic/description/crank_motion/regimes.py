@@ -59,13 +59,13 @@ def _written_keys(table: doc.RegimeTable) -> list[str]:
     return [field.alias or name for name, field in type(table).model_fields.items() if name in table.model_fields_set]
 
 
-def _kind_of_regime(given: Sequence[str]) -> str:
+def _kind_of_regime(keys: Sequence[str]) -> str:
     """What the keys of a regime describe, a key of ``KINDS``: a swing, segments, a table, or a released crank."""
-    if "segments" in given:
+    if "segments" in keys:
         return "segments"
-    if "to" in given or "from" in given:
+    if "to" in keys or "from" in keys:
         return "swing"
-    return "table" if "angle" in given and "torque" not in given else "released crank"
+    return "table" if "angle" in keys and "torque" not in keys else "released crank"
 
 
 @contextmanager
@@ -79,10 +79,10 @@ def _errors_at(reader: Reader, where: str) -> Iterator[None]:
         raise
 
 
-def _required(reader: Reader, value: float | None, where: str, what: str) -> float:
+def _required(reader: Reader, value: float | None, where: str, meaning: str) -> float:
     """A number that the regime needs; raises DescriptionError where it is missing."""
     if value is None:
-        raise reader.fail(f"{where} is missing: expected {what}; add it")
+        raise reader.fail(f"{where} is missing: expected {meaning}; add it")
     return value
 
 

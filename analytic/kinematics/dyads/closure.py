@@ -88,7 +88,7 @@ def direction(vector: Pair, arm: Vector) -> Pair:
     return (vector[0] * a + vector[1] * b, vector[1] * a - vector[0] * b)
 
 
-def on_rail(rail: Prismatic, local: Vector) -> Vector:
+def point_on_rail(rail: Prismatic, local: Vector) -> Vector:
     """A point of the sliding body, in the frame it slides on, at zero travel."""
     c, s = rail.turn
     x, y = rail.origin
@@ -107,8 +107,8 @@ def size(a: Pair, b: Pair) -> Scalar:
 Constants = tuple[Vector, ...]
 
 
-def slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
-    """Solve t e − u f = gap for (t, u): travels, or their derivatives; ``scale`` is 1 / e × f."""
+def solve_slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
+    """Solve t e − u f = gap for (t, u): travels along two slides, or their derivatives; ``scale`` is 1 / e × f."""
     return (cross(gap, f) * scale, cross(gap, e) * scale)
 
 

@@ -16,9 +16,9 @@ from analytic.kinematics.dyads.closure import (  # noqa: F401 - of both kinds
     assembly_fault,
     dead_determinant,
     dead_position_text,
-    on_rail,
+    point_on_rail,
     reach_margin,
-    slides,
+    solve_slides,
 )
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
 from analytic.kinematics.structure import Prismatic, Revolute
@@ -42,11 +42,11 @@ def constants(first: Prismatic, inner: Revolute, second: Prismatic, sign: float)
     return PRPConstants(
         first.along,
         first.turn,
-        on_rail(first, inner.far_local),
+        point_on_rail(first, inner.far_local),
         inner.far_local,
         second.along,
         second.turn,
-        on_rail(second, inner.near_local),
+        point_on_rail(second, inner.near_local),
         inner.near_local,
     )
 
@@ -56,7 +56,7 @@ def poses(k: PRPConstants, near: Poses) -> tuple[Poses, Closure]:
     e, f = frames.arm(near[0], k.first_along), frames.arm(near[1], k.second_along)
     determinant = frames.cross(e, f)
     pair = frames.point(near[0], k.first_base)
-    slide, _ = slides(e, f, frames.minus(frames.point(near[1], k.second_base), pair), frames.inverse(determinant))
+    slide, _ = solve_slides(e, f, frames.minus(frames.point(near[1], k.second_base), pair), frames.inverse(determinant))
     c = frames.point_along(pair, slide, e)
     first = frames.pose_through(c, frames.turned(near[0], k.first_turn), k.first_pin)
     second = frames.pose_through(c, frames.turned(near[1], k.second_turn), k.second_pin)
@@ -68,7 +68,7 @@ def rates(k: PRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
     a = frames.carried_rate(near[0], near_rates[0], closure.pin)
     b = frames.carried_rate(near[1], near_rates[1], closure.pin)
     scale = frames.inverse(closure.determinant)
-    first, two = slides(closure.u, closure.v, frames.minus(b, a), scale)
+    first, two = solve_slides(closure.u, closure.v, frames.minus(b, a), scale)
     c = frames.point_along(a, first, closure.u)
     pair = (
         frames.rate_through(link_poses[0], c, near_rates[0][2], k.first_pin),
@@ -83,7 +83,7 @@ def accelerations(k: PRPConstants, hosts: Hosts, links: Links, closure: Closure,
     link_poses, _ = links
     a = _pin_acceleration(near[0], near_rates[0], near_seconds[0], closure.pin, travel.first, closure.u)
     b = _pin_acceleration(near[1], near_rates[1], near_seconds[1], closure.pin, travel.second, closure.v)
-    slide, _ = slides(closure.u, closure.v, frames.minus(b, a), travel.scale)
+    slide, _ = solve_slides(closure.u, closure.v, frames.minus(b, a), travel.scale)
     c = frames.point_along(a, slide, closure.u)
     return (
         frames.acceleration_through(link_poses[0], c, near_rates[0][2], near_seconds[0][2], k.first_pin),

@@ -23,7 +23,7 @@ from analytic.kinematics.dyads.closure import (
     Travel,
     Written,
     direction,
-    on_rail,
+    point_on_rail,
     size,
 )
 from analytic.kinematics.frames import Pair, Scalar
@@ -44,7 +44,7 @@ class RPRConstants(NamedTuple):
 
 def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) -> RPRConstants:
     """The dyad's constants from its joints and its assembly sign."""
-    start = frames.minus(on_rail(inner, first.far_local), second.far_local)
+    start = frames.minus(point_on_rail(inner, first.far_local), second.far_local)
     return RPRConstants(
         first.near_local,
         second.near_local,

@@ -20,8 +20,8 @@ from analytic.kinematics.dyads.closure import (
     Travel,
     Written,
     direction,
-    on_rail,
     over_square,
+    point_on_rail,
     size,
 )
 from analytic.kinematics.frames import Pair, Scalar
@@ -51,7 +51,7 @@ def constants(first: Revolute, inner: Revolute, second: Prismatic, sign: float) 
         over_square(r, length * length),
         second.along,
         second.turn,
-        on_rail(second, inner.near_local),
+        point_on_rail(second, inner.near_local),
         inner.near_local,
         (length, sign),
     )
