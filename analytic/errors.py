@@ -63,14 +63,14 @@ class UnknownNameError(LinkproofError):
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
         choices = sorted(set(known))
         meant, many = SYMBOLS.get(name.lower()), NEAREST if len(choices) > MOST_NAMES else 1
-        near = [meant] if meant in choices else _nearest(name, choices)[:many]
+        near = [meant] if meant in choices else _similar_names(name, choices)[:many]
         meanings = "' or '".join(near)
         hint = f"did you mean '{meanings}'? " if near else ""
         super().__init__(f"unknown {kind} '{shortened(name)}': {hint}known are {where or listed(choices)}")
 
 
-def _nearest(name: str, choices: Sequence[str]) -> list[str]:
-    """The choices that a name is the beginning or a misspelling of."""
+def _similar_names(name: str, choices: Sequence[str]) -> list[str]:
+    """The known names that a name is the beginning or a misspelling of, the nearest first."""
     begun = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
     if begun or len(name) > LONGEST_NAME:
         return begun
@@ -86,14 +86,14 @@ def _differ_by_a_letter(name: str, other: str) -> bool:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names in a sentence, at most MOST_NAMES of them."""
+    """Names as an enumeration in a sentence, at most MOST_NAMES of them."""
     every = list(names)
     more = f" and {len(every) - MOST_NAMES} more" if len(every) > MOST_NAMES else ""
     return ", ".join(map(shortened, every[:MOST_NAMES])) + more or "none"
 
 
 def shortened(text: str) -> str:
-    """A text of at most LONGEST_NAME characters, cut at its end."""
+    """A name cut at its end to LONGEST_NAME characters, for a message."""
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
 
 

@@ -13,7 +13,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code.compiling import MOST_OPERATIONS, Result, StraightFunction, in_threads, is_worthwhile
 from analytic.machine_code.tracing import LinkageTrace, is_traceable, linkage_trace
-from analytic.motion.farthest import farthest_between
+from analytic.motion.unit_functions import farthest_between
 from analytic.moving import MovingSweep
 from analytic.signals import check_signals, is_wrapped, signal
 
@@ -46,12 +46,15 @@ def evaluate(
     """
     chosen = check_signals(mechanism, names, has_speed=speed is not None)
     angle = np.asarray(angle, dtype=float)
-    motion = [_like(angle, 0.0 if speed is None else speed, "speed"), _like(angle, acceleration, "acceleration")]
+    motion = [
+        _flat_as_angles(angle, 0.0 if speed is None else speed, "speed"),
+        _flat_as_angles(angle, acceleration, "acceleration"),
+    ]
     values = None
     if is_worthwhile(path, MOST_OPERATIONS, angle.size) and is_traceable(mechanism):
-        listed = _listed(mechanism, chosen, bool(np.any(motion[1])))
-        if is_worthwhile(path, len(listed.trace.leading_to(listed.lines)), angle.size):
-            values = _by_machine_code(listed, angle.ravel(), motion, cores)
+        trace = _traced(mechanism, chosen, bool(np.any(motion[1])))
+        if is_worthwhile(path, len(trace.trace.lines_needed(trace.lines)), angle.size):
+            values = _by_machine_code(trace, angle.ravel(), motion, cores)
     if values is None:
         values = _by_numpy(mechanism, chosen, angle.ravel(), motion)
     if "S" in chosen:
@@ -61,8 +64,8 @@ def evaluate(
     return table | {name: np.unwrap(table[name]) for name in wrapped}
 
 
-def _like(angle: Array, value: ArrayLike, name: str) -> Array:
-    """A scalar as it is, an array flattened like the angles."""
+def _flat_as_angles(angle: Array, value: ArrayLike, name: str) -> Array:
+    """A motion quantity as it is if scalar, else flattened like the angles; raises LinkproofError for another shape."""
     values = np.asarray(value, dtype=float)
     if values.ndim and values.shape != angle.shape:
         raise LinkproofError(
@@ -73,7 +76,7 @@ def _like(angle: Array, value: ArrayLike, name: str) -> Array:
 
 
 def _by_numpy(mechanism: Mechanism, names: tuple[str, ...], angle: Array, motion: Sequence[Array]) -> Array:
-    """Signals (signals, angles), piece by piece; S counts from the ground's origin."""
+    """Signals (signals, angles) by NumPy, piece by piece; S counts from the ground's origin."""
     values = np.empty((len(names), angle.size))
     for start in range(0, angle.size, PIECE):
         here = slice(start, start + PIECE)
@@ -84,14 +87,17 @@ def _by_numpy(mechanism: Mechanism, names: tuple[str, ...], angle: Array, motion
     return values
 
 
-def _by_machine_code(listed: LinkageTrace, angle: Array, motion: Sequence[Array], cores: int | None) -> Array | None:
-    """The same by a list of operations; None where the linkage cannot move, for NumPy has a sentence there."""
-    function = _compiled(listed)
-    values = np.empty((len(listed.lines), angle.size))  # the last says where it moves
+def _by_machine_code(trace: LinkageTrace, angle: Array, motion: Sequence[Array], cores: int | None) -> Array | None:
+    """Signals (signals, angles) by compiled machine code, in threads; None where the linkage cannot move at some angle.
+
+    The caller then takes ``_by_numpy``, which raises the error that says why.
+    """
+    function = _machine_code(trace)
+    values = np.empty((len(trace.lines), angle.size))  # the last says where it moves
 
     def part(start: int) -> None:
         here = slice(start, start + SHARE)
-        given = listed.values({}, angle[here], *(move[here] if move.ndim else move for move in motion))
+        given = trace.values({}, angle[here], *(move[here] if move.ndim else move for move in motion))
         function([given[line] for line in function.lanes], ONE_ROW, angle[here].size, values[:, here])
 
     in_threads(part, range(0, angle.size, SHARE), cores)
@@ -99,12 +105,12 @@ def _by_machine_code(listed: LinkageTrace, angle: Array, motion: Sequence[Array]
 
 
 @lru_cache(maxsize=8)
-def _listed(mechanism: Mechanism, names: tuple[str, ...], accelerates: bool) -> LinkageTrace:
-    """The linkage's signals as a list, all of its numbers constants."""
+def _traced(mechanism: Mechanism, names: tuple[str, ...], accelerates: bool) -> LinkageTrace:
+    """The list of operations of the linkage's signals, all of its numbers being constants."""
     return linkage_trace(mechanism, (), names, accelerates=accelerates, all_groups=False)
 
 
 @lru_cache(maxsize=8)
-def _compiled(listed: LinkageTrace) -> StraightFunction:
-    inputs = {*listed.trace.inputs.values()} & {*listed.trace.leading_to(listed.lines)}
-    return StraightFunction(listed.trace, sorted(inputs), (), [Result(line) for line in listed.lines])
+def _machine_code(trace: LinkageTrace) -> StraightFunction:
+    inputs = {*trace.trace.inputs.values()} & {*trace.trace.lines_needed(trace.lines)}
+    return StraightFunction(trace.trace, sorted(inputs), (), [Result(line) for line in trace.lines])

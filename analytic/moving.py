@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamics import reduced
-from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
+from analytic.dynamics.joint_forces import reactions, shaking
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
 from analytic.kinematics.sweep import Sweep
@@ -56,15 +56,14 @@ class LinkageInMotion(ABC):
     @cached_property
     def joint_forces(self) -> Mapping[str, Array]:
         """Force of every joint by name, (2, *shape), N: one analysis of the linkage gives them all."""
-        return joint_forces(self.sweep, self.speed, self.acceleration)
+        return reactions(self.sweep, self.speed, self.acceleration).forces
 
     @cached_property
     def shaking(self) -> Array:
         """Force on the frame, N, and its moment about the crank's pivot, or the origin, N m: (3, *shape)."""
-        moved = (self.sweep, self.speed, self.acceleration)
         pivot = self.sweep.structure.pivot
         about = pivot.near_local if isinstance(pivot, Revolute) else (0.0, 0.0)
-        return np.stack([*shaking_force(*moved), shaking_moment(*moved, about)])
+        return shaking(self.sweep, self.speed, self.acceleration, about)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ def announced() -> dict[str, tuple[Path, str]]:
     files: dict[str, tuple[Path, str]] = {}
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: (_package(entry), entry.value)):
         package = _package(entry)
-        for path in _files(entry, package):
+        for path in _linkage_files(entry, package):
             other, owner = files.setdefault(path.stem, (path, package))
             if other.resolve() != path.resolve():
                 raise LinkproofError(
@@ -38,7 +38,8 @@ def _package(entry: EntryPoint) -> str:
     return entry.dist.name if entry.dist else entry.name
 
 
-def _files(entry: EntryPoint, package: str) -> list[Path]:
+def _linkage_files(entry: EntryPoint, package: str) -> list[Path]:
+    """The linkage files of the folder that an entry point names; raises LinkproofError where there are none."""
     first, *below = entry.value.split(".")
     spec = find_spec(first)
     places = (spec.submodule_search_locations if spec else None) or ()

@@ -93,13 +93,13 @@ COMPONENTS: Final[Mapping[str, Mapping[str, str]]] = {
     "shaking_force": {"x": "N", "y": "N"},
     "transmission_angle": {"": "rad"},
 }
-PLACES: Final = ("x", "y", "angle")  # components that depend on the crank's angle alone
+POSITIONS: Final = ("x", "y", "angle")  # components that depend on the crank's angle alone
 # Units that change where the driver is pushed along a line, so that φ is a length.
 LINEAR_UNITS: Final[Mapping[str, str]] = {
     **{"phi": "m", "omega": "m/s", "epsilon": "m/s²", "Jeq": "kg", "Mkr": "N"},
     **{"half_slope": "kg/m", "Q": "N", "damping": "N s/m"},
 }
-ONE_OF_ITS_KIND: Final = {**DRIVE, **LOADS, **EQUATION, **OUTPUT, **SHAKING}
+SINGLE_SIGNALS: Final = {**DRIVE, **LOADS, **EQUATION, **OUTPUT, **SHAKING}
 MAGNITUDE: Final = ":magnitude"
 VECTORS: Final = ("joint_force:", "shaking_force:")  # whose magnitude is a signal as well
 OUTPUT_COORDINATE: Final = "output"  # no signal, for what is seen of it is S
@@ -112,7 +112,7 @@ def names(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
-    """The same, and after the components of a vector its magnitude."""
+    """Names of all signals of a mechanism and, after the components of each force, of its magnitude."""
     texts = []
     for name in names(mechanism):
         texts.append(name)
@@ -124,9 +124,9 @@ def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
 def unit(name: str, linkage: Linkage) -> str:
     """SI unit of the signal of a linkage, or of the magnitude of a vector."""
     kind, _, part = name.partition(":")
-    whole = name if name in ONE_OF_ITS_KIND else kind
-    if whole in ONE_OF_ITS_KIND:
-        return unit_of(whole, ONE_OF_ITS_KIND[whole].unit, is_linear=linkage.is_linear)
+    whole = name if name in SINGLE_SIGNALS else kind
+    if whole in SINGLE_SIGNALS:
+        return unit_of(whole, SINGLE_SIGNALS[whole].unit, is_linear=linkage.is_linear)
     components, component = COMPONENTS[kind], part.rpartition(":")[2]
     return components.get(component, next(iter(components.values())))  # a magnitude has that of its components
 
@@ -153,7 +153,7 @@ def signal(at: LinkageInMotion, name: str) -> Array:
 
 
 def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool) -> tuple[str, ...]:
-    """The names, each once.
+    """The requested names, each once, after checks.
 
     Raises UnknownNameError for a signal that the mechanism does not have, LinkproofError for a missing crank speed.
     """
@@ -196,33 +196,34 @@ def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
         signals |= LOADS
     if linkage.output is not None:
         signals |= OUTPUT
-    signals |= _each("point", moving_points(linkage), _point)
-    signals |= _each("link", linkage.links, _link)
+    signals |= _signals_of_kind("point", moving_points(linkage), _point_component)
+    signals |= _signals_of_kind("link", linkage.links, _link_component)
     if loaded:
-        signals |= _each("joint_force", linkage.joint_names, _joint_force)
+        signals |= _signals_of_kind("joint_force", linkage.joint_names, _joint_force_component)
         signals |= SHAKING
         for link in linkage.links:
-            formula = partial(_inertia, link=link)
+            formula = partial(_link_inertia, link=link)
             signals[f"Jeq:{link}"] = NamedSignal("kg m²", formula, is_still=True, is_listed=False)
     for dyad in mechanism.structure.dyads:
-        formula = partial(_transmission, group=dyad.name)
+        formula = partial(_transmission_angle, group=dyad.name)
         signals[f"transmission_angle:{dyad.name}"] = NamedSignal("rad", formula, is_still=True)
     return {**signals, **EQUATION}
 
 
-def _each(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, NamedSignal]:
-    """The signals of a kind: every component of every part."""
+def _signals_of_kind(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, NamedSignal]:
+    """Signals by name of every component of every part (a point, a link, a joint) of a kind."""
     is_place = kind != "joint_force"
     return {
         f"{kind}:{part}:{component}": NamedSignal(
-            unit, partial(formula, name=part, component=component), is_still=is_place and component in PLACES
+            unit, partial(formula, name=part, component=component), is_still=is_place and component in POSITIONS
         )
         for part in parts
         for component, unit in COMPONENTS[kind].items()
     }
 
 
-def _point(at: LinkageInMotion, name: str, component: str) -> Scalar:
+def _point_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
+    """A component of the position, velocity or acceleration of a point, SI."""
     order, axis = divmod(ORDERS.index(component), 2)
     if order == 0:
         return at.sweep.point(name)[axis]
@@ -232,7 +233,8 @@ def _point(at: LinkageInMotion, name: str, component: str) -> Scalar:
     return at.sweep.point(name, 2)[axis] * at.speed**2 + first * at.acceleration
 
 
-def _link(at: LinkageInMotion, name: str, component: str) -> Scalar:
+def _link_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
+    """A link's angle, angular velocity or angular acceleration, SI."""
     if component == "angle":
         return at.sweep.angles(name)
     first = at.sweep.rates(name)[2]
@@ -241,14 +243,14 @@ def _link(at: LinkageInMotion, name: str, component: str) -> Scalar:
     return at.sweep.accelerations(name)[2] * at.speed**2 + first * at.acceleration
 
 
-def _inertia(at: LinkageInMotion, link: str) -> Scalar:
+def _link_inertia(at: LinkageInMotion, link: str) -> Scalar:
     return reduced.reduced_inertia(at.sweep, [link])
 
 
-def _joint_force(at: LinkageInMotion, name: str, component: str) -> Scalar:
+def _joint_force_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
     return at.joint_forces[name]["xy".index(component)]
 
 
-def _transmission(at: LinkageInMotion, group: str) -> Scalar:
+def _transmission_angle(at: LinkageInMotion, group: str) -> Scalar:
     dyad = next(dyad for dyad in at.sweep.structure.dyads if dyad.name == group)
     return transmission_angle(at.sweep, dyad)

@@ -14,17 +14,17 @@ def finite(value: float) -> float | None:
 
 
 def plain(values: NDArray[np.float64]) -> list[float | None]:
-    """Numbers as a list, None in place of nan and infinity."""
+    """Numbers as a list for JSON, None in place of nan and infinity."""
     return [finite(value) for value in values.tolist()]
 
 
 def fixed(value: float, digits: int) -> str:
-    """A number to so many decimals."""
+    """A number to so many decimals, in words; never "-0"."""
     return f"{value:z.{digits}f}"
 
 
 def signed(value: float, form: str) -> str:
-    """A difference with its sign, in a format such as ".2f"."""
+    """A difference with its sign, in a format such as ".2f"; without a sign where it is rounded to zero."""
     text = f"{value:+{form}}"
     return text if text.strip("+-0.e%") else text[1:]
 

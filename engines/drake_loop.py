@@ -28,9 +28,9 @@ class World:
         # With a constraint at the world's own body Drake 1.51 ends the process: what is welded to it stands for it.
         self.bodies, self.forces = {"ground": self.body()}, dict[str, tuple[Any, float]]()
         plant.WeldFrames(plant.world_frame(), self.bodies["ground"].body_frame())
-        chains = {body[0]: self.carried(body, given) for body in given["bodies"]}
+        chains = {body[0]: self.add_with_joints(body, given) for body in given["bodies"]}
         for joint in given["joints"]:
-            self.joined(*joint)
+            self.add_constraint(*joint)
         crank, _ = chains[given["crank"]][-1]
         gains = drake.PdControllerGains(p=given["stiffness"] / step**2, d=0.0)
         plant.AddJointActuator("drive", crank).set_controller_gains(gains)
@@ -63,7 +63,7 @@ class World:
         pose = drake.RigidTransform(drake.RotationMatrix.MakeZRotation(angle), _space(point))
         return self.plant.AddFrame(drake.FixedOffsetFrame(f"frame {self.plant.num_frames()}", body, pose))
 
-    def carried(self, body: tuple[Any, ...], given: Data) -> list[tuple[Any, Any]]:
+    def add_with_joints(self, body: tuple[Any, ...], given: Data) -> list[tuple[Any, Any]]:
         """A new body and its chain of joints from the ground, each with its direction in x, y and angle."""
         name, mass, inertia, place, angle = body
         guide, along = given["guides"].get(name, ("", None))
@@ -81,7 +81,7 @@ class World:
             self.forces[guide] = chain[0][0], 1.0
         return chain
 
-    def joined(self, name: str, first: tuple[str, Point], second: tuple[str, Point], far: float) -> None:
+    def add_constraint(self, name: str, first: tuple[str, Point], second: tuple[str, Point], far: float) -> None:
         """A pin, or a pin in a slot, at a distance from the second body's point.
 
         Drake has no force of a constraint as output: the constraint acts on a body without mass that is welded to the

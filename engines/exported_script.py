@@ -24,7 +24,7 @@ from engines.stepping.loop_engine import LoopEngine, plain, plain_course
 from engines.stepping.own_units import OwnUnits, restored
 
 WIDTH = 130  # a docstring's line of 120 characters stays one
-OURS = {"linkproof", "analytic", "engines", "comparisons", "reports"}
+OWN_PACKAGES = {"linkproof", "analytic", "engines", "comparisons", "reports"}
 ANGLE = 2  # number of the angle among a body's coordinates
 RUN = """
 try:
@@ -77,8 +77,8 @@ def script(
     given, units, (course, *more) = engine.planned(scene, recipe, Cost())
     if more:
         raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
-    docstring, source = _alone(engine.loop)
-    _, closing = _alone("engines.exported_figures")
+    docstring, source = _standalone_source(engine.loop)
+    _, closing = _standalone_source("engines.exported_figures")
     shown: Sequence[ScriptFigure] = ()
     with silenced() if engine.chatters else nullcontext():
         world = engine.build(given, recipe)
@@ -103,7 +103,7 @@ def written(value: object) -> str:
     return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
 
-def _alone(loop: str) -> tuple[str, str]:
+def _standalone_source(loop: str) -> tuple[str, str]:
     """Docstring and source of a module that has to do without linkproof, without remarks for linters."""
     source = inspect.getsource(import_module(loop))
     module = ast.parse(source)
@@ -111,7 +111,7 @@ def _alone(loop: str) -> tuple[str, str]:
         if not isinstance(node, (ast.Import, ast.ImportFrom)):
             continue
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
-        if getattr(node, "level", 0) or OURS & {name.partition(".")[0] for name in names}:
+        if getattr(node, "level", 0) or OWN_PACKAGES & {name.partition(".")[0] for name in names}:
             raise UnsupportedError(
                 f"line {node.lineno} of its loop '{loop}' imports a part of linkproof or of its own package, "
                 "which a script does not have"
@@ -122,6 +122,7 @@ def _alone(loop: str) -> tuple[str, str]:
 
 
 def _units_in_words(units: OwnUnits | None) -> str:
+    """A comment that says in which units the script counts."""
     if units is None:
         return "Units: m, kg, s, rad and what follows from them."
     return (

@@ -68,14 +68,14 @@ class MujocoModel:
         self.scene, self.tree = scene, spanning_tree(blocked)
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
 
-    def described(self, recipe: MujocoRecipe) -> dict[str, Any]:
+    def as_data(self, recipe: MujocoRecipe) -> dict[str, Any]:
         """The model in plain data: its XML, and what XML does not have."""
         scene, tree, numbers = self.scene, self.tree, body_numbers(self.scene)
         drive = scene.drive
         timed = drive.over_time if isinstance(drive, Free) else None
         loads = [(numbers[load.body], complex(*load.anchor), plain_law(load.force)) for load in scene.forces]
         return {
-            "xml": tostring(self.written(recipe), encoding="unicode"),
+            "xml": tostring(self.xml(recipe), encoding="unicode"),
             "settle": recipe.settle,
             "driven": self.driven,
             "is_linear": scene.driver_kind is not DriverKind.CRANK,
@@ -116,25 +116,25 @@ class MujocoModel:
             rows[guide.name] = (*rows[guide.name][:3], (-guide.along[1], guide.along[0]))
         return {joint.name: rows[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
 
-    def written(self, recipe: MujocoRecipe) -> Element:
+    def xml(self, recipe: MujocoRecipe) -> Element:
         """The scene as MuJoCo's XML."""
         scene, root = self.scene, Element("mujoco")
         SubElement(root, "compiler", angle="radian")
-        option = SubElement(root, "option", gravity=_plane(complex(*scene.gravity)), integrator=recipe.integrator)
+        option = SubElement(root, "option", gravity=_plane_text(complex(*scene.gravity)), integrator=recipe.integrator)
         SubElement(option, "flag", autoreset="disable")  # a run that breaks is to end as one
         if recipe.settle:
             SubElement(SubElement(root, "default"), "equality", solimp="0.9999 0.9999 1 0.5 2")  # the hardest
         links = {GROUND: SubElement(root, "worldbody")}
         equalities, tendons, sensors = (SubElement(root, kind) for kind in ("equality", "tendon", "sensor"))
         for branch in self.tree.branches:
-            links[branch.body.name] = self.hung(branch, links[branch.parent])
+            links[branch.body.name] = self.add_body(branch, links[branch.parent])
         if isinstance(scene.drive, Prescribed):
             SubElement(equalities, "joint", name="/drive", joint1=self.driven)
         for cut in self.tree.cuts:
             sites = f"{cut.name}/1", f"{cut.name}/2"
             SubElement(equalities, "connect", name=cut.name, site1=sites[0], site2=sites[1])
             for site, (link, anchor) in zip(sites, ends(cut), strict=True):
-                SubElement(links[link], "site", name=site, pos=_plane(complex(*anchor)))
+                SubElement(links[link], "site", name=site, pos=_plane_text(complex(*anchor)))
         for damper in scene.dampers:
             angle = SubElement(tendons, "fixed", damping=f"{damper.coefficient:.17g}")
             ours, theirs = self.tree.hinges(damper.first), self.tree.hinges(damper.second)
@@ -145,15 +145,15 @@ class MujocoModel:
         indent(root)
         return root
 
-    def hung(self, branch: Branch, parent: Element) -> Element:
+    def add_body(self, branch: Branch, parent: Element) -> Element:
         """A body inside its parent, with the joint between them; what cannot turn has any inertia."""
         body, host = branch.body, self.bodies[branch.parent]
         place = cmath.rect(1.0, -host.angle) * (complex(*body.position) - complex(*host.position))
         turn, inertia = body.angle - host.angle, body.inertia or body.mass * scene_size(self.scene) ** 2
-        link = SubElement(parent, "body", name=body.name, pos=_plane(place), euler=f"0 0 {turn:.17g}")
+        link = SubElement(parent, "body", name=body.name, pos=_plane_text(place), euler=f"0 0 {turn:.17g}")
         SubElement(link, "inertial", pos="0 0 0", mass=f"{body.mass:.17g}", diaginertia=f"{inertia:.17g} " * 3)
-        slide = {"type": "slide", "axis": _plane(cmath.rect(1.0, branch.tilts[1]))}
-        hinge = {"type": "hinge", "pos": _plane(complex(*branch.points[1]))}
+        slide = {"type": "slide", "axis": _plane_text(cmath.rect(1.0, branch.tilts[1]))}
+        hinge = {"type": "hinge", "pos": _plane_text(complex(*branch.points[1]))}
         SubElement(link, "joint", slide if isinstance(branch.joint, SliderJoint) else hinge, name=body.name)
         return link
 
@@ -195,8 +195,8 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
         return spanning_tree(cylinder_as_links(slots_as_blocks(scene, 1.0), 1.0)).obstacle
 
     def model(self, scene: Scene, recipe: MujocoRecipe) -> Mapping[str, Any]:
-        return MujocoModel(scene, recipe).described(recipe)
+        return MujocoModel(scene, recipe).as_data(recipe)
 
 
-def _plane(vector: complex) -> str:
+def _plane_text(vector: complex) -> str:
     return f"{vector.real:.17g} {vector.imag:.17g} 0"

@@ -103,13 +103,13 @@ class MujocoWorld:
                 spin, arm = data.cvel[numbers, 2], centre - data.subtree_com[roots] @ PLANE
                 velocity = data.cvel[numbers, 3:] @ PLANE + 1j * spin * arm  # MuJoCo's is at the tree's mass centre
                 state = (centre.tolist(), direction.tolist(), velocity.tolist(), spin.tolist())
-                data.xfrc_applied[np.ix_(numbers, (0, 1, 5))] = pushes(given, start + data.qpos[crank], state)
+                data.xfrc_applied[np.ix_(numbers, (0, 1, 5))] = load_rows(given, start + data.qpos[crank], state)
 
         return control if segment or times or loaded else None
 
 
-def pushes(given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[float]]) -> list[list[float]]:
-    """Rows x, y and moment about the mass centre of loads and springs at one instant, for every body and the ground.
+def load_rows(given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[float]]) -> list[list[float]]:
+    """Force x, y, N, and moment about the mass centre, N m, of loads and springs on every body and the ground.
 
     The state is every body's mass centre, direction (of length one), velocity, complex, and angular velocity.
     """
@@ -123,7 +123,7 @@ def pushes(given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[
         row[2] += (arm.conjugate() * force).imag
 
     for body, anchor, law in given["loads"]:
-        components = at(law, angle)
+        components = law_values(law, angle)
         if len(components) > 1:
             push(body, anchor * direction[body], complex(*components))
         else:
@@ -140,7 +140,7 @@ def pushes(given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[
     return rows
 
 
-def at(law: Any, angle: float) -> Any:  # noqa: ANN401
+def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
     """A load's components at an angle or a travel: constants, or cubics between knots."""
     if isinstance(law, list):
         return law

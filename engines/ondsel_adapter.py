@@ -77,14 +77,14 @@ class OndselModel:
         pose = [float(number) for number in (*body.position, body.angle)]
         self.parts.append({"mass": float(body.mass), "inertia": inertia, "pose": pose, "markers": []})
 
-    def marker(self, body: str, place: Vector = (0.0, 0.0), axes: Matrix = UPRIGHT) -> str:
+    def add_marker(self, body: str, place: Vector = (0.0, 0.0), axes: Matrix = UPRIGHT) -> str:
         """The path of a new marker on a body."""
         number = self.numbers.get(body)  # None is the ground
         markers = self.ground if number is None else self.parts[number]["markers"]
         markers.append(((float(place[0]), float(place[1]), 0.0), axes))
         return ("" if number is None else f"part{number}/") + f"marker{len(markers) - 1}"
 
-    def join(self, kind: str, first: str, second: str, *, motion: str = "") -> str:
+    def add_joint(self, kind: str, first: str, second: str, *, motion: str = "") -> str:
         """The name of a new joint, and of its force on the first marker; ``motion`` names one that turns it."""
         if motion:
             self.motions.append((motion, len(self.joints), "rotational" if kind == "revolute" else "translational"))
@@ -136,31 +136,34 @@ class OndselEngine(LoopEngine[OndselRecipe]):
         for body in scene.bodies:
             world.add_part(body)
             if body.name != scene.crank:
-                world.join("planar", world.marker(GROUND), world.marker(body.name))
+                world.add_joint("planar", world.add_marker(GROUND), world.add_marker(body.name))
             if not scene.can_turn(body) and body.name != scene.crank:
-                _keep_angle(world, body.name, GROUND)
+                _add_angle_constraint(world, body.name, GROUND)
         for pin in scene.pins:
             ends, sign = [(pin.second, pin.second_anchor), (pin.first, pin.first_anchor)], -1.0
             if pin.first == GROUND:
                 ends, sign = ends[::-1], 1.0
             is_shaft = not world.motions and {pin.first, pin.second} == {GROUND, scene.crank}
             kind, motion = ("revolute", DRIVE) if is_shaft else ("point_in_line", "")
-            world.sources[pin.name] = world.join(kind, *(world.marker(*end) for end in ends), motion=motion), sign
+            world.sources[pin.name] = (
+                world.add_joint(kind, *(world.add_marker(*end) for end in ends), motion=motion),
+                sign,
+            )
         for joint in scene.guided:
             if joint.body == scene.crank and isinstance(joint, SliderJoint):
-                world.sources[joint.name] = _drive_along(world, joint), -1.0
+                world.sources[joint.name] = _add_driven_slider(world, joint), -1.0
                 continue
-            host = world.marker(joint.host, joint.through, _along(joint.along))
-            point = world.marker(joint.body, joint.anchor, _along((1.0, 0.0)))
-            world.sources[joint.name] = world.join(recipe.guide, host, point), -1.0
+            host = world.add_marker(joint.host, joint.through, _axes_along(joint.along))
+            point = world.add_marker(joint.body, joint.anchor, _axes_along((1.0, 0.0)))
+            world.sources[joint.name] = world.add_joint(recipe.guide, host, point), -1.0
         for slider in scene.sliders:
             if slider.body != scene.crank and any(
                 body.name == slider.body and scene.can_turn(body) for body in scene.bodies
             ):
-                _keep_angle(world, slider.body, slider.host)
+                _add_angle_constraint(world, slider.body, slider.host)
         if coefficient := sum(damper.coefficient for damper in scene.dampers):
             world.add_part(Body(FLYWHEEL, 0.0, coefficient, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0))
-            world.join("revolute", world.marker(scene.crank), world.marker(FLYWHEEL), motion=FLYWHEEL)
+            world.add_joint("revolute", world.add_marker(scene.crank), world.add_marker(FLYWHEEL), motion=FLYWHEEL)
         return {
             "gravity": (float(scene.gravity[0]), float(scene.gravity[1]), 0.0),
             "parts": world.parts,
@@ -173,24 +176,24 @@ class OndselEngine(LoopEngine[OndselRecipe]):
         }
 
 
-def _along(direction: Vector) -> Matrix:
+def _axes_along(direction: Vector) -> Matrix:
     """A frame whose y axis is along a direction in the plane and whose z axis is across it, in the plane as well."""
     x, y = (float(part) / math.hypot(*direction) for part in direction)
     return ((0.0, x, -y), (0.0, y, x), (1.0, 0.0, 0.0))
 
 
-def _drive_along(world: OndselModel, joint: SliderJoint) -> str:
+def _add_driven_slider(world: OndselModel, joint: SliderJoint) -> str:
     """The joint of a driven slider, the third axes of whose markers are along its line."""
     (x, y), turn = joint.along, world.angles[joint.host] - world.angles[joint.body]
     c, s = math.cos(turn), math.sin(turn)
-    host = world.marker(joint.host, joint.through, _along((y, -x)))
-    body = world.marker(joint.body, joint.anchor, _along((s * x + c * y, s * y - c * x)))
+    host = world.add_marker(joint.host, joint.through, _axes_along((y, -x)))
+    body = world.add_marker(joint.body, joint.anchor, _axes_along((s * x + c * y, s * y - c * x)))
     world.line = world.numbers.get(joint.host), complex(*joint.along)
-    return world.join("translational", host, body, motion=DRIVE)
+    return world.add_joint("translational", host, body, motion=DRIVE)
 
 
-def _keep_angle(world: OndselModel, body: str, host: str) -> None:
+def _add_angle_constraint(world: OndselModel, body: str, host: str) -> None:
     """Hold a body's angle against its host's: a direction of each stays square to the other's."""
     turn = world.angles[host] - world.angles[body]
-    square = world.marker(body, axes=_along((-math.sin(turn), math.cos(turn))))
-    world.join("perpendicular", world.marker(host, axes=_along((1.0, 0.0))), square)
+    square = world.add_marker(body, axes=_axes_along((-math.sin(turn), math.cos(turn))))
+    world.add_joint("perpendicular", world.add_marker(host, axes=_axes_along((1.0, 0.0))), square)

@@ -34,11 +34,11 @@ TIMEOUT = 3600.0  # s, of the solver's process, which pyondsel starts for every 
 def build(given: Data) -> tuple[AsmtModel, Data]:
     """The model in its start state, and the data."""
     model = AsmtModel(NAME, gravity=given["gravity"])
-    model.ground_markers += markers(given["ground"])
+    model.ground_markers += make_markers(given["ground"])
     for number, part in enumerate(given["parts"]):
         model.add_part(Part(f"part{number}", mass=part["mass"], moments_of_inertia=(part["inertia"],) * 3))
-        model.parts[-1].markers += markers(part["markers"])
-        place(model.parts[-1], *part["pose"])
+        model.parts[-1].markers += make_markers(part["markers"])
+        set_pose(model.parts[-1], *part["pose"])
     for number, (kind, *ends) in enumerate(given["joints"]):
         model.add_joint(Joint(f"joint{number}", kind, *(f"/{NAME}/{end}" for end in ends), pitch=0.0))
     for name, number, kind in given["motions"]:
@@ -46,12 +46,12 @@ def build(given: Data) -> tuple[AsmtModel, Data]:
     return model, given
 
 
-def markers(given: list[tuple[Any, Any]]) -> list[Marker]:
+def make_markers(given: list[tuple[Any, Any]]) -> list[Marker]:
     """Markers by their place and axes."""
     return [Marker(f"marker{number}", *each) for number, each in enumerate(given)]
 
 
-def place(part: Part, x: float, y: float, angle: float) -> None:
+def set_pose(part: Part, x: float, y: float, angle: float) -> None:
     """Put a part into a pose."""
     cosine, sine = math.cos(angle), math.sin(angle)
     part.position = (x, y, 0.0)
@@ -64,7 +64,7 @@ def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
     samples: Data = {name: ([], []) for name in course["channels"] if name != "joint_force"}
     forces: Data = {name: ([], []) for name in given["forces"]} if "joint_force" in course["channels"] else {}
     for part in parts:
-        rows, selected = solved(model, part), slice(0, part["samples"] + (part is parts[-1]))
+        rows, selected = solve_part(model, part), slice(0, part["samples"] + (part is parts[-1]))
         # Ondsel adds its steps up: its times differ from whole steps in their last digits, which shows in the torque.
         time = (rows["", "Time"] - rows["", "Time"][0] + part["start"])[selected]
         values = {
@@ -73,15 +73,15 @@ def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
             if name == "position" or name in samples
         }
         for each, pose in zip(model.parts, values["position"][:, :, part["samples"]].tolist(), strict=True):
-            place(each, *pose)
+            set_pose(each, *pose)
         read = {name: np.moveaxis(values[name], 2, 0)[:, : len(given["angles"])] for name in values}
         read["torque"] = torque(given["line"], rows)
         for name, signal in samples.items():
-            keep(signal, time, read[name][selected])
+            append_samples(signal, time, read[name][selected])
         for name, signal in forces.items():
             source, sign = given["forces"][name]
             x, y = (rows[f"/{NAME}/{source}", label] for label in ("FXonI", "FYonI"))
-            keep(signal, time, sign * np.stack([x, y], axis=1)[selected])
+            append_samples(signal, time, sign * np.stack([x, y], axis=1)[selected])
     if "position" in samples:
         places = np.array(samples["position"][1])
         places[:, :, 2] = np.unwrap([given["angles"], *places[:, :, 2]], axis=0)[1:]
@@ -89,7 +89,7 @@ def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
     return {**samples, "joint_force": forces}
 
 
-def keep(signal: tuple[list[float], list[Any]], time: Array, values: Array) -> None:
+def append_samples(signal: tuple[list[float], list[Any]], time: Array, values: Array) -> None:
     """Add samples to a signal."""
     signal[0].extend(time)
     signal[1].extend(values)
@@ -106,7 +106,7 @@ def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
     return np.asarray(-(force * (along * np.exp(1j * turned)).conjugate()).real)
 
 
-def solved(model: AsmtModel, part: Data) -> Rows:
+def solve_part(model: AsmtModel, part: Data) -> Rows:
     """Solve one part of the motion."""
     zero, crank = part["segment"]
     # A flywheel's motion, if there is one, is against the crank: its whole angle is the integral of the crank's.
@@ -117,7 +117,7 @@ def solved(model: AsmtModel, part: Data) -> Rows:
     model.simulation = Simulation(part["start"] - zero, part["end"] - zero, part["samples"])
     try:
         # pyondsel writes "Pitch" where Ondsel reads "pitch" and gives up otherwise.
-        with own_folder():  # its files have the same names in every process
+        with temporary_folder():  # its files have the same names in every process
             text = solve_asmt(model.to_asmt().replace("\tPitch\n", "\tpitch\n"), timeout=TIMEOUT)
     except AsmtError as error:
         raise ArithmeticError(f"Ondsel gave up: {error}") from error
@@ -137,7 +137,7 @@ def solved(model: AsmtModel, part: Data) -> Rows:
 
 
 @contextmanager
-def own_folder() -> Iterator[None]:
+def temporary_folder() -> Iterator[None]:
     """A folder for temporary files of this process and what it starts."""
     before = os.environ.get("TMPDIR")
     with TemporaryDirectory() as folder:

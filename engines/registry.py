@@ -29,8 +29,8 @@ from engines.scene import Channel, Scene
 
 GROUP = "linkproof.engines"
 CONTRACT: Final = ("name", "abilities", "is_control", "version", "run")  # what every adapter has to have
-LOADING: Final = 30.0  # s within which an adapter must be imported and return its version
-NOTHING: Final = Abilities({}, frozenset(), frozenset(), frozenset(), settings=frozenset())
+LONGEST_LOADING: Final = 30.0  # s within which an adapter must be imported and return its version
+NO_ABILITIES: Final = Abilities({}, frozenset(), frozenset(), frozenset(), settings=frozenset())
 _FAILED: dict[str, BaseException] = {}  # by entry point: what failed once is not tried again
 
 
@@ -51,7 +51,7 @@ class Unusable:
     error: BaseException | None = None
     reason: str | None = None
     is_control: bool = False
-    abilities: Abilities = NOTHING
+    abilities: Abilities = NO_ABILITIES
 
     def version(self) -> str | None:
         """The plug-in's own version, since the engine's is not available."""
@@ -129,7 +129,7 @@ def engine(name: str) -> Engine:
     try:
         if entry.value in _FAILED:
             raise _FAILED[entry.value]
-        return _loaded(entry)
+        return _load_adapter(entry)
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt) and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
             raise  # the user's; a worker hears none
@@ -152,9 +152,11 @@ def why_unavailable(adapter: Engine) -> str | None:
     return f"engine '{adapter.name}' is not installed: {cure}"
 
 
-def _loaded(entry: EntryPoint) -> Engine:
-    late = f"loading it took longer than {LOADING:g} s"
-    with _at_most(LOADING, late), contextlib.redirect_stdout(sys.stderr):  # the output may be JSON or a script
+def _load_adapter(entry: EntryPoint) -> Engine:
+    """Import the adapter of an entry point and check it; raises PluginError for one that breaks the contract."""
+    late = f"loading it took longer than {LONGEST_LOADING:g} s"
+    # Its output goes elsewhere: that of the command may be JSON or a script.
+    with _time_limit(LONGEST_LOADING, late), contextlib.redirect_stdout(sys.stderr):
         adapter: Engine = entry.load()()
         lacking = [part for part in CONTRACT if not hasattr(adapter, part)]
         if lacking:
@@ -200,7 +202,7 @@ def _is_ours(module: str) -> bool:
 
 
 @contextlib.contextmanager
-def _at_most(seconds: float, words: str) -> Iterator[None]:
+def _time_limit(seconds: float, words: str) -> Iterator[None]:
     """Raise TimeoutError, where the system has timers, inside what takes longer, so that it is known where."""
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
@@ -249,20 +251,18 @@ def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
     ``extra`` is as in ``why_absent``, ``oldest`` the first version that will do.
     """
     version = installed_version(package)
-    return _not_installed(package, extra) if version is None else _too_old(version, package, extra, oldest)
+    if version is None:
+        return _not_installed(package, extra)
+    if _numbers(version) >= _numbers(oldest):
+        return None
+    return f"{package} {version} is too old, {oldest} is the first that will do: {_how_to_install(package, extra)}"
 
 
 def _not_installed(package: str, extra: str) -> str:
-    return f"{package} is not installed: {_cure(package, extra)}"
+    return f"{package} is not installed: {_how_to_install(package, extra)}"
 
 
-def _too_old(version: str, package: str, extra: str, oldest: str) -> str | None:
-    if not oldest or _numbers(version) >= _numbers(oldest):
-        return None
-    return f"{package} {version} is too old, {oldest} is the first that will do: {_cure(package, extra)}"
-
-
-def _cure(package: str, extra: str) -> str:
+def _how_to_install(package: str, extra: str) -> str:
     return f"pip install --upgrade 'linkproof[{extra or package}]' brings it"
 
 

@@ -235,13 +235,13 @@ class Scene:
         if self.driver_kind is DriverKind.CRANK:
             return next(body.angle for body in self.bodies if body.name == self.crank)
         first, second, here, there = self.driver_ends
-        span = [a - b for a, b in zip(self._at(first, here), self._at(second, there), strict=True)]
+        span = [a - b for a, b in zip(self._start_place(first, here), self._start_place(second, there), strict=True)]
         if self.cylinder is not None:
             return math.hypot(*span)
         along = self.driven_slider.along
         return span[0] * along[0] + span[1] * along[1]
 
-    def _at(self, body: str, anchor: Vector) -> Vector:
+    def _start_place(self, body: str, anchor: Vector) -> Vector:
         """Where a body's anchor is at the start."""
         if body == GROUND:
             return anchor

@@ -62,6 +62,7 @@ def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, chann
 
 
 def _cylinder(linkage: Linkage) -> Cylinder | None:
+    """The driving cylinder of the scene; None for another driver."""
     driver = linkage.cylinder
     if driver is None:
         return None
@@ -86,6 +87,7 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
 
 
 def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
+    """A body of the scene: without inertia where it cannot turn, with those of the pin masses in its slots."""
     if start.inertia is None or start.name in merged or not _can_turn(linkage, start.name):
         # A pin mass in a turning slot cannot turn, so its initial angular velocity is zero.
         return replace(start, inertia=None, angular_velocity=0.0, angular_acceleration=0.0)
@@ -94,6 +96,7 @@ def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
 
 
 def _can_turn(linkage: Linkage, name: str) -> bool:
+    """Whether a link turns: a slider does where its host does."""
     hosts = {slider.link: slider.guide.host for slider in linkage.sliders}
     while name in hosts:
         name = hosts[name]

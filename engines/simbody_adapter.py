@@ -86,27 +86,27 @@ class SimbodyModel:
             is_hinge = not branch.rigid and not isinstance(branch.joint, SliderJoint)
             self.turning[branch.body.name] = self.turning[branch.parent] + ([number] if is_hinge else [])
 
-    def described(self, recipe: SimbodyRecipe) -> dict[str, Any]:
+    def as_data(self, recipe: SimbodyRecipe) -> dict[str, Any]:
         """The model in plain data."""
         return {
             "gravity": self.scene.gravity,
             "tolerance": recipe.effort,
             "fixed": recipe.fixed,
-            "bodies": [self.carried(branch) for branch in self.tree.branches],
-            "cuts": [self.closed(cut) for cut in self.tree.cuts],
+            "bodies": [self.body_data(branch) for branch in self.tree.branches],
+            "cuts": [self.cut_data(cut) for cut in self.tree.cuts],
             "springs": [*self.springs()],
-            "dampers": [(*self.between(damper), damper.coefficient) for damper in self.scene.dampers],
+            "dampers": [(*self.body_numbers(damper), damper.coefficient) for damper in self.scene.dampers],
             "loads": [*self.loads()],
-            "read": [self.read(body) for body in self.scene.bodies],
+            "read": [self.readout_data(body) for body in self.scene.bodies],
             "joints": self.joints(),
             "drive": self.drive(),
         }
 
-    def between(self, item: PointSpring | TurnDamper | Cylinder) -> tuple[int, int]:
+    def body_numbers(self, item: PointSpring | TurnDamper | Cylinder) -> tuple[int, int]:
         """Numbers of the bodies that something is between."""
         return self.numbers[item.first], self.numbers[item.second]
 
-    def carried(self, branch: Branch) -> dict[str, Any]:
+    def body_data(self, branch: Branch) -> dict[str, Any]:
         """A body and the joint that puts it on its parent; a slider is along the first axis of both its frames."""
         slides = isinstance(branch.joint, SliderJoint)
         return {
@@ -120,7 +120,7 @@ class SimbodyModel:
             "speed": branch.speed,
         }
 
-    def closed(self, cut: PinJoint | SliderJoint | SlotJoint) -> dict[str, Any]:
+    def cut_data(self, cut: PinJoint | SliderJoint | SlotJoint) -> dict[str, Any]:
         """A joint that closes a loop, and the body that carries both of its own."""
         return {
             "bodies": [self.numbers[body] for body, _ in ends(cut)],
@@ -134,10 +134,10 @@ class SimbodyModel:
         scene = self.scene
         for spring in scene.springs:
             law = f"{spring.stiffness:.17g} * (d - {spring.length:.17g}) + {spring.damping:.17g} * ddot"
-            first, second = self.between(spring)
+            first, second = self.body_numbers(spring)
             yield first, spring.first_anchor, second, spring.second_anchor, law
         if isinstance(scene.drive, Free) and scene.cylinder is not None:
-            first, second = self.between(scene.cylinder)
+            first, second = self.body_numbers(scene.cylinder)
             yield (
                 first,
                 scene.cylinder.first_anchor,
@@ -159,7 +159,7 @@ class SimbodyModel:
             if scene.drive.over_time is not None:
                 yield crank, (0.0, 0.0), vars(scene.drive.over_time)
 
-    def read(self, body: Body) -> tuple[int, list[int], float]:
+    def readout_data(self, body: Body) -> tuple[int, list[int], float]:
         """A body, those whose coordinates add up to its angle, and what there is to add."""
         turning = self.turning[body.name] if body.inertia is not None else []
         return self.numbers[body.name], turning, body.angle - sum(self.tree.branches[n].value for n in turning)
@@ -223,7 +223,7 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
         return _lost_inertia(scene) or tree.obstacle or _weightless_end(tree)
 
     def model(self, scene: Scene, recipe: SimbodyRecipe) -> Mapping[str, Any]:
-        return SimbodyModel(scene).described(recipe)
+        return SimbodyModel(scene).as_data(recipe)
 
 
 def _lost_inertia(scene: Scene) -> str | None:

@@ -22,12 +22,12 @@ KINEMATICS = {
 opensim.Logger.setLevelString("Off")  # or it prints, and leaves a log file
 
 
-def vector(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN401
+def vec3(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN401
     """A vector of OpenSim's."""
     return opensim.Vec3(float(x), float(y), float(z))
 
 
-def plane(space: Any, factor: float = 1.0) -> tuple[float, float]:  # noqa: ANN401
+def in_plane(space: Any, factor: float = 1.0) -> tuple[float, float]:  # noqa: ANN401
     """The components of a vector in the plane, times a factor."""
     return factor * space.get(0), factor * space.get(1)
 
@@ -40,20 +40,20 @@ class SimbodyWorld:
 
     def __init__(self, given: Data) -> None:
         self.given, self.model = given, opensim.Model()
-        self.model.setGravity(vector(*given["gravity"]))
+        self.model.setGravity(vec3(*given["gravity"]))
         self.frames = [self.model.getGround()]  # the last is body -1
         self.joints, self.coordinates, self.cuts, self.loads = list[Any](), list[Any](), list[Any](), list[Any]()
         for body in given["bodies"]:
-            self.carry(body)
+            self.add_body(body)
         for cut in given["cuts"]:
-            self.close(cut)
+            self.add_loop_constraint(cut)
         for first, here, second, there, law in given["springs"]:
             entry, other = self.frames[first].getName(), self.frames[second].getName()
-            points = vector(*here), vector(*there)
+            points = vec3(*here), vec3(*there)
             self.model.addForce(opensim.ExpressionBasedPointToPointForce(entry, points[0], other, points[1], law))
         for number, (first, second, coefficient) in enumerate(given["dampers"]):
-            ends, drag = (self.frames[first], self.frames[second]), vector(0.0, 0.0, coefficient)
-            still = vector(), vector(), vector()
+            ends, drag = (self.frames[first], self.frames[second]), vec3(0.0, 0.0, coefficient)
+            still = vec3(), vec3(), vec3()
             self.model.addForce(opensim.BushingForce(f"damper{number}", *ends, *still, drag))
         for number, (body, anchor, law) in enumerate(given["loads"]):
             load = opensim.PrescribedForce(f"load{number}", self.frames[body])
@@ -61,13 +61,13 @@ class SimbodyWorld:
             self.model.addForce(load)
             self.loads.append(load.setTorqueFunctions if components(law) == 1 else load.setForceFunctions)
 
-    def carry(self, body: Data) -> None:
+    def add_body(self, body: Data) -> None:
         """Put a body, its frame at its mass centre, on its parent."""
         number = len(self.joints) + 1
-        frame = opensim.Body(f"body{number}", body["mass"], vector(), opensim.Inertia(*[body["inertia"]] * 3))
+        frame = opensim.Body(f"body{number}", body["mass"], vec3(), opensim.Inertia(*[body["inertia"]] * 3))
         self.model.addBody(frame)
         sides = zip(body["points"], body["tilts"], strict=True)
-        parent, child = ((vector(*point), vector(0.0, 0.0, tilt)) for point, tilt in sides)
+        parent, child = ((vec3(*point), vec3(0.0, 0.0, tilt)) for point, tilt in sides)
         joint = getattr(opensim, body["joint"])(f"joint{number}", self.frames[body["parent"]], *parent, frame, *child)
         self.model.addJoint(joint)
         coordinate = None
@@ -79,20 +79,20 @@ class SimbodyWorld:
         self.joints.append(joint)
         self.coordinates.append(coordinate)
 
-    def close(self, cut: Data) -> None:
+    def add_loop_constraint(self, cut: Data) -> None:
         """Hold a joint that closes a loop as a constraint."""
-        (first, second), (on_first, on_second) = cut["bodies"], (vector(*anchor) for anchor in cut["anchors"])
+        (first, second), (on_first, on_second) = cut["bodies"], (vec3(*anchor) for anchor in cut["anchors"])
         if cut["along"] is None:
             ends = self.frames[first], on_first, self.frames[second], on_second
             self.cuts.append(opensim.PointConstraint(*ends))
         else:
-            line = self.frames[second], vector(*cut["along"]), on_second
+            line = self.frames[second], vec3(*cut["along"]), on_second
             self.cuts.append(opensim.PointOnLineConstraint(*line, self.frames[first], on_first))
         self.model.addConstraint(self.cuts[-1])
 
     def force(self, number: int, sign: float, state: Any) -> tuple[float, float]:  # noqa: ANN401
         """The force that a joint of the tree exerts on its body or, with the other sign, on the parent."""
-        return plane(self.joints[number].calcReactionOnParentExpressedInGround(state).get(1), sign)
+        return in_plane(self.joints[number].calcReactionOnParentExpressedInGround(state).get(1), sign)
 
     def cut_force(self, number: int, state: Any) -> tuple[float, float]:  # noqa: ANN401
         """Force on the first body of a cut; the constraint has its reverse, in the axes of what carries both bodies."""
@@ -100,8 +100,8 @@ class SimbodyWorld:
             self.given["cuts"][number],
             0 if self.given["cuts"][number]["along"] is None else 6,
         )  # behind a line's
-        taken_up = vector(*map(self.cuts[number].getRecordValues(state).get, (row, row + 1)))
-        return plane(self.frames[cut["carrier"]].expressVectorInGround(state, taken_up), -1.0)
+        taken_up = vec3(*map(self.cuts[number].getRecordValues(state).get, (row, row + 1)))
+        return in_plane(self.frames[cut["carrier"]].expressVectorInGround(state, taken_up), -1.0)
 
     def torque(self, state: Any) -> float:  # noqa: ANN401
         """The drive's share of the driven joint's reaction: the moment, or the force along a slide."""
@@ -110,7 +110,7 @@ class SimbodyWorld:
             reaction = self.joints[number].calcReactionOnParentExpressedInGround(state)
             return float(-reaction.get(0).get(2))
         host = self.frames[self.given["bodies"][number]["parent"]]
-        line = plane(host.expressVectorInGround(state, vector(*along)))
+        line = in_plane(host.expressVectorInGround(state, vec3(*along)))
         return float(np.dot(self.force(number, sign, state), line))
 
     def joint_forces(self, state: Any) -> list[Any]:  # noqa: ANN401
@@ -128,7 +128,7 @@ class SimbodyWorld:
         for body, turning, angle in self.given["read"]:
             turns = (getattr(self.coordinates[number], rate)(state) for number in turning)
             base = angle if channel == "position" else 0.0
-            rows.append((*plane(getattr(self.frames[body], place)(state)), sum(turns, base)))
+            rows.append((*in_plane(getattr(self.frames[body], place)(state)), sum(turns, base)))
         return rows
 
     def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401
@@ -143,7 +143,7 @@ def components(law: Any) -> int:  # noqa: ANN401
     return len(law) if isinstance(law, list) else 1 if isinstance(law, dict) else len(law[1][0])
 
 
-def at(law: Any, angle: float) -> Any:  # noqa: ANN401
+def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
     """A load's components at an angle or a travel: those of cubics between knots."""
     knots, pieces, repeats = law
     angle = knots[0] + (angle - knots[0]) % (2.0 * math.pi) if repeats else min(max(angle, knots[0]), knots[-1])
@@ -152,7 +152,7 @@ def at(law: Any, angle: float) -> Any:  # noqa: ANN401
     return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
 
 
-def functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
+def load_functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
     """Three functions of time: a force's components, or a torque's, of which there is the third alone."""
     result = [opensim.Constant(0.0) for _ in range(3)]
     if isinstance(law, dict):
@@ -163,7 +163,7 @@ def functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
     first = 0 if components(law) > 1 else 2
     if isinstance(law, list):
         return result[:first] + [opensim.Constant(float(value)) for value in law] + result[first + len(law) :]
-    for axis, values in enumerate(np.array([at(law, each) for each in angle]).T.tolist(), start=first):
+    for axis, values in enumerate(np.array([law_values(law, each) for each in angle]).T.tolist(), start=first):
         result[axis] = opensim.SimmSpline()
         for point in zip(time.tolist(), values, strict=True):
             result[axis].addPoint(*point)
@@ -201,7 +201,7 @@ def part_states(world: SimbodyWorld, part: Data, course: Data) -> Iterator[tuple
         driver.setPrescribedFunction(opensim.PolynomialFunction(opensim.Vector.createFromMat(angle.coeffs)))
         driver.setDefaultIsPrescribed(True)
     for apply, (_, _, law) in zip(world.loads, given["loads"], strict=True):
-        apply(*functions(law, clock, angle(clock)))
+        apply(*load_functions(law, clock, angle(clock)))
     state = model.initSystem()
     state.setTime(clock[0])
     manager = opensim.Manager(model)

@@ -40,7 +40,7 @@ class Number(NamedTuple):
 
 
 # What can be left out, and what then stands in its place.
-NOTHING: Final[Mapping[str, object]] = {
+EMPTY_PARTS: Final[Mapping[str, object]] = {
     "gravity": (0.0, 0.0),
     "forces": (),
     "torques": (),
@@ -69,7 +69,7 @@ DIMENSIONS: Final[Mapping[Kind, tuple[int, int, int]]] = {
 
 def changed(linkage: Linkage, change: Change, direction: Callable[[Vector], Vector] = unit) -> Linkage:
     """The linkage with every number replaced by ``change(name, kind, number)``, and new directions by ``direction``."""
-    return _Walk(lambda name, number: change(name, number.kind, number.value), direction).linkage(linkage)
+    return _NumberWalk(lambda name, number: change(name, number.kind, number.value), direction).changed_linkage(linkage)
 
 
 def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
@@ -80,11 +80,11 @@ def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
     result = changed(linkage, lambda name, _, value: numbers.get(name, value))
     if not linkage.scales_mass:
         return result
-    bars = {name: _as_bar(link, linkage.links[name], numbers) for name, link in result.links.items()}
+    bars = {name: _scaled_as_bar(link, linkage.links[name], numbers) for name, link in result.links.items()}
     return replace(result, links=bars)
 
 
-def _as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
+def _scaled_as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
     """A link that keeps its cross-section where its points move: the mass goes as its length, the inertia as the cube.
 
     The length is the sum of the points' distances from the frame's origin; a link without one stays as it is.
@@ -106,14 +106,14 @@ def _as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
 
 
 def named_numbers(linkage: Linkage) -> dict[str, Number]:
-    """Every number of a linkage by its name."""
+    """Every number of a linkage by its name, with its kind and its place in the linkage file."""
     result: dict[str, Number] = {}
 
     def note(name: str, number: Number) -> float:
         result[name] = number
         return number.value
 
-    _Walk(note, unit).linkage(linkage)
+    _NumberWalk(note, unit).changed_linkage(linkage)
     return result
 
 
@@ -149,7 +149,7 @@ def multiplied(linkage: Linkage, factor: float, *kinds: Kind, under: str = "") -
 
 
 def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Linkage:
-    """The same problem with every length, mass and time times a factor; without its thread."""
+    """A similar linkage: every length, mass and time times a factor; without its thread."""
     factors = {kind: length**a * mass**b * time**c for kind, (a, b, c) in DIMENSIONS.items()}
     result = changed(without(linkage, "thread"), lambda _, kind, value: value * factors[kind])
     if not linkage.is_linear:
@@ -167,15 +167,15 @@ def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: fl
 
 
 def without(linkage: Linkage, *parts: str) -> Linkage:
-    """The linkage without these parts, names of ``NOTHING``; raises UnknownNameError."""
+    """The linkage without these parts, names of ``EMPTY_PARTS``; raises UnknownNameError."""
     for part in parts:
-        if part not in NOTHING:
-            raise UnknownNameError("part", part, NOTHING)
-    nothing = {part: NOTHING[part] for part in parts}
+        if part not in EMPTY_PARTS:
+            raise UnknownNameError("part", part, EMPTY_PARTS)
+    nothing = {part: EMPTY_PARTS[part] for part in parts}
     return replace(linkage, **nothing)  # type: ignore[arg-type]  # the table holds each part's own type
 
 
-class _Walk:
+class _NumberWalk:
     """Visits every number of a linkage and builds the linkage with the changed numbers.
 
     Masses come before points, lest a point called ``centre`` take the mass centre's name.
@@ -194,18 +194,22 @@ class _Walk:
         return self.change(free, Number(value, kind, place))
 
     def vector(self, name: str, vector: Vector, *place: str | int, kind: Kind = "length") -> Vector:
+        """A vector with both components replaced."""
         x, y = vector
         return self.number(f"{name}.x", kind, x, *place, 0), self.number(f"{name}.y", kind, y, *place, 1)
 
     def direction(self, name: str, old: Vector, *place: str | int) -> Vector:
+        """A direction replaced and made a unit vector; exactly the old one where no component changes."""
         new = self.vector(name, old, *place, kind="direction")
         same = all(isinstance(value, float) and value == other for value, other in zip(new, old, strict=True))
         return old if same else self.unit(new)
 
     def points(self, body: str, points: Mapping[str, Vector], *place: str | int) -> dict[str, Vector]:
+        """Named points of a body, or of the sketch, with replaced coordinates."""
         return {point: self.vector(f"{body}.{point}", at, *place, point) for point, at in points.items()}
 
-    def linkage(self, old: Linkage) -> Linkage:
+    def changed_linkage(self, old: Linkage) -> Linkage:
+        """The linkage with every number replaced, in the order that fixes the names of numbers."""
         bodies = {name: self.mass(link) for name, link in old.links.items()}
         return replace(
             old,
@@ -239,6 +243,7 @@ class _Walk:
         )
 
     def mass(self, link: Link) -> Link:
+        """The link with mass, mass centre and inertia replaced."""
         name, place, inertia = link.name, ("links", link.name), link.inertia
         return replace(
             link,
@@ -250,11 +255,12 @@ class _Walk:
         )
 
     def guide(self, name: str, guide: Guide, *place: str | int) -> Guide:
+        """The guide with its point and its direction replaced."""
         through = self.vector(f"{name}.through", guide.through, *place, "through")
         return replace(guide, through=through, along=self.direction(f"{name}.along", guide.along, *place, "along"))
 
     def law(self, name: str, law: Law, kind: Literal["force", "torque"], *place: str | int) -> Law:
-        """A law with other values: of a table the row's number stands before the component."""
+        """A load's law with its values replaced; in names of a table's numbers the row stands before the component."""
         ends = ("",) if law.values.shape[-1] == 1 else (".x", ".y")
         rows = [name] if law.angles is None else [f"{name}.{row}" for row in range(len(law.values))]
         names = [(f"{key}{end}", row, k) for row, key in enumerate(rows) for k, end in enumerate(ends)]
@@ -268,6 +274,7 @@ class _Walk:
         return law if np.array_equal(changed, law.values) else replace(law, values=changed)
 
     def spring(self, index: int, spring: Spring) -> Spring:
+        """The spring with stiffness, length and damping replaced."""
         name, place = f"springs.{'.'.join(spring.points)}", ("springs", index)
         return replace(
             spring,
@@ -277,6 +284,7 @@ class _Walk:
         )
 
     def damper(self, index: int, damper: RotaryDamper) -> RotaryDamper:
+        """The rotary damper with its coefficient replaced."""
         name = f"dampers.{'.'.join(damper.links)}.coefficient"
         place = ("dampers", index, "coefficient")
         return replace(damper, coefficient=self.number(name, "turn_damping", damper.coefficient, *place))

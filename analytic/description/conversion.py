@@ -76,6 +76,7 @@ def _thread(reader: Reader) -> ThreadPath | None:
 
 
 def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | ThreadEye:
+    """A stop of the thread in m: a guide in space, or an eye on a link."""
     if (stop.guide is None) == (stop.eye is None):
         raise reader.fail(f"{where}: expected either guide = [x, y, z] or eye = 'POINT', got both or none; give one")
     if stop.eye is not None:
@@ -87,6 +88,7 @@ def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | Thre
 
 
 def _check_eye(reader: Reader, eye: str, where: str) -> None:
+    """Refuse an eye that is no point of the linkage."""
     if eye not in reader.carriers:
         raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.carriers)}")
 
@@ -110,6 +112,7 @@ def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[doc.Erratum, ...
 
 
 def _link(reader: Reader, name: str) -> lk.Link:
+    """A moving link in SI units; a massless one that turns has the inertia 0."""
     where = f"links.{name}"
     table = reader.document.links[name]
     points = {key: reader.vector(place, f"{where}.points.{key}") for key, place in sorted(reader.points(name).items())}
@@ -139,6 +142,7 @@ def _check_driver(reader: Reader) -> None:
 
 
 def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
+    """The cylinder that drives the linkage; None where a crank or a slider does."""
     table = reader.document.cylinder
     if table is None:
         return None
@@ -150,6 +154,7 @@ def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
 
 
 def _check_lengths(reader: Reader, linkage: Linkage) -> None:
+    """Refuse two points of one link in one place."""
     least = COINCIDENT * linkage.extent()
     for name, link in linkage.links.items():
         for (first, a), (second, b) in itertools.combinations(link.points.items(), 2):
@@ -178,15 +183,18 @@ def _turns(reader: Reader, name: str) -> bool:
 
 
 def _gravity(reader: Reader) -> Vector:
+    """Gravity in m/s², none where the file gives none."""
     x, y = (reader.magnitude(part, "gravity", f"{part:g} m/s^2") for part in reader.document.gravity)
     return (x, y)
 
 
 def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
+    """The revolute joints, sorted by the name of their point."""
     return tuple(lk.Pin(point, tuple(names)) for point, names in reader.carriers.items() if len(names) > 1)
 
 
 def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
+    """The prismatic joints, sorted by the name of the sliding link."""
     slides = [(name, table.slides) for name, table in sorted(reader.document.links.items()) if table.slides]
     for name, _ in slides:
         _turns(reader, name)  # a slider of a circle of sliders has no place
@@ -194,11 +202,13 @@ def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
 
 
 def _guide(reader: Reader, table: doc.SlidesTable | doc.SlotTable, where: str) -> lk.Guide:
+    """The line of a slider or a slot in its host, m."""
     host = reader.body(table.on, f"{where}.on")
     return lk.Guide(host, reader.vector(table.through, f"{where}.through"), reader.direction(table.along, where))
 
 
 def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
+    """The pins in slots, sorted by the name of the slot."""
     slots: dict[str, lk.Slot] = {}
     for number, table in enumerate(reader.document.slots):
         where = f"slots.{number}"
@@ -218,6 +228,7 @@ def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
 
 
 def _sketch(reader: Reader) -> dict[str, Vector]:
+    """Rough positions of points, m, by their names."""
     for point in reader.document.sketch.points:
         if point not in reader.carriers:
             raise reader.fail(f"sketch.points: {UnknownNameError('point', point, reader.carriers)}")
@@ -226,6 +237,7 @@ def _sketch(reader: Reader) -> dict[str, Vector]:
 
 
 def _output(reader: Reader) -> lk.Output | None:
+    """The output point and its direction, by default the guide of its slider; None where the file has no output."""
     table = reader.document.output
     if table is None:
         return None

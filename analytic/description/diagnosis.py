@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -29,7 +29,7 @@ WITHOUT = " is missing"
 class Source:
     """A linkage file as it was read: its name for messages, its text, and the variant laid over it, if any.
 
-    ``copies`` has the path that stands in the file for each path that is a copy of it.
+    ``copies`` gives, for each dotted path of a copy that [repeat] made, the path in the file that it was copied from.
     """
 
     name: str
@@ -37,16 +37,12 @@ class Source:
     variant: str | None = None
     copies: Mapping[str, str] = field(default_factory=dict)
 
-    def with_copies(self, copies: Mapping[str, str]) -> Source:
-        """The same file with copies of some of its parts."""
-        return replace(self, copies=copies)
-
     def fault(self, message: str) -> DescriptionError:
         """The error to raise about this file; the message begins with the key at fault."""
         return DescriptionError(self.place(message))
 
     def line(self, keys: Sequence[str]) -> int:
-        """The line of a key, the variant's before the file's own, or of the innermost table or list it belongs to."""
+        """The line, from 1, of a key, the variant's before the file's own, or of the innermost table that has it."""
         roots = [*([f"variants.{self.variant}."] if self.variant else []), ""]
         tree = tomllib.loads(self.text)
         for depth in range(len(keys), 0, -1):
@@ -62,7 +58,7 @@ class Source:
         return f"{self.name}:{self.line(keys)}: {readable(keys)}"
 
     def place(self, message: str) -> str:
-        """A message that begins with a key (``links.rod.mass: ...``), put behind the file and the line."""
+        """A message that begins with a key (``links.rod.mass: ...``), put behind the name of the file and the line."""
         path, colon, rest = message.partition(": ")
         missing = WITHOUT if path.endswith(WITHOUT) else ""
         return f"{self.at(path.removesuffix(WITHOUT).split('.'))}{missing}{colon}{rest}"
@@ -79,21 +75,21 @@ JOINED: Final = "links are pinned where points have one name, and slide by slide
 
 def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
     """The first fault of a document, which the ``model`` describes."""
-    fault = _telling(error.errors(include_url=False, include_context=False))
+    fault = _most_telling_fault(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
     if fault["type"] == "extra_forbidden" and keys[-1] in JOINTS:
         return f"{source.at(keys)}: unknown key '{keys[-1]}': {JOINED}"
     if fault["type"] == "extra_forbidden":
         return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1], model))}"
     if fault["type"] == "missing" and not keys[-1].isdigit():
-        return f"{source.at(keys)}{WITHOUT}: expected {_expected(fault, keys)}; add it"
-    expected, value = _expected(fault, keys), fault["input"]
+        return f"{source.at(keys)}{WITHOUT}: expected {_expected_in_words(fault, keys)}; add it"
+    expected, value = _expected_in_words(fault, keys), fault["input"]
     is_comma = "[x, y]" in expected and isinstance(value, list) and len(value) > 2 and isinstance(value[-1], int)
     cure = "write decimals with a dot, 25.5 and not 25,5" if is_comma else "correct it"
     return f"{source.at(keys)}: expected {expected}, got {shown(value)}; {cure}"
 
 
-def _telling(faults: Sequence[ErrorDetails]) -> ErrorDetails:
+def _most_telling_fault(faults: Sequence[ErrorDetails]) -> ErrorDetails:
     """Of the first value at fault, which may fail each of several forms in its own way, the fault that lies deepest.
 
     An unknown key beside a missing key is taken for a misspelling of it.
@@ -110,7 +106,7 @@ def _keys(fault: ErrorDetails) -> list[str]:
     return [str(key) for key in fault["loc"] if key != "Polar" and not str(key).startswith(forms)]
 
 
-def _expected(fault: ErrorDetails, keys: Sequence[str]) -> str:
+def _expected_in_words(fault: ErrorDetails, keys: Sequence[str]) -> str:
     """The expected value in words: by the innermost key that has a phrase, else by the kind of value."""
     names = [key for key in keys if not key.isdigit()]
     for depth in range(len(names), 0, -1):
@@ -122,7 +118,7 @@ def _expected(fault: ErrorDetails, keys: Sequence[str]) -> str:
 
 
 def shown(value: object) -> str:
-    """A value as the file has it, cut short."""
+    """A value as the file has it, cut short, for a message."""
     if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > LONGEST_NUMBER:
         return f"a number of {value.bit_length()} bits"
     return shortened(

@@ -40,7 +40,7 @@ class FileUnit(NamedTuple):
 
     @property
     def on_page(self) -> str:
-        """As a page prints it: "N mm", "mm/s²"."""
+        """The unit as a page prints it: "N mm", "mm/s²"."""
         return self.name.replace("*", " ").replace("^2", "²")
 
 

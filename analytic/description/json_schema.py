@@ -27,21 +27,26 @@ def json_schema() -> Schema:
     for kind, units in UNITS.items():
         definitions["UnitsTable"]["properties"][kind] |= {"enum": list(units)}
     _describe(document, definitions, "")
-    variant = _changed("Document", "Variant", definitions, _loosened)
-    repeated = _changed("Document", "Repeated", definitions, _templated)
+    variant = _changed_copy("Document", "Variant", definitions, _without_required_keys)
+    repeated = _changed_copy("Document", "Repeated", definitions, _with_formulas)
     parts = {key: part for key, part in definitions[repeated]["properties"].items() if key in REPEATED}
     count = {"type": "integer", "minimum": 1, "maximum": MOST_COPIES, "description": "how many copies: n = 1, 2, ..."}
     definitions[repeated] = definitions[repeated] | {"properties": {"count": count, **parts}, "required": ["count"]}
     document["properties"] |= {
-        "variants": _named(variant, "a table [variants.NAME] with the keys that differ from the file's values"),
-        "repeat": _named(repeated, "a table [repeat.NAME] with count copies of its parts; {n} is a copy's number"),
+        "variants": _tables_by_name(
+            variant, "a table [variants.NAME] with the keys that differ from the file's values"
+        ),
+        "repeat": _tables_by_name(
+            repeated, "a table [repeat.NAME] with count copies of its parts; {n} is a copy's number"
+        ),
     }
     document["oneOf"] = [{"required": ["crank"]}, {"required": ["cylinder"]}]
     head: Schema = {"$schema": "http://json-schema.org/draft-04/schema#", "title": TITLE}
     return {**head, **definitions.pop("Document"), "definitions": definitions}
 
 
-def _named(definition: str, description: str) -> Schema:
+def _tables_by_name(definition: str, description: str) -> Schema:
+    """The schema of a table whose keys are free names and whose values are all of one definition."""
     return {
         "type": "object",
         "additionalProperties": {"$ref": f"#/definitions/{definition}"},
@@ -92,43 +97,46 @@ def _tables_in(part: object) -> list[str]:
     return [name for entry in part for name in _tables_in(entry)] if isinstance(part, list) else []
 
 
-def _changed(name: str, prefix: str, definitions: Schema, change: Callable[[Schema, str], Any]) -> str:
-    """A copy of a definition, and of all that it refers to, each changed; returns the copy's name."""
+def _changed_copy(name: str, prefix: str, definitions: Schema, change: Callable[[Schema, str], Any]) -> str:
+    """Copy a definition and all that it refers to, each changed, under names with ``prefix``; returns its name."""
     copy = f"{prefix}{name}"
     if copy not in definitions:
         definitions[copy] = {}  # so that a circle ends
         definitions[copy] = change(definitions[name], prefix)
         for key in _tables_in(definitions[copy]):
             if key.startswith(prefix):
-                _changed(key.removeprefix(prefix), prefix, definitions, change)
+                _changed_copy(key.removeprefix(prefix), prefix, definitions, change)
     return copy
 
 
-def _loosened(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
-    """The part as a variant may have it: no key is required, except in lists, which are replaced whole."""
+def _without_required_keys(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
+    """A part of the schema for a variant, where no key is required; references go to definitions with ``prefix``.
+
+    Tables in lists keep their required keys: a variant replaces lists whole.
+    """
     if not isinstance(part, dict):
         return part
-    looser = {key: _loosened(value, prefix) for key, value in part.items() if key != "required"}
+    looser = {key: _without_required_keys(value, prefix) for key, value in part.items() if key != "required"}
     if "items" in part:
         looser["items"] = part["items"]
     if "anyOf" in part:
-        looser["anyOf"] = [_loosened(entry, prefix) for entry in part["anyOf"]]
-    return _renamed(looser, prefix)
+        looser["anyOf"] = [_without_required_keys(entry, prefix) for entry in part["anyOf"]]
+    return _redirected(looser, prefix)
 
 
-def _templated(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
-    """The part as a repeated part may have it: a formula in place of any number."""
+def _with_formulas(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
+    """A part of the schema for [repeat]: formulas may stand for numbers; ``prefix`` leads to the copies with them."""
     if isinstance(part, list):
-        return [_templated(entry, prefix) for entry in part]
+        return [_with_formulas(entry, prefix) for entry in part]
     if not isinstance(part, dict):
         return part
     if part.get("type") in ("number", "integer"):
         return {"anyOf": [part, FORMULA]}
-    return _renamed({key: _templated(value, prefix) for key, value in part.items()}, prefix)
+    return _redirected({key: _with_formulas(value, prefix) for key, value in part.items()}, prefix)
 
 
-def _renamed(part: Schema, prefix: str) -> Schema:
-    """A part that refers to the changed copy of a definition."""
+def _redirected(part: Schema, prefix: str) -> Schema:
+    """A part whose reference to a definition goes to the changed copy, whose name begins with ``prefix``."""
     if isinstance(part.get("$ref"), str):
         part["$ref"] = part["$ref"].replace("#/definitions/", f"#/definitions/{prefix}")
     return part

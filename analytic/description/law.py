@@ -57,6 +57,7 @@ class Law:
 
     @cached_property
     def _curve(self) -> PPoly:
+        """The spline, or the straight lines, through the table."""
         from scipy.interpolate import CubicSpline, PPoly  # noqa: PLC0415 - a linkage without tables does not pay for it
 
         assert self.angles is not None
@@ -85,7 +86,7 @@ class Law:
         return np.moveaxis(np.asarray(self._curve(within, order)) * inside[..., None], -1, 0)
 
     def pieces(self) -> tuple[list[float], list[Any]]:
-        """Of a law over φ, the knots, rad (or m), and the cubics from each on: by piece, component and power."""
+        """A law over φ as data: knots, rad or m, and coefficients of cubics from each on, by component and power."""
         assert self.angles is not None
         return self.angles.tolist(), np.moveaxis(self._curve.c[::-1], 0, -1).tolist()
 

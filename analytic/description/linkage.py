@@ -180,7 +180,7 @@ class Output:
 
 @dataclass(frozen=True)
 class ReleasedRegime:
-    """A regime of the linkage's own: the crank is released and moved by a torque, N m, and the loads.
+    """A regime that the linkage file defines: the crank is released and moved by a torque, N m, and the loads.
 
     Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s.
     ``torque`` is the constant part of the torque; ``over_angle`` and ``over_time`` are added to it, if given.
@@ -197,14 +197,14 @@ class ReleasedRegime:
 
 @dataclass(frozen=True)
 class PrescribedRegime:
-    """A regime of the linkage's own in which the crank follows a motion; ``conditions`` says in words which."""
+    """A regime that the linkage file defines: the crank follows a motion; ``conditions`` describes it in words."""
 
     name: str
     motion: CrankMotion
     conditions: str
 
 
-OwnRegime = ReleasedRegime | PrescribedRegime
+FileRegime = ReleasedRegime | PrescribedRegime
 
 
 @dataclass(frozen=True)
@@ -236,7 +236,7 @@ class Linkage:
     dampers: tuple[RotaryDamper, ...] = ()
     output: Output | None = None
     thread: ThreadPath | None = None
-    regimes: tuple[OwnRegime, ...] = ()
+    regimes: tuple[FileRegime, ...] = ()
     errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
@@ -259,16 +259,16 @@ class Linkage:
         return self.driver is not DriverKind.CRANK
 
     def place(self, coordinate: float) -> str:
-        """A value of φ for a reader: an angle in degrees, a length in the unit of the linkage's file."""
+        """A value of φ, rad or m, in words: an angle in degrees, a length in the unit of the linkage's file."""
         return self.written(coordinate) if self.is_linear else degrees(coordinate)
 
     def coordinate(self, value: float) -> str:
-        """A value of φ with its name."""
+        """A value of φ, rad or m, in words with its name: "crank angle 30°"."""
         return f"{'crank angle' if not self.is_linear else f'a {self.driver} at'} {self.place(value)}"
 
     @property
     def released(self) -> dict[str, ReleasedRegime]:
-        """Its own regimes in which the crank is released, by name."""
+        """The released regimes that the file defines, by name."""
         return {regime.name: regime for regime in self.regimes if isinstance(regime, ReleasedRegime)}
 
     @property
@@ -288,7 +288,7 @@ class Linkage:
         return self.is_massless and not (self.forces or self.torques or self.springs or self.dampers)
 
     def written(self, length: float) -> str:
-        """A length, m, for a reader: in the unit of the linkage's file."""
+        """A length, m, in words for a reader: in the unit of the linkage's file."""
         unit = self.units.get("length", "m")
         return f"{length / factor('length', unit):z.4g} {unit}"
 

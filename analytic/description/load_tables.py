@@ -21,30 +21,33 @@ LEAST_STEP = 1e-6  # rad between the angles of a law: nearer ones are one angle 
 def forces(reader: Reader) -> tuple[PointForce, ...]:
     """Forces at points; a force on the ground has no effect and is left out."""
     loads = [_force(reader, table, f"forces.{number}") for number, table in enumerate(reader.document.forces)]
-    return tuple(sorted((load for load in loads if load.link != GROUND), key=order))
+    return tuple(sorted((load for load in loads if load.link != GROUND), key=sort_key))
 
 
 def _force(reader: Reader, table: doc.ForceTable, where: str) -> PointForce:
+    """A force at a point in SI units."""
     rows = table.force if isinstance(table.force, list) else [table.force]
     link = reader.owner(table.point, table.link, where)
-    return PointForce(table.point, link, _interpolated(reader, table, rows, "force", where))
+    return PointForce(table.point, link, _interpolated_law(reader, table, rows, "force", where))
 
 
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
     """Torques on links; a torque on the ground has no effect and is left out."""
     loads = [_torque(reader, table, f"torques.{number}") for number, table in enumerate(reader.document.torques)]
-    return tuple(sorted((load for load in loads if load.link != GROUND), key=order))
+    return tuple(sorted((load for load in loads if load.link != GROUND), key=sort_key))
 
 
 def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
+    """A torque on a link in SI units."""
     values = table.torque if isinstance(table.torque, list) else [table.torque]
-    law = _interpolated(reader, table, [(value,) for value in values], "torque", where)
+    law = _interpolated_law(reader, table, [(value,) for value in values], "torque", where)
     return LinkTorque(reader.body(table.link, where), law)
 
 
-def _interpolated(
+def _interpolated_law(
     reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], kind: str, where: str
 ) -> Law:
+    """The law of a force or torque, by a spline or by straight lines as the table says."""
     law = _law(reader, rows, table.angle, kind, where)
     if table.interpolation and law.is_constant:
         raise reader.fail(
@@ -59,19 +62,20 @@ def law_over_angle(reader: Reader, values: list[float], angles: list[float], kin
     return _law(reader, [(value,) for value in values], angles, kind, where)
 
 
-def order(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[object, ...]:
-    """Sort key of a load among those of its kind: bodies and points, then numbers."""
+def sort_key(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[object, ...]:
+    """The key by which loads of a kind are sorted: bodies and points, then numbers."""
     match load:
         case PointForce():
-            return (load.point, load.link, _key(load.force))
+            return (load.point, load.link, _law_key(load.force))
         case LinkTorque():
-            return (load.link, _key(load.torque))
+            return (load.link, _law_key(load.torque))
         case Spring():
             return (load.points, load.links, load.stiffness, load.length, load.damping)
     return (load.links, load.coefficient)
 
 
-def _key(law: Law) -> tuple[bytes, bytes, bool]:
+def _law_key(law: Law) -> tuple[bytes, bytes, bool]:
+    """The part of a sort key that tells two laws apart."""
     return law.values.tobytes(), b"" if law.angles is None else law.angles.tobytes(), law.linear
 
 
@@ -109,10 +113,11 @@ def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] 
 def springs(reader: Reader) -> tuple[Spring, ...]:
     """Springs with their dashpots; an end on a pivot of the ground counts as the ground's."""
     loads = [_spring(reader, table, f"springs.{number}") for number, table in enumerate(reader.document.springs)]
-    return tuple(sorted(loads, key=order))
+    return tuple(sorted(loads, key=sort_key))
 
 
 def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
+    """A spring with its dashpot in SI units."""
     ends = zip(table.between, table.links or (None, None), strict=True)
     first, second = (reader.owner(point, link, where) for point, link in ends)
     if first == second:
@@ -130,10 +135,11 @@ def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
 def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:
     """Dampers of the relative rotation of two bodies."""
     loads = [_damper(reader, table, f"dampers.{number}") for number, table in enumerate(reader.document.dampers)]
-    return tuple(sorted(loads, key=order))
+    return tuple(sorted(loads, key=sort_key))
 
 
 def _damper(reader: Reader, table: doc.DamperTable, where: str) -> RotaryDamper:
+    """A rotary damper in SI units."""
     first, second = (reader.body(name, where) for name in table.between)
     if first == second:
         raise reader.fail(f"{where}: expected two different bodies, got '{first}' twice; correct one of them")

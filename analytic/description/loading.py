@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
 from analytic.description.linkage import Linkage
-from analytic.description.repetition import expanded
+from analytic.description.repetition import expand_copies
 from analytic.description.schema import Document
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, is_safe, listed, printable
 from analytic.shelves import announced
@@ -177,10 +177,12 @@ def document(
     if chosen not in names:
         raise UnknownNameError(f"variant of '{name}'", chosen, names)
     overlay = {} if chosen == base_name else dict(overlays[chosen])
-    raw, source = expanded(_merged(raw, {"repeat": overlay.pop("repeat")}) if "repeat" in overlay else raw, source)
+    raw, source = expand_copies(
+        _with_variant(raw, {"repeat": overlay.pop("repeat")}) if "repeat" in overlay else raw, source
+    )
     if chosen != base_name:
         _check_links(raw.get("links"), overlay.get("links"), source, chosen)
-        raw = _merged(raw, overlay)
+        raw = _with_variant(raw, overlay)
         raw["variant"] = chosen
         source = replace(source, variant=chosen)
     return raw, names, source
@@ -194,24 +196,24 @@ def tables(text: str, origin: str) -> dict[str, Any]:
         )
     deepest = DEEPEST.search(text)
     if deepest:
-        raise _too_deep(f"{origin}:{_line(text, deepest.start())}")
+        raise _nested_too_deep(f"{origin}:{_line(text, deepest.start())}")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise DescriptionError(_syntax(str(error), text, origin)) from error
+        raise DescriptionError(_syntax_error(str(error), text, origin)) from error
     except ValueError as error:
         digits = MOST_DIGITS.search(text)
         line = _line(text, digits.start()) if digits else 1
         raise DescriptionError(f"{origin}:{line}: expected a number, got one of too many digits; correct it") from error
     except RecursionError:
-        raise _too_deep(f"{origin}:1") from None
+        raise _nested_too_deep(f"{origin}:1") from None
 
 
 def _line(text: str, position: int) -> int:
     return text.count("\n", 0, position) + 1
 
 
-def _too_deep(place: str) -> DescriptionError:
+def _nested_too_deep(place: str) -> DescriptionError:
     return DescriptionError(f"{place}: expected tables and short lists, got very deep nesting; flatten it")
 
 
@@ -235,17 +237,17 @@ TWICE: Final = re.compile(r"Cannot (mutate immutable namespace|overwrite|declare
 BARE_NAME: Final = re.compile(r"\s*\[*([^\]=\"'#]+)[\]=]")
 
 
-def _syntax(fault: str, text: str, origin: str) -> str:
+def _syntax_error(fault: str, text: str, origin: str) -> str:
     """A syntax error of the TOML parser, its place first."""
     place = PLACE.search(fault)
     line, column = place.groups() if place and place[1] else (_line(text.rstrip(), len(text)), None)
-    slip = _slip(fault, text.split("\n")[int(line) - 1])
+    slip = _known_slip(fault, text.split("\n")[int(line) - 1])
     where = f" in column {column}" if column else " at the end of the file"
     return f"{origin}:{line}: not valid TOML: {slip or PLACE.sub('', fault) + where + '; correct it'}"
 
 
-def _slip(fault: str, line: str) -> str:
-    """A usual slip in a line and its remedy; empty for any other fault."""
+def _known_slip(fault: str, line: str) -> str:
+    """A frequent slip in a line of a file and its remedy, in words; empty where the fault is no such slip."""
     if twice := TWICE.match(fault):
         return f"{repr(twice['name']) if twice['name'] else 'a key'} is written twice; leave one out or rename it"
     name = BARE_NAME.match(line)
@@ -256,7 +258,7 @@ def _slip(fault: str, line: str) -> str:
 
 def check_characters(raw: Mapping[str, Any], source: Source) -> None:
     """Refuse control characters, which would reach terminals and pages from names and titles; texts may have lines."""
-    for keys, text in _texts(raw, []):
+    for keys, text in _all_texts(raw, []):
         name = keys[-1]
         if not (text.isprintable() or all(is_safe(c) or c in "\n\t" for c in text)) or not all(map(is_safe, name)):
             raise DescriptionError(
@@ -264,15 +266,15 @@ def check_characters(raw: Mapping[str, Any], source: Source) -> None:
             )
 
 
-def _texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]]:
+def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]]:
     """Every text of a document with the keys that lead to it, and every key, with no text."""
     if isinstance(value, dict):
         for key, inner in value.items():
             yield [*keys, key], ""
-            yield from _texts(inner, [*keys, key])
+            yield from _all_texts(inner, [*keys, key])
     elif isinstance(value, list):
         for number, inner in enumerate(value):
-            yield from _texts(inner, [*keys, str(number)])
+            yield from _all_texts(inner, [*keys, str(number)])
     elif isinstance(value, str):
         yield keys, value
 
@@ -286,12 +288,12 @@ def _check_links(base: object, over: object, source: Source, variant: str) -> No
                 raise DescriptionError(f"{where}: {UnknownNameError('link', link, base)}")
 
 
-def _merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+def _with_variant(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     """The base document with a variant's keys laid over it, table by table; lists are replaced whole."""
     result = dict(base)
     for key, value in over.items():
         mergeable = isinstance(value, dict) and isinstance(result.get(key), dict)
-        result[key] = _merged(result[key], value) if mergeable else value
+        result[key] = _with_variant(result[key], value) if mergeable else value
     return result
 
 

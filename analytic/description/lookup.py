@@ -42,12 +42,13 @@ class Reader:
         return si
 
     def magnitude(self, si: float, where: str, written: str) -> float:
-        """An SI number, checked to be of a magnitude that can be computed with; a vanishing one is zero."""
+        """An SI number, 0 where it is negligibly small; raises DescriptionError where it is too large or too small."""
         if abs(si) > LARGEST:
             raise self._out_of_range(where, written)
         return si if abs(si) >= 1.0 / LARGEST else 0.0
 
     def _out_of_range(self, where: str, written: str) -> DescriptionError:
+        """The error for a number too large or too small to compute with."""
         return self.fail(
             f"{where}: expected a magnitude between {1.0 / LARGEST:g} and {LARGEST:g} in SI units, got {written}; "
             "correct the number or the unit"
@@ -106,7 +107,7 @@ class Reader:
         return {point: sorted(names) for point, names in sorted(carriers.items())}
 
     def owner(self, point: str, named: str | None, where: str) -> str:
-        """The one body a load at a point acts on."""
+        """The body that carries a point: ``named`` where that is given, else the only one; raises DescriptionError."""
         owners = self.carriers.get(point)
         if owners is None:
             raise self.fail(f"{where}: {UnknownNameError('point', point, self.carriers)}")

@@ -7,9 +7,11 @@ In every key and text of it ``{...}`` is a number made of the copy's number n = 
 from __future__ import annotations
 
 import ast
+import copy
 import operator
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 from analytic.description.diagnosis import Source, shown
@@ -26,7 +28,7 @@ OPERATIONS: Final[Mapping[type, Callable[[Any, Any], Any]]] = {
 Table = dict[str, Any]
 
 
-def expanded(raw: Table, source: Source) -> tuple[Table, Source]:
+def expand_copies(raw: Table, source: Source) -> tuple[Table, Source]:
     """A document with all copies written out, and its source with the line in the file of every copied key.
 
     Raises DescriptionError for a copy that cannot be made and for a name that is taken already.
@@ -42,10 +44,11 @@ def expanded(raw: Table, source: Source) -> tuple[Table, Source]:
                     raise source.fault(f"repeat.{name}.{key}: {UnknownNameError('key', key, ('count', *REPEATED))}")
             for key in sorted(group.keys() - {"count"}):
                 copies.add(copies.document, [key], group[key], ["repeat", name, key], number)
-    return copies.document, source.with_copies(copies.templates)
+    return copies.document, replace(source, copies=copies.templates)
 
 
 def _count(name: str, group: Table, source: Source) -> int:
+    """The number of copies, checked."""
     count = group.get("count")
     if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= MOST_COPIES:
         where = f"repeat.{name}.count" if "count" in group else f"repeat.{name}"
@@ -59,7 +62,7 @@ class _Copies:
     """A document that copies are added to, with the path in the file that each part of a copy was written at."""
 
     def __init__(self, document: Table, source: Source) -> None:
-        self.document = _copied(document)
+        self.document = copy.deepcopy(document)
         self.source = source
         self.templates: dict[str, str] = {}
 
@@ -85,7 +88,7 @@ class _Copies:
             table[key] = self.value(value, path, template, n)
 
     def value(self, value: object, path: list[str], template: list[str], n: int) -> object:
-        """A value with its formulas filled in."""
+        """A value, tables and lists included, with its formulas computed for copy n."""
         self.templates.setdefault(".".join(path), ".".join(template))
         if isinstance(value, dict):
             names = {inner: str(self.filled(inner, [*template, inner], n, is_name=True)) for inner in value}
@@ -95,11 +98,11 @@ class _Copies:
         return self.filled(value, template, n) if isinstance(value, str) else value
 
     def filled(self, text: str, template: list[str], n: int, *, is_name: bool = False) -> str | float:
-        """A text with numbers for its formulas, or the number that it stands for."""
+        """A text with its formulas computed for copy n; a number where the text is one formula alone."""
         try:
             if not is_name and (whole := BRACES.fullmatch(text)):
                 return _number(whole[1], n)
-            return BRACES.sub(lambda match: _whole(_number(match[1], n)), text)
+            return BRACES.sub(lambda match: _whole_in_words(_number(match[1], n)), text)
         except (ValueError, SyntaxError, ZeroDivisionError, RecursionError) as error:
             raise self.source.fault(
                 f"{'.'.join(template)}: expected numbers made of n in braces, such as {{n-1}} or {{60*n}} (whole ones "
@@ -107,26 +110,20 @@ class _Copies:
             ) from error
 
 
-def _copied(value: object) -> Any:  # noqa: ANN401 - a TOML value
-    """Tables and lists that may be changed without changing the given ones."""
-    if isinstance(value, dict):
-        return {key: _copied(part) for key, part in value.items()}
-    return [_copied(part) for part in value] if isinstance(value, list) else value
-
-
 def _number(formula: str, n: int) -> float:
     """The value of a formula of numbers, n, + - * / and brackets; raises ValueError for anything else."""
     if len(formula) > LONGEST:
         raise ValueError(formula)
-    return float(_value(ast.parse(formula.strip(), mode="eval").body, n))
+    return float(_evaluated(ast.parse(formula.strip(), mode="eval").body, n))
 
 
-def _value(node: ast.expr, n: int) -> float:
+def _evaluated(node: ast.expr, n: int) -> float:
+    """The value of the syntax tree of a formula for copy n; raises ValueError for what no formula may have."""
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATIONS:
-        value: float = OPERATIONS[type(node.op)](_value(node.left, n), _value(node.right, n))
+        value: float = OPERATIONS[type(node.op)](_evaluated(node.left, n), _evaluated(node.right, n))
         return value
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-        return -_value(node.operand, n)
+        return -_evaluated(node.operand, n)
     if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
         return float(node.value)
     if isinstance(node, ast.Name) and node.id == "n":
@@ -134,7 +131,7 @@ def _value(node: ast.expr, n: int) -> float:
     raise ValueError(ast.dump(node))
 
 
-def _whole(value: float) -> str:
+def _whole_in_words(value: float) -> str:
     """A whole number as names carry it."""
     if not value.is_integer():
         raise ValueError(value)

@@ -22,7 +22,7 @@ from analytic.errors import LinkproofError, UnknownNameError, printable, shorten
 
 DESIGN: Final = "design"
 MARK: Final = "# Made by linkproof from "
-OF_THE_ORIGINAL: Final = ("published", "errata")
+NOT_OF_DESIGNS: Final = ("published", "errata")
 Load = PointForce | LinkTorque | Spring | RotaryDamper
 LOADS: Final[Mapping[str, Callable[[Reader], Sequence[Load]]]] = {
     "forces": load_tables.forces,
@@ -30,7 +30,7 @@ LOADS: Final[Mapping[str, Callable[[Reader], Sequence[Load]]]] = {
     "springs": load_tables.springs,
     "dampers": load_tables.dampers,
 }
-LOST: Final = 4 * 2.0**-52  # relative; what a number may lose on its way through the file's units and unit vectors
+ROUNDING: Final = 4 * 2.0**-52  # relative; what a number may lose on its way through the file's units and unit vectors
 MOST_NAMED: Final = 12  # changed numbers in the first line
 
 
@@ -41,13 +41,13 @@ def spelt_out(text: str, name: str, variant: str | None) -> str:
     """
     linkage = loading.parse(text, name, name, variant)
     raw, _, source = loading.document(text, name, name, variant)
-    raw = {key: part for key, part in raw.items() if key not in OF_THE_ORIGINAL}
+    raw = {key: part for key, part in raw.items() if key not in NOT_OF_DESIGNS}
     file = WrittenNumbers(raw, reader_of(loading.validated(raw, source), source), linkage)
     for number, value in numbers_of(linkage).items():
         if not math.isfinite(value) or ".along." in number:
             continue
         file.set(number, value)
-    result = _text(text, raw)
+    result = _toml_text(text, raw)
     _check(result, name, linkage)
     return result
 
@@ -93,13 +93,13 @@ def rewritten(
             f"{', '.join(key for key in changed if '.along.' in key)}: expected a direction, got [0, 0]; give another"
         ) from None
     raw, _, source = loading.document(text, name, name, variant)
-    raw = {"variant": new_variant} | {key: part for key, part in raw.items() if key not in OF_THE_ORIGINAL}
+    raw = {"variant": new_variant} | {key: part for key, part in raw.items() if key not in NOT_OF_DESIGNS}
     raw["variant"] = new_variant
     file = WrittenNumbers(raw, reader_of(loading.validated(raw, source), source), old)
     sentences = [file.set(number, value) for number, value in changed.items()]
     if target.output and any(".along." in number for number in changed):
         raw["output"]["along"] = list(target.output.along)  # where it followed a guide, S stays what it was
-    result = f"{_first_line(name, old.variant, sentences)}\n{_text(text, raw)}"
+    result = f"{_first_line(name, old.variant, sentences)}\n{_toml_text(text, raw)}"
     _check(result, name, target)
     return result
 
@@ -111,8 +111,8 @@ class WrittenNumbers:
         self.raw = raw
         self.units = reader.document.units.model_dump()
         self.scale = reader.scale
-        numbers, indices = named_numbers(linkage), _indices(linkage, reader)
-        self.places = {name: _in_file(number.place, indices, reader) for name, number in numbers.items()}
+        numbers, indices = named_numbers(linkage), _indices_in_file(linkage, reader)
+        self.places = {name: _place_in_file(number.place, indices, reader) for name, number in numbers.items()}
         self.kinds = {self.places[name]: number.kind for name, number in numbers.items()}
         self.values = {self.places[name]: number.value for name, number in numbers.items()}
 
@@ -140,15 +140,15 @@ class WrittenNumbers:
         return next((number for number in tried if number * size == value), near)
 
 
-def _indices(linkage: Linkage, reader: Reader) -> dict[str, list[int]]:
-    """Of slots and of each kind of load their indices in the file, in the order in which a linkage has them."""
+def _indices_in_file(linkage: Linkage, reader: Reader) -> dict[str, list[int]]:
+    """For slots and each kind of load, the index in the file of each that a linkage has, in its order."""
     slots = {(table.point, table.on): number for number, table in enumerate(reader.document.slots)}
-    order = {kind: _order(kind, reader) for kind in LOADS}
+    order = {kind: _order_in_file(kind, reader) for kind in LOADS}
     return {"slots": [slots[slot.point, slot.guide.host] for slot in linkage.slots], **order}
 
 
-def _in_file(place: Place, indices: Mapping[str, Sequence[int]], reader: Reader) -> Place:
-    """Where a number of a linkage stands in its file."""
+def _place_in_file(place: Place, indices: Mapping[str, Sequence[int]], reader: Reader) -> Place:
+    """The keys and indices in the file of a number, from its place in a linkage, whose loads are sorted."""
     kind, index, *rest = place
     if kind not in indices or not isinstance(index, int):
         return place
@@ -161,23 +161,24 @@ def _in_file(place: Place, indices: Mapping[str, Sequence[int]], reader: Reader)
     return (kind, index, *rest)
 
 
-def _order(kind: str, reader: Reader) -> list[int]:
-    """The file's loads of a kind, by their numbers there, in the order in which a linkage has them."""
+def _order_in_file(kind: str, reader: Reader) -> list[int]:
+    """The indices of the file's loads of a kind, in the order in which a linkage has them."""
     placed = []
     for index, table in enumerate(getattr(reader.document, kind)):
         alone = replace(reader, document=reader.document.model_copy(update={kind: [table]}))
-        placed += [(load_tables.order(load), index) for load in LOADS[kind](alone)]
+        placed += [(load_tables.sort_key(load), index) for load in LOADS[kind](alone)]
     return [index for _, index in sorted(placed)]
 
 
 def _first_line(name: str, variant: str, sentences: list[str]) -> str:
+    """The comment that says how the file was made: from which file, and which numbers were changed."""
     more = [f"{len(sentences) - MOST_NAMED} more numbers"] if len(sentences) > MOST_NAMED else []
     numbers = ", ".join([*sentences[:MOST_NAMED], *more]) or "no number changed"
     return f"{MARK}{printable(name)}, variant {shortened(printable(variant))}: {printable(numbers)}"
 
 
-def _text(text: str, raw: Mapping[str, Any]) -> str:
-    """The text with these values, changed as little as possible; written afresh where that fails."""
+def _toml_text(text: str, raw: Mapping[str, Any]) -> str:
+    """The file with the values ``raw``, its text changed as little as possible; written afresh where that fails."""
     import tomlkit  # noqa: PLC0415 - only what writes a file pays for it
     from tomlkit.exceptions import TOMLKitError  # noqa: PLC0415
 
@@ -186,7 +187,7 @@ def _text(text: str, raw: Mapping[str, Any]) -> str:
         text = text.partition("\n")[2]
     try:
         document = tomlkit.parse(text)
-        _lay(document, raw)
+        _update(document, raw)
         result = f"{tomlkit.dumps(document).rstrip()}\n"
         if tomllib.loads(result) == raw:
             return result
@@ -195,8 +196,8 @@ def _text(text: str, raw: Mapping[str, Any]) -> str:
     return tomlkit.dumps(raw)
 
 
-def _lay(old: Any, new: Any) -> None:  # noqa: ANN401 - TOML values
-    """Give a table or a list other values of the same shape, touching only what differs."""
+def _update(old: Any, new: Any) -> None:  # noqa: ANN401 - TOML values
+    """Give a table or a list of a parsed file other values, touching only what differs, so that comments stay."""
     if isinstance(old, MutableMapping):
         for key in [key for key in old if key not in new]:
             del old[key]
@@ -206,7 +207,7 @@ def _lay(old: Any, new: Any) -> None:  # noqa: ANN401 - TOML values
         if inner == value:
             continue
         if _is_alike(inner, value):
-            _lay(inner, value)
+            _update(inner, value)
         else:
             old[key] = value
 
@@ -220,7 +221,7 @@ def _is_alike(old: object, new: object) -> bool:
 def _check(result: str, name: str, target: Linkage) -> None:
     """Check every number of the new file against its intended value, to the rounding of the file's units."""
     new = loading.parse(result, name, f"{name} with other numbers")
-    loads = {kind: tuple(sorted(getattr(target, kind), key=load_tables.order)) for kind in LOADS}
+    loads = {kind: tuple(sorted(getattr(target, kind), key=load_tables.sort_key)) for kind in LOADS}
     meant, got = numbers_of(replace(target, **cast("Any", loads))), numbers_of(new)
     for number in [*meant, *got]:
         if number not in got or number not in meant or not _is_near(number, got, meant):
@@ -232,4 +233,4 @@ def _check(result: str, name: str, target: Linkage) -> None:
 
 def _is_near(number: str, got: Mapping[str, float], meant: Mapping[str, float]) -> bool:
     size = 1.0 if ".along." in number else max(abs(meant[number]), math.ulp(0.0))
-    return abs(got[number] - meant[number]) <= LOST * size
+    return abs(got[number] - meant[number]) <= ROUNDING * size

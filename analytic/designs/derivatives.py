@@ -23,11 +23,10 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.description.changes import SPEED, design_numbers, with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.designs.checking import checked, speed_of
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
-from analytic.designs.means import edges_of, on_branch
 from analytic.designs.results import is_turn, period_of
-from analytic.designs.sampling import FigureRequest
+from analytic.designs.sampled_figures import FigureRequest, mean_cells, unwrapped_near
+from analytic.designs.sampled_signals import checked_parameters, speed_of
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure
@@ -94,7 +93,7 @@ def signal_gradients(
     design.check(places)
     far = design.farthest(places, refine=False) if "S" in signals else 0.0
     at = design.varied(places, far)
-    pairs = [_parts(signal(at, name), len(parameters)) for name in signals]
+    pairs = [_values_and_slopes(signal(at, name), len(parameters)) for name in signals]
     return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 
 
@@ -120,8 +119,9 @@ def figure_gradients(
         period = period_of(mechanism, places)
         request = FigureRequest(mechanism, tuple(figures), places, speed, period, refine)
 
-        def figures_of(numbers: Mapping[str, float]) -> Array:  # of masses below zero as well, beside one of zero
-            return request.of({name: np.array([value]) for name, value in numbers.items()})[:, 0]
+        # Of masses below zero as well, beside one of zero.
+        def figures_of(numbers: Mapping[str, float]) -> Array:
+            return request.values_for({name: np.array([value]) for name, value in numbers.items()})[:, 0]
 
         return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
@@ -138,7 +138,9 @@ def figure_gradients(
     values, gradients, row = np.empty(len(figures)), np.empty((len(figures), len(parameters))), 0
     for number, figure in enumerate(figures):
         if figure.reduction is Reduction.AT:
-            value, slopes = (part[..., row] for part in _parts(signal(single, figure.signal), len(parameters)))
+            value, slopes = (
+                part[..., row] for part in _values_and_slopes(signal(single, figure.signal), len(parameters))
+            )
             row += 1
         elif figure.extremes:
             tops = [top_of[end] for end in figure.extremes]
@@ -169,7 +171,7 @@ class _Design:
         return {n: Dual(v, seed) for (n, v), seed in zip(self.parameters.items(), seeds, strict=True)}
 
     @cached_property
-    def _varied(self) -> LinkageAndStructure:
+    def _with_derivatives(self) -> LinkageAndStructure:
         return self._model(self._duals)
 
     def _model(self, numbers: Mapping[str, Any]) -> LinkageAndStructure:
@@ -177,8 +179,9 @@ class _Design:
         signs = tuple(dyad.sign for dyad in self.mechanism.structure.dyads)
         return linkage, find_structure(linkage).with_signs(signs)
 
-    def _at(self, model: LinkageAndStructure, angle: Any, far: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
-        speed = speed_of(self._duals if model is self._varied else self.parameters, self.speed)
+    def _moving(self, model: LinkageAndStructure, angle: Any, far: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
+        """The design in motion at crank angles, rad; S counts from the coordinate ``far``, m."""
+        speed = speed_of(self._duals if model is self._with_derivatives else self.parameters, self.speed)
         return MovingSweep(self.mechanism, Sweep(*model, angle), speed, np.asarray(0.0), far)
 
     def check(self, places: Array) -> None:
@@ -186,8 +189,8 @@ class _Design:
         _check_moves(Sweep(*self.plain, places))
 
     def varied(self, places: Array, far: Any) -> MovingSweep:  # noqa: ANN401 - a dual
-        """The design with derivatives at crank angles, rad."""
-        return self._at(self._varied, places, far)
+        """The design in motion at crank angles, rad, in numbers that carry their derivatives."""
+        return self._moving(self._with_derivatives, places, far)
 
     def farthest(self, places: Array, refine: bool) -> Dual:
         """The output's highest coordinate, with its derivatives."""
@@ -204,38 +207,42 @@ class _Design:
         """Value of every extreme and its derivatives (parameters,)."""
         if not extremes:
             return []
-        grid = _closed(places) if refine else places
+        grid = _with_period_end(places) if refine else places
         top = far.value if isinstance(far, Dual) else far
-        plain = self._at(self.plain, grid, top)
+        plain = self._moving(self.plain, grid, top)
         sampled = np.stack([signal_extreme.height(signal(plain, signal_extreme.signal)) for signal_extreme in extremes])
-        curve, places = self._tops(extremes, grid, sampled, top, refine)
+        curve, places = self._find_tops(extremes, grid, sampled, top, refine)
         at = self.varied(places, far)
         tops = []
         for row, extreme in enumerate(extremes):
-            values, slopes = _parts(signal(at, extreme.signal), len(self.parameters))
+            values, slopes = _values_and_slopes(signal(at, extreme.signal), len(self.parameters))
             is_its = curve == row
             tops.append(
-                _best(extreme, values[is_its], slopes[:, is_its], places[is_its], float(np.max(np.abs(sampled[row]))))
+                _highest_top(
+                    extreme, values[is_its], slopes[:, is_its], places[is_its], float(np.max(np.abs(sampled[row])))
+                )
             )
         return tops
 
     def means(self, figures: Sequence[Figure], places: Array, far: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
         """Value of every mean and its derivatives (parameters,): the integrals of both, in one."""
-        known, count = self._at(self.plain, places, 0.0), len(self.parameters)
+        known, count = self._moving(self.plain, places, 0.0), len(self.parameters)
         near = {quantity.signal: signal(known, quantity.signal) for quantity in figures if is_angle(quantity.signal)}
 
         def integrands(_: object, phi: Array) -> Array:
+            """Integrands of the means and their derivatives, and reciprocals of the determinants for spikes."""
             at = self.varied(phi, far)
             curves = [(quantity, signal(at, quantity.signal)) for quantity in figures]
             turned = [
-                quantity.integrand(on_branch(row, phi, places, near.get(quantity.signal))) for quantity, row in curves
+                quantity.integrand(unwrapped_near(row, phi, places, near.get(quantity.signal)))
+                for quantity, row in curves
             ]
-            pairs = [_parts(row, count) for row in turned]
-            sizes = [_parts(abs(at.sweep.determinant(dyad)), 0)[0] for dyad in at.sweep.structure.dyads]
+            pairs = [_values_and_slopes(row, count) for row in turned]
+            sizes = [_values_and_slopes(abs(at.sweep.determinant(dyad)), 0)[0] for dyad in at.sweep.structure.dyads]
             spikes = [1.0 / np.broadcast_to(size, phi.shape) for size in sizes]
             return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *spikes])
 
-        means = averages(integrands, edges_of(_closed(places)))[:, 0].tolist() if figures else []
+        means = averages(integrands, mean_cells(_with_period_end(places)))[:, 0].tolist() if figures else []
         result = {}  # behind the figures are the determinants
         for figure, first in zip(figures, range(0, len(means), count + 1), strict=False):
             value, slopes = figure.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
@@ -244,19 +251,20 @@ class _Design:
             result[figure] = value, slopes
         return result
 
-    def _tops(
+    def _find_tops(
         self, extremes: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float, refine: bool
     ) -> tuple[Integers, Array]:
-        """Tops of the heights: curve and place of each, a root of the slope; without ``refine`` that of the sample."""
+        """The tops of all extremes' heights: number of the extreme, and angle, rad; sampled ones without ``refine``."""
         if not refine:
             return np.arange(len(extremes)), grid[np.argmax(sampled, axis=1)]
         sampled_tops = tops(sampled)
 
         def slope(angle: Array) -> Array:
-            at = self._at(self.plain, Dual(angle, np.ones((1, len(angle)))), top)
+            """Slope of each top's own height over φ."""
+            at = self._moving(self.plain, Dual(angle, np.ones((1, len(angle)))), top)
             rises = np.empty(angle.shape)
             for number, extreme in enumerate(extremes):
-                values, slopes = _parts(signal(at, extreme.signal), 1)
+                values, slopes = _values_and_slopes(signal(at, extreme.signal), 1)
                 is_its = sampled_tops.curve == number
                 rises[is_its] = (extreme.side(values) * slopes[0])[is_its]
             return rises
@@ -293,8 +301,10 @@ def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, f
     return {name: STEP * (abs(value) or sizes.get(kind, 1.0)) for name, (kind, value) in chosen.items()}
 
 
-def _best(extreme: SignalExtreme, values: Array, slopes: Array, places: Array, largest: float) -> tuple[Array, Array]:
-    """Of several tops the highest, of equal ones the first; without derivatives that differ between equal ones."""
+def _highest_top(
+    extreme: SignalExtreme, values: Array, slopes: Array, places: Array, largest: float
+) -> tuple[Array, Array]:
+    """Value and derivatives of the highest top, of equal ones the first; nan where derivatives of equal ones differ."""
     heights, rises = extreme.height(values), extreme.side(values) * slopes
     highest = np.max(heights)
     if extreme.is_kink(highest):
@@ -305,20 +315,20 @@ def _best(extreme: SignalExtreme, values: Array, slopes: Array, places: Array, l
     return values[first], np.where(apart, np.nan, slopes[:, first])
 
 
-def _parts(number: Any, count: int) -> tuple[Array, Array]:  # noqa: ANN401 - plain or dual
+def _values_and_slopes(number: Any, count: int) -> tuple[Array, Array]:  # noqa: ANN401 - plain or dual
     """Values and derivatives; those of a plain number are zero."""
     if isinstance(number, Dual):
         return number.value, number.full
     return number, np.zeros((count, *np.shape(number)))
 
 
-def _closed(places: Array) -> Array:
-    """Samples of a full turn with its end; others as they are."""
+def _with_period_end(places: Array) -> Array:
+    """Crank angles of a full turn with the end of the turn added; others as they are."""
     return np.append(places, places[0] + FULL_TURN) if is_turn(places) else places
 
 
 def _sweep(mechanism: Mechanism, parameters: Mapping[str, float], places: Array) -> Sweep:
-    """A design of which derivatives are differences, at crank angles, rad."""
+    """A design at crank angles, rad, in plain numbers."""
     return mechanism.redesigned(with_numbers(mechanism.linkage, parameters)).sweep(places)
 
 
@@ -330,4 +340,4 @@ def _check_moves(sweep: Sweep) -> None:
 
 def _check(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
     """Raise UnknownNameError and LinkproofError for numbers that a design cannot have."""
-    checked(mechanism.linkage, {name: [value] for name, value in parameters.items()}, has_speed=True)
+    checked_parameters(mechanism.linkage, {name: [value] for name, value in parameters.items()}, has_speed=True)

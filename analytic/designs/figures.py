@@ -40,7 +40,7 @@ class Reduction(StrEnum):
 
 
 # The extremes that figures are made of, by ``SignalExtreme.way``.
-WAYS: Final[Mapping[Reduction, tuple[int, ...]]] = {
+EXTREMES: Final[Mapping[Reduction, tuple[int, ...]]] = {
     Reduction.PEAK: (0,),
     Reduction.MAX: (1,),
     Reduction.MIN: (-1,),
@@ -59,13 +59,13 @@ class SignalExtreme(NamedTuple):
     way: int
 
     def side(self, values: Array) -> Array:
-        """The derivative of the height by the value, 1 or -1."""
+        """Which side of zero counts, 1 or -1, at each value: the sign with which the height has the value."""
         if self.way:
             return np.full(values.shape, float(self.way))
         return np.where(values < 0.0, -1.0, 1.0)
 
     def height(self, values: Array, side: Array | None = None) -> Array:
-        """A function of the signal that is largest at the extreme; ``side`` is its sign, that of each value if None."""
+        """What is largest at the extreme: the signal times ``side``, which is that of each value if None."""
         return (self.side(values) if side is None else side) * values
 
     def is_kink(self, value: ArrayLike) -> Array:
@@ -74,7 +74,7 @@ class SignalExtreme(NamedTuple):
         return np.asarray(can_be & (np.asarray(value) > SQUARE - NEAR))
 
     def value(self, height: Array, side: Array) -> Array:
-        """The signal where it has a height on a side."""
+        """The signal's value from a height and its side."""
         return side * height
 
 
@@ -104,18 +104,18 @@ class Figure:
     @property
     def extremes(self) -> tuple[SignalExtreme, ...]:
         """The extremes from which it is computed; none for a mean or a single value."""
-        return tuple(SignalExtreme(self.signal, way) for way in WAYS.get(self.reduction, ()))
+        return tuple(SignalExtreme(self.signal, way) for way in EXTREMES.get(self.reduction, ()))
 
     def integrand(self, values: Array) -> Array:
         """The integrand of a mean: the signal, or its square for an RMS."""
         return np.square(values) if self.reduction is Reduction.RMS else values
 
     def of_mean(self, mean: Array) -> Array:
-        """The figure of the mean of its integrand."""
+        """The figure, given the mean of its integrand: the mean itself, or its root for an RMS."""
         return np.sqrt(mean) if self.reduction is Reduction.RMS else mean
 
     def of(self, ends: Sequence[Array]) -> Array:
-        """The figure of designs from the values of its ``extremes``."""
+        """The figure of each design from the values of its ``extremes``, arrays (designs,)."""
         value = ends[0] if len(ends) == 1 else ends[0] - ends[1]
         return np.abs(value) if self.is_magnitude else value
 
@@ -132,15 +132,15 @@ class Figure:
 # request, as ``Jeq:coupler``, have figures too.
 
 STROKE: Final = "stroke"
-ANGLES: Final = "transmission_angle"
-FAMILIES: Final = ("joint_force", ANGLES)
+TRANSMISSION_ANGLE: Final = "transmission_angle"
+FAMILIES: Final = ("joint_force", TRANSMISSION_ANGLE)
 REDUCTIONS: Final = tuple(reduction.value for reduction in Reduction if reduction is not Reduction.AT)
 NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signals, in words
     **dict.fromkeys(("S", "v", "a"), "an output point"),
     **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
 }
-NEAREST: Final = 3  # names in a message
-PLACE: Final = re.compile(r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?P<unit>deg|rad|s|)")
+MOST_SUGGESTED: Final = 3  # names in a message
+INSTANT: Final = re.compile(r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?P<unit>deg|rad|s|)")
 NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
 
 
@@ -159,7 +159,7 @@ def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> 
     signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
     if word not in REDUCTIONS:
         raise _unknown(name, listed)
-    how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(ANGLES) else Reduction(word)
+    how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(TRANSMISSION_ANGLE) else Reduction(word)
     members = _members(mechanism, known, signal, name)
     return {STROKE if name == STROKE else f"{member}.{word}": Figure(known[member], how) for member in members}
 
@@ -203,9 +203,9 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
     examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
     symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
     by_case = {example.lower(): example for example in examples}
-    near = get_close_matches(name.lower(), by_case, n=NEAREST, cutoff=SIMILAR)
+    near = get_close_matches(name.lower(), by_case, n=MOST_SUGGESTED, cutoff=SIMILAR)
     meant = dict.fromkeys([*([symbol] if symbol in examples else []), *(by_case[key] for key in near)])
-    hint = f"did you mean {' or '.join(repr(key) for key in [*meant][:NEAREST])}? " if meant else ""
+    hint = f"did you mean {' or '.join(repr(key) for key in [*meant][:MOST_SUGGESTED])}? " if meant else ""
     return LinkproofError(
         f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "
         f"{', '.join(f'.{reduction}' for reduction in REDUCTIONS)} or @ANGLE behind its name; "
@@ -214,8 +214,8 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
 
 
 def _instant(linkage: Linkage, name: str, text: str, *, in_time: bool) -> tuple[float, float]:
-    """The place of the driver behind the @, rad or m, or the time, s; the other is nan."""
-    read = PLACE.fullmatch(text)
+    """The driver's place behind the @ of a figure's name, rad or m, and the time, s; the one not given is nan."""
+    read = INSTANT.fullmatch(text)
     measure = read["unit"] if read else None
     if read is None or (linkage.is_linear and measure in ("deg", "rad")) or (measure == "s" and not in_time):
         unit = linkage.units["length"] if linkage.is_linear else "degrees"

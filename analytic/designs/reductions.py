@@ -8,11 +8,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.designs.checking import speed_of
 from analytic.designs.figures import Figure, Reduction
-from analytic.designs.means import is_settled
-from analytic.designs.samples import LEAST_RATIO
-from analytic.designs.sampling import FigureRequest, sampled
+from analytic.designs.sampled_figures import FigureRequest, is_settled, sampled_source
+from analytic.designs.sampled_signals import LEAST_RATIO, speed_of
 from analytic.machine_code.compiling import Result, StraightFunction, in_threads
 from analytic.machine_code.tracing import LinkageTrace, Traced
 from analytic.signals import is_wrapped
@@ -47,7 +45,7 @@ def can_reduce(request: FigureRequest) -> bool:
     )
 
 
-class _Gathered:
+class _DesignSums:
     """Sums and extremes of every design: results of the straight function by name."""
 
     def __init__(self, listed: LinkageTrace, request: FigureRequest) -> None:
@@ -56,7 +54,7 @@ class _Gathered:
         self.places: dict[str, int] = {}
         lines = dict(zip(request.signals, listed.signals, strict=True))
         for quantity in request.figures:
-            name = sampled(quantity.signal)
+            name = sampled_source(quantity.signal)
             if quantity.is_mean:
                 self._add_mean(name, Traced(listed.trace, lines[name]))
             else:
@@ -67,29 +65,30 @@ class _Gathered:
             self._add(f"steep {number}", line, STEEP)
             self._add(f"last {number}", line, LAST)
 
-    def _add(self, name: str, line: int, how: tuple[str, float]) -> None:
+    def _add(self, name: str, line: int, reduction: tuple[str, float]) -> None:
         if name not in self.places:
             self.places[name] = len(self.results)
-            self.results.append(Result(line, *how))
+            self.results.append(Result(line, *reduction))
 
     def _add_mean(self, name: str, value: Any) -> None:  # noqa: ANN401 - a traced number
+        """Add the sums from which a signal's mean and mean square follow, over all and over every second sample."""
         trace = self.listed.trace
         for power, number in (("mean", value), ("square", value * value)):
             for share in (SHARE, HALF_SHARE):
                 self._add(f"{name} {power} {share}", trace.line(number * trace.input(share)), SUM)
 
     def figure(self, quantity: Figure, values: Array) -> tuple[Array, Booleans]:
-        """The figure from results (results, n), and where it is doubtful."""
+        """A figure of every design from results (results, n), and which of its means are doubtful."""
 
-        def of(name: str) -> Array:
+        def result_of(name: str) -> Array:
             return np.asarray(values[self.places[name]])
 
-        name = sampled(quantity.signal)
+        name = sampled_source(quantity.signal)
         if quantity.is_mean:
             power = "square" if quantity.reduction is Reduction.RMS else "mean"
-            whole, half = (quantity.of_mean(of(f"{name} {power} {share}")) for share in (SHARE, HALF_SHARE))
-            return whole, ~is_settled(whole, half, np.sqrt(of(f"{name} square {SHARE}")))
-        high, low = of(f"{name} highest"), of(f"{name} lowest")
+            whole, half = (quantity.of_mean(result_of(f"{name} {power} {share}")) for share in (SHARE, HALF_SHARE))
+            return whole, ~is_settled(whole, half, np.sqrt(result_of(f"{name} square {SHARE}")))
+        high, low = result_of(f"{name} highest"), result_of(f"{name} lowest")
         if quantity.signal == "S":  # counts from the highest
             high, low = high - low, np.zeros(low.shape)
         ends = {Reduction.PEAK: (np.maximum(np.abs(high), np.abs(low)),), Reduction.RANGE: (high, low)}
@@ -105,8 +104,8 @@ def reduced_figures(
     A design is doubtful if the samples are too few for its means, or if it may stand in a dead position between two
     crank angles. Figures of a design that cannot move at one of the crank angles are nan.
     """
-    gathered = _Gathered(listed, request)
-    given, of_rows = listed.borders([result.line for result in gathered.results])
+    gathered = _DesignSums(listed, request)
+    given, of_rows = listed.split_inputs([result.line for result in gathered.results])
     function = StraightFunction(listed.trace, given, of_rows, gathered.results)
     rows = np.stack(_row_numbers(request, listed, of_rows), axis=1)
     count = len(next(iter(arrays.values())))
@@ -116,7 +115,7 @@ def reduced_figures(
     def part(start: int) -> None:
         here = slice(start, min(start + CHUNK, count))
         chunk = {name: numbers[here] for name, numbers in arrays.items()}
-        lanes = listed.trace.computed(given, listed.values(chunk, speed=speed_of(chunk, request.speed)))
+        lanes = listed.trace.evaluate(given, listed.values(chunk, speed=speed_of(chunk, request.speed)))
         reduced = function(lanes, rows, here.stop - start)
         doubtful[here] = reduced[steep].any(axis=0)
         moves = reduced[gathered.places["moves"]] > 0.0
@@ -131,9 +130,9 @@ def reduced_figures(
 
 
 def _row_numbers(request: FigureRequest, listed: LinkageTrace, lines: Sequence[int]) -> list[Array]:
-    """Values of lines of the crank's place alone, (rows,), at the crank angles and the end of the period."""
-    grid, count = request.grid, len(request.places)
+    """Values at the crank angles and at the end of the period, (rows,), of the lines that depend on the crank alone."""
+    grid, count = request.grid, len(request.crank_angles)
     share = np.where(np.arange(len(grid)) < count, 1.0 / count, 0.0)
     shares = {SHARE: share, HALF_SHARE: 2.0 * share * (np.arange(len(grid)) % 2 == 0)}
     known = listed.values(shares, grid, request.speed)
-    return [np.broadcast_to(values, grid.shape) for values in listed.trace.computed(lines, known)]
+    return [np.broadcast_to(values, grid.shape) for values in listed.trace.evaluate(lines, known)]

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import design_numbers
 from analytic.description.law import FULL_TURN
-from analytic.designs.checking import checked
 from analytic.designs.figures import Figure
 from analytic.designs.reductions import can_reduce, reduced_figures
-from analytic.designs.sampling import FigureRequest
+from analytic.designs.sampled_figures import FigureRequest
+from analytic.designs.sampled_signals import checked_parameters
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code.compiling import is_worthwhile
@@ -22,7 +22,7 @@ from analytic.signals import names_with_magnitudes, table
 
 Array = NDArray[np.float64]
 
-FEWEST: Final = 3  # crank angles, so that a top has neighbours, where it is refined
+LEAST_ANGLES: Final = 3  # crank angles, so that a top has neighbours, where it is refined
 EVEN: Final = 1e-9  # of a step
 USUAL_LIST, OF_FIGURE = 200, 15  # operations of a six-bar's motion, and of each signal
 
@@ -54,21 +54,23 @@ def design_figures(
     ``path`` are as for ``analytic.evaluation.evaluate``. Raises UnknownNameError and LinkproofError as
     ``evaluate_designs`` does.
     """
-    places = _checked_places(angle, FEWEST if refine else 1)
+    places = _checked_places(angle, LEAST_ANGLES if refine else 1)
     if not parameters:  # of the file's own numbers one stands for all
         name, (_, value) = next(iter(design_numbers(mechanism.linkage).items()))
         parameters = {name: [value]}
-    arrays = checked(mechanism.linkage, parameters, has_speed=True)
+    arrays = checked_parameters(mechanism.linkage, parameters, has_speed=True)
     _check_names(mechanism, figures)
     closes = period_of(mechanism, places) if period == "auto" else period
     request = FigureRequest(mechanism, tuple(figures), places, speed, closes, refine, path)
     designs = request.designs(arrays)
-    if designs.listed is None or not can_reduce(request) or not designs.is_compiled:
-        return request.of(arrays, cores)
-    reduced, doubtful = reduced_figures(request, arrays, designs.listed, cores)
+    if designs.trace is None or not can_reduce(request) or not designs.is_compiled:
+        return request.values_for(arrays, cores)
+    reduced, doubtful = reduced_figures(request, arrays, designs.trace, cores)
     if np.any(doubtful):
         some = {name: values[doubtful] for name, values in arrays.items()}
-        reduced[:, doubtful] = replace(request, path="auto").of(some, cores)  # few: another function rarely pays
+        reduced[:, doubtful] = replace(request, path="auto").values_for(
+            some, cores
+        )  # few: another function rarely pays
     return reduced
 
 
@@ -90,7 +92,7 @@ def _checked_places(angle: ArrayLike, least: int) -> Array:
 
 
 def period_of(mechanism: Mechanism, places: Array) -> float | None:
-    """A turn where places of a crank divide one evenly, its end left out."""
+    """The period, rad, of crank angles that divide a turn evenly, its end left out; None for any others."""
     return None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
 
 

@@ -24,7 +24,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
 from analytic.numerics.refine import extremes, grid, in_turn
-from analytic.numerics.roots import root, where_assembled
+from analytic.numerics.roots import evaluate_assembled, root
 
 Array = NDArray[np.float64]
 NO_INERTIA: Final = 1e-12  # of the peak of Jeq: a smooth minimum this deep is a zero to rounding
@@ -46,7 +46,7 @@ HALF_DERIVATIVES: Final[Mapping[str, Callable[[Sweep], Array]]] = {
 }
 
 
-class Timing(TypedDict, total=False):
+class TimeDependence(TypedDict, total=False):
     """Arguments of ``analytic.numerics.integration.integrate``."""
 
     push: Callable[[Array, Array], Array]
@@ -74,7 +74,7 @@ class EquationOfMotion:
         return self.closed_form(angle) if self.table is None else self.table(angle)
 
     def closed_form(self, angle: Array) -> Array:
-        """The same from the closed form, whether there is a table or not."""
+        """The ``terms`` from the closed form, whether there is a table or not; shape (3 or 4, *angle.shape)."""
         sweep = self.mechanism.sweep(angle)
         inertia = reduced.reduced_inertia(sweep)
         moment = reduced.generalised_force(sweep) + self.torque(angle)[0]
@@ -92,7 +92,7 @@ class EquationOfMotion:
             terms = np.abs(self.terms(angle))
             return np.asarray(terms[0] + most * terms[3] if most else terms[0])
 
-        return float(np.nanmax(where_assembled(moment, seen), initial=0.0))
+        return float(np.nanmax(evaluate_assembled(moment, seen), initial=0.0))
 
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
         """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape, without ``push``."""
@@ -112,12 +112,12 @@ class EquationOfMotion:
         return math.inf if self.mechanism.linkage.is_linear else self.mechanism.period
 
     @property
-    def timing(self) -> Timing:
-        """The torque over time for an integrator: its part of φ̈, and the times of its kinks, s."""
+    def timing(self) -> TimeDependence:
+        """What an integrator needs of the torque over time: its part of φ̈, and the times of its kinks, s."""
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
-        """The same equation read from a table over its period; unchanged if the driver cannot make a full turn."""
+        """The equation read from a table over its period, which is faster; unchanged for a crank without full turns."""
         if self.mechanism.linkage.is_linear:
             return self
         try:
@@ -144,7 +144,7 @@ def _check_inertia(mechanism: Mechanism) -> None:
     """Raise LinkproofError where Jeq vanishes at a crank angle, so that no acceleration follows from the loads."""
 
     def inertia(angle: Array) -> Array:
-        return where_assembled(lambda at: reduced.reduced_inertia(mechanism.sweep(at)), angle.ravel()).reshape(
+        return evaluate_assembled(lambda at: reduced.reduced_inertia(mechanism.sweep(at)), angle.ravel()).reshape(
             angle.shape
         )
 
@@ -180,7 +180,7 @@ def crank_torque(torque: float | Law) -> Law:
 
 
 # A moment smaller than this share of what the links' weights could make is rounding: the linkage is balanced.
-BALANCED: Final = 1e-12
+NEGLIGIBLE: Final = 1e-12
 
 
 class Equilibrium(NamedTuple):
@@ -207,9 +207,9 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
 
     is_linear = mechanism.linkage.is_linear
     start = mechanism.turn.angle if is_linear else grid()
-    before = where_assembled(moment, start)
+    before = evaluate_assembled(moment, start)
     peak = float(np.nanmax(np.abs(before), initial=0.0))
-    if peak <= BALANCED * _weight(mechanism):
+    if peak <= NEGLIGIBLE * _moment_scale(mechanism):
         return ()
     after = np.roll(before, -1)
     if is_linear:
@@ -227,7 +227,7 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     return tuple(sorted(equilibria))
 
 
-def _weight(mechanism: Mechanism) -> float:
+def _moment_scale(mechanism: Mechanism) -> float:
     """Moment of all links' weights at the largest lever arm in the drawing, N m."""
     linkage = mechanism.linkage
     return float(sum(link.mass for link in linkage.links.values()) * np.hypot(*linkage.gravity) * linkage.extent())

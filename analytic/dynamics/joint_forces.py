@@ -62,43 +62,43 @@ def _rrr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointW
 
 def _rrp(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
     """By r × N = M₁ about the outer pin and −N·e = F₂·e along the slide the inner force is N = a e + b e⊥."""
-    (r, _), e = _inner_arms(balance, dyad), _line(balance, dyad.second_joint)
+    (r, _), e = _inner_arms(balance, dyad), _slide_direction(balance, dyad.second_joint)
     f = (two[0], two[1])
     a = -dot(e, f)
     b = (first[2] - a * cross(r, e)) / dot(r, e)
     n = (a * e[0] - b * e[1], a * e[1] + b * e[0])
-    return (first[0] - n[0], first[1] - n[1], 0.0), (n[0], n[1], 0.0), _across(e, cross(e, f) + b, two[2])
+    return (first[0] - n[0], first[1] - n[1], 0.0), (n[0], n[1], 0.0), _slide_wrench(e, cross(e, f) + b, two[2])
 
 
 def _rpr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
     """The moments about both outer pins, M₁ + M₂ = −n d·e with d from the second to the first, give n e⊥."""
-    e, d = _line(balance, dyad.inner_joint), balance.gap(dyad.second, dyad.first)
-    n = _across(e, -(first[2] + two[2]) / dot(d, e), first[2])
+    e, d = _slide_direction(balance, dyad.inner_joint), balance.gap(dyad.second, dyad.first)
+    n = _slide_wrench(e, -(first[2] + two[2]) / dot(d, e), first[2])
     return (first[0] - n[0], first[1] - n[1], 0.0), n, (two[0] + n[0], two[1] + n[1], 0.0)
 
 
 def _rpp(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
     """F₂ = n e⊥ − k f⊥ across the outer and the inner slide; the moments are passed on."""
-    e, f = _line(balance, dyad.second_joint), _line(balance, dyad.inner_joint)
+    e, f = _slide_direction(balance, dyad.second_joint), _slide_direction(balance, dyad.inner_joint)
     scale = 1.0 / cross(e, f)
     force = (two[0], two[1])
-    inner = _across(f, dot(force, e) * scale, first[2])
+    inner = _slide_wrench(f, dot(force, e) * scale, first[2])
     moment = two[2] + (first[2] + cross(balance.gap(dyad.second, dyad.first), (inner[0], inner[1])))
-    return (first[0] - inner[0], first[1] - inner[1], 0.0), inner, _across(e, dot(force, f) * scale, moment)
+    return (first[0] - inner[0], first[1] - inner[1], 0.0), inner, _slide_wrench(e, dot(force, f) * scale, moment)
 
 
 def _prp(balance: LinkBalance, dyad: Dyad, row: Wrench, two: Wrench) -> JointWrenches:
     """N·e = F₁·e and −N·f = F₂·f along the slides give the inner force N = a e⊥ + b f⊥."""
-    e, f = _line(balance, dyad.first_joint), _line(balance, dyad.second_joint)
+    e, f = _slide_direction(balance, dyad.first_joint), _slide_direction(balance, dyad.second_joint)
     scale = 1.0 / cross(e, f)
     first, second = (row[0], row[1]), (two[0], two[1])
     a, b = -dot(second, f) * scale, -dot(first, e) * scale
     both = dot(e, f)
     n = (-a * e[1] - b * f[1], a * e[0] + b * f[0], 0.0)
     return (
-        _across(e, cross(e, first) - a - b * both, row[2]),
+        _slide_wrench(e, cross(e, first) - a - b * both, row[2]),
         n,
-        _across(f, cross(f, second) + a * both + b, two[2]),
+        _slide_wrench(f, cross(f, second) + a * both + b, two[2]),
     )
 
 
@@ -112,19 +112,19 @@ _DYADS: Mapping[str, Callable[[LinkBalance, Dyad, Wrench, Wrench], JointWrenches
 
 
 def _inner_arms(balance: LinkBalance, dyad: Dyad) -> tuple[Pair, Pair]:
-    """From the reference points of both links to the inner pin."""
+    """Vectors, m, from the reference points of both links to the inner pin."""
     inner = dyad.inner_joint
     assert isinstance(inner, Revolute)
     return balance.arm(dyad.first, inner.far_local), balance.arm(dyad.second, inner.near_local)
 
 
-def _line(balance: LinkBalance, slide: Joint) -> Pair:
-    """Direction of a slide."""
+def _slide_direction(balance: LinkBalance, slide: Joint) -> Pair:
+    """Unit vector along a slide."""
     assert isinstance(slide, Prismatic)
     return frames.arm(balance.poses[slide.near], slide.along)
 
 
-def _across(direction: Pair, size: Scalar, moment: Scalar) -> Wrench:
+def _slide_wrench(direction: Pair, size: Scalar, moment: Scalar) -> Wrench:
     """The wrench of a slide: a force square to it, on its left where ``size`` is positive, and a moment."""
     return (-size * direction[1], size * direction[0], moment)
 
@@ -139,10 +139,10 @@ class UnitReaction:
 
 def _higher_wrenches(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint, Wrench]]:
     """The wrench of every joint on its far body, about that body's reference point (of a pin: at the pin)."""
-    units = [list(_units(balance, joint)) for joint in group.joints]
+    units = [list(_unit_reactions(balance, joint)) for joint in group.joints]
     columns = [(joint, unit) for joint, both in zip(group.joints, units, strict=True) for unit in both]
     needs = [balance.needs[body] for body in group.links]
-    shape = np.broadcast_shapes(*(np.shape(part) for need in needs for part in need), *_shapes(columns))
+    shape = np.broadcast_shapes(*(np.shape(part) for need in needs for part in need), *_component_shapes(columns))
     matrix = np.zeros((*shape, len(columns), len(columns)))
     right = np.stack([np.broadcast_to(part, shape) for need in needs for part in need], axis=-1)
     rows = {body: 3 * number for number, body in enumerate(group.links)}
@@ -151,15 +151,15 @@ def _higher_wrenches(balance: LinkBalance, group: Group) -> list[tuple[GroupJoin
             for part, value in enumerate(wrench if body in rows else ()):
                 matrix[..., rows[body] + part, column] = value
     solution = iter(np.moveaxis(np.linalg.solve(matrix, right[..., None])[..., 0], -1, 0))
-    return [(joint, _sum(joint, [(next(solution), unit) for unit in both]))
+    return [(joint, _combined_wrench(joint, [(next(solution), unit) for unit in both]))
             for joint, both in zip(group.joints, units, strict=True)]  # fmt: skip
 
 
-def _shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterator[tuple[int, ...]]:
+def _component_shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterator[tuple[int, ...]]:
     yield from (np.shape(part) for _, unit in columns for part in (*unit.far, *unit.near))
 
 
-def _units(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
+def _unit_reactions(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
     """A unit of each unknown: a pin's force along x and y, a slide's across its line and moment, a cylinder's push."""
     if isinstance(joint, Revolute):
         far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))
@@ -170,7 +170,7 @@ def _units(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
         u = balance.direction(joint)
         yield UnitReaction((*u, cross(far, u)), _reverse(u, cross(near, u)))
     else:
-        x, y, _ = unit = _across(_line(balance, joint), 1.0, 0.0)
+        x, y, _ = unit = _slide_wrench(_slide_direction(balance, joint), 1.0, 0.0)
         yield UnitReaction(unit, _reverse((x, y), cross(balance.gap(joint.near, joint.far), (x, y))))
         yield UnitReaction((0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
 
@@ -179,7 +179,8 @@ def _reverse(force: tuple[Scalar, Scalar], moment: Scalar) -> Wrench:
     return (-force[0], -force[1], -moment)
 
 
-def _sum(joint: GroupJoint, shares: list[tuple[Scalar, UnitReaction]]) -> Wrench:
+def _combined_wrench(joint: GroupJoint, shares: list[tuple[Scalar, UnitReaction]]) -> Wrench:
+    """The wrench of a joint on its far body: unit reactions times their sizes, added up."""
     x = sum(size * unit.far[0] for size, unit in shares)
     y = sum(size * unit.far[1] for size, unit in shares)
     moment = 0.0 if isinstance(joint, Revolute) else sum(size * unit.far[2] for size, unit in shares)
@@ -191,20 +192,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Reactions:
-    """Forces and moments of the joints and of the drive, by joint name; arrays end in the shape of the sweep's angles.
+    """Forces of the joints by name, (2, ...), N, ground frame, and the drive's ``torque``; in the sweep's shape.
 
-    ``forces`` (2, ...), N; ``moments`` (...), N m, of guides on sliders about their ``Slider.point``; ``torque`` (...),
-    N m, of the drive on the crank, or its force, N, along a slider's guide or a cylinder; it equals
-    ``analytic.dynamics.reduced.drive_torque``, which comes from virtual work.
+    ``torque`` (...), N m, is that of the drive on the crank, or its force, N, along a slider's guide or a cylinder; it
+    equals ``analytic.dynamics.reduced.drive_torque``, which comes from virtual work.
     """
 
     forces: Mapping[str, Array]
-    moments: Mapping[str, Array]
     torque: Array
 
 
 def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
-    """Forces and moments of all joints for a crank speed ω (rad/s) and acceleration ε (rad/s²).
+    """Forces of all joints for a crank speed ω (rad/s) and acceleration ε (rad/s²).
 
     Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises AssemblyError where the
     linkage cannot be put together or stands in a dead position. Beside a change point that the linkage passes forces
@@ -213,85 +212,53 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     structure, linkage = sweep.structure, sweep.linkage
     balance = LinkBalance(LoadedSweep(sweep, speed, acceleration))
     for group in reversed(structure.groups):
-        _book_group(balance, group)
-    torque = _book_driver(balance)
+        _enter_group(balance, group)
+    torque = _enter_driver(balance)
     forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in pin.joints.items()}
-    moments = {}
-    for slider in linkage.sliders:
-        x, y, moments[slider.name] = balance.on_sliders[slider.link]
-        forces[slider.name] = (x, y)
-    for slot in linkage.slots:
-        forces[slot.name] = balance.on_sliders[slot.name][:2]
+    forces |= {slider.name: balance.on_sliders[slider.link] for slider in linkage.sliders}
+    forces |= {slot.name: balance.on_sliders[slot.name] for slot in linkage.slots}
     singular = structure.changes_at(sweep.angle)
     if singular.any():
-        forces = {name: _undefined(singular, force) for name, force in forces.items()}
-    return Reactions(
-        {name: _vector(sweep, force) for name, force in forces.items()},
-        {name: _full(sweep, moment) for name, moment in moments.items()},
-        _full(sweep, torque),
-    )
+        forces = {
+            name: (np.where(singular, np.nan, x), np.where(singular, np.nan, y)) for name, (x, y) in forces.items()
+        }
+    return Reactions({name: _filled(sweep, *force) for name, force in forces.items()}, _filled(sweep, torque)[0])
 
 
-def _book_group(balance: LinkBalance, group: AnyGroup) -> None:
+def _enter_group(balance: LinkBalance, group: AnyGroup) -> None:
     """Enter the forces of a group's joints."""
     for joint, wrench in group_wrenches(balance, group):
         if joint.near in group.links and joint.far in group.links:
-            balance.book(joint, wrench)
+            balance.enter_wrench(joint, wrench)
         else:
-            balance.book_outer(joint, wrench)
+            balance.enter_outer_wrench(joint, wrench)
 
 
-def _book_driver(balance: LinkBalance) -> Scalar:
+def _enter_driver(balance: LinkBalance) -> Scalar:
     """Enter the wrench of the driver's joint to the ground; the rest is the drive's: a torque, or a force."""
     pivot = balance.structure.pivot
     if pivot is None:
         return balance.drive
     x, y, moment = balance.needs[pivot.far]
     if isinstance(pivot, Revolute):
-        balance.book(pivot, (x, y, 0.0))
+        balance.enter_wrench(pivot, (x, y, 0.0))
         return moment
     push = frames.dot(pivot.along, (x, y))
-    balance.book(pivot, (x - push * pivot.along[0], y - push * pivot.along[1], moment))
+    balance.enter_wrench(pivot, (x - push * pivot.along[0], y - push * pivot.along[1], moment))
     return push
 
 
-def joint_forces(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dict[str, Array]:
-    """Force of every joint by name, (2, *angle.shape), N, ground frame; names and signs as described above."""
-    return dict(reactions(sweep, speed, acceleration).forces)
+def shaking(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector = (0.0, 0.0)) -> Array:
+    """Force of the linkage on its frame, N, and its moment about a point of the ground, N m: (3, *angle.shape).
 
-
-def shaking_force(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:
-    """Force of the linkage on its frame, (2, *angle.shape), N, ground frame: Σ weights + Σ applied forces − Σ m S̈.
-
-    It is the reverse of all that the ground exerts: by its joints, and by springs fastened to it. The links' weights
-    count. Forces at points come from outside; their reactions do not act on this frame.
+    By d'Alembert's principle the frame takes all that acts on the links from outside, Σ weights + Σ applied forces −
+    Σ m S̈; inner forces cancel. That is the reverse of what the ground exerts, by joints and by springs and dampers
+    fastened to it. The drive stands on the frame: the reverse of its torque is part of the moment. Forces at points and
+    torques on links come from outside; their reactions do not act on this frame.
     """
-    x, y, _ = _on_frame(sweep, speed, acceleration, (0.0, 0.0))
-    return _vector(sweep, (x, y))
+    return _filled(sweep, *resultant(sweep, LoadedSweep(sweep, speed, acceleration).external_loads(), about))
 
 
-def shaking_moment(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector = (0.0, 0.0)) -> Array:
-    """Moment of the linkage on its frame about a point of the ground, (*angle.shape), N m, counter-clockwise positive.
-
-    The drive stands on the frame: the reverse of its torque is part of the moment, and so are dampers fastened to the
-    ground. Torques on links come from outside, as forces at points do (``shaking_force``).
-    """
-    return _full(sweep, _on_frame(sweep, speed, acceleration, about)[2])
-
-
-def _on_frame(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector) -> Wrench:
-    """By d'Alembert's principle the frame takes all that acts on the links from outside; inner forces cancel."""
-    return resultant(sweep, LoadedSweep(sweep, speed, acceleration).from_outside(), about)
-
-
-def _undefined(singular: NDArray[np.bool_], force: Pair) -> Pair:
-    """A joint's force without its values at change points."""
-    return (np.where(singular, np.nan, force[0]), np.where(singular, np.nan, force[1]))
-
-
-def _full(sweep: Sweep, values: Scalar) -> Array:
-    return np.copy(np.broadcast_to(values, sweep.angle.shape))
-
-
-def _vector(sweep: Sweep, pair: Pair) -> Array:
-    return np.stack([_full(sweep, part) for part in pair])
+def _filled(sweep: Sweep, *parts: Scalar) -> Array:
+    """Numbers, each in the shape of the sweep's angles, as one array."""
+    return np.stack([np.copy(np.broadcast_to(part, sweep.angle.shape)) for part in parts])

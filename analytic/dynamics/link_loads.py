@@ -15,7 +15,7 @@ import numpy as np
 from analytic.description.linkage import GROUND, Link, RotaryDamper, Spring, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import AnyGroup, DrivenDistance, GroupJoint, Prismatic, Revolute, Structure
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, GroupJoint, Revolute, Structure
 from analytic.kinematics.sweep import Sweep
 
 TINY: Final = float(np.finfo(float).tiny)
@@ -48,24 +48,24 @@ class LoadedSweep:
         self.turns = bool(np.any(self.speed))
         self.is_static = not (self.turns or np.any(self.acceleration))
 
-    def from_outside(self) -> Iterator[Load]:
+    def external_loads(self) -> Iterator[Load]:
         """Weights, inertia forces, forces at points and torques on links: loads without a reaction on the linkage."""
-        yield from (self._of_mass(link) for link in self.linkage.links.values())
+        yield from (self._mass_load(link) for link in self.linkage.links.values())
         for force in self.linkage.forces:
             x, y = force.force(self.sweep.places)
             yield Load(force.link, self.linkage.local(force.point, force.link), (x, y))
         for torque in self.linkage.torques:
             yield Load(torque.link, self.linkage.links[torque.link].centre, None, torque.torque(self.sweep.places)[0])
 
-    def between_bodies(self) -> Iterator[Load]:
+    def internal_loads(self) -> Iterator[Load]:
         """Springs, dashpots and dampers, which push two bodies, or a link and the ground, apart: two loads each."""
         for spring in self.linkage.springs:
-            yield from self._of_spring(spring)
+            yield from self._spring_loads(spring)
         if self.turns:
             for damper in self.linkage.dampers:
-                yield from self._of_damper(damper)
+                yield from self._damper_loads(damper)
 
-    def _of_mass(self, link: Link) -> Load:
+    def _mass_load(self, link: Link) -> Load:
         """Weight and inertia: m (g − S̈) at the mass centre and −J θ̈."""
         x, y = self.linkage.gravity
         if self.is_static:
@@ -79,11 +79,11 @@ class LoadedSweep:
         turn = turn + self.acceleration * self.sweep.rates(link.name)[2]
         return Load(link.name, link.centre, force, -link.inertia * turn)
 
-    def _of_spring(self, spring: Spring) -> tuple[Load, Load]:
+    def _spring_loads(self, spring: Spring) -> tuple[Load, Load]:
         """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
         (first, two), (near_end, far_end) = spring.links, self._ends(spring)
         span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((first, near_end), (two, far_end))))
-        over_length = _over_length(span)
+        over_length = _inverse_length(span)
         per_length = spring.stiffness * (1.0 - spring.length * over_length)
         if self.turns and not frames.is_zero(spring.damping):
             rate = frames.minus(
@@ -97,14 +97,14 @@ class LoadedSweep:
         near_end, far_end = (self.linkage.local(p, body) for p, body in zip(spring.points, spring.links, strict=True))
         return near_end, far_end
 
-    def _of_damper(self, damper: RotaryDamper) -> tuple[Load, Load]:
+    def _damper_loads(self, damper: RotaryDamper) -> tuple[Load, Load]:
         first, second = (self.sweep.rates(name)[2] for name in damper.links)
         torque = damper.coefficient * self.speed * (first - second)
         return Load(damper.links[0], (0.0, 0.0), None, -torque), Load(damper.links[1], (0.0, 0.0), None, torque)
 
 
-def _over_length(span: Pair) -> Scalar:
-    """Reciprocal of a length; zero for a length of zero."""
+def _inverse_length(span: Pair) -> Scalar:
+    """Reciprocal of the length of a vector, 1/m; zero for a length of zero."""
     square = frames.dot(span, span)
     return (square > 0.0) / np.sqrt(np.maximum(square, TINY))
 
@@ -134,9 +134,9 @@ Wrench = tuple[Scalar, Scalar, Scalar]
 class LinkBalance:
     """The links at their poses under their loads, before any joint force is known.
 
-    ``needs`` holds, by body, the wrench about its reference point that joints not yet booked must exert. ``at_pins``
-    has the force of a pin on each of its bodies, by point and body; ``on_sliders`` the wrench of the guide on each
-    slider, those in slots included, about its guided point.
+    ``needs`` holds, by body, the wrench about its reference point that joints not yet entered must exert. ``at_pins``
+    has the force of a pin on each of its bodies, by point and body; ``on_sliders`` that of the guide on each slider,
+    those in slots included.
     """
 
     def __init__(self, loaded: LoadedSweep) -> None:
@@ -146,58 +146,48 @@ class LinkBalance:
         for group in structure.groups:
             sweep.rates(group.first)  # refuses dead positions, in which the joints cannot hold the links
         self.poses = {body: sweep.poses(body) for body in (GROUND, *structure.bodies)}
-        self.references = references(structure)
-        self.guided: dict[str, Vector] = {s.link: sweep.linkage.local(s.point, s.link) for s in sweep.linkage.sliders}
+        self.reference_points = reference_points(structure)
         self.needs: dict[str, Wrench] = dict.fromkeys(self.poses, (0.0, 0.0, 0.0))
         self.at_pins: dict[tuple[str, str], Pair] = {}
-        self.on_sliders: dict[str, Wrench] = {}
-        for load in (*loaded.from_outside(), *loaded.between_bodies()):
+        self.on_sliders: dict[str, Pair] = {}
+        for load in (*loaded.external_loads(), *loaded.internal_loads()):
             if load.force is not None:
-                self._charge(load.body, load.force, self.arm(load.body, load.at))
+                self._add_load(load.body, load.force, self.arm(load.body, load.at))
             if load.torque is not None:
-                self._charge(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
+                self._add_load(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
 
-    def book_outer(self, joint: GroupJoint, wrench: Wrench) -> None:
+    def enter_outer_wrench(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter the wrench of an outer joint of a group on its far link; its reverse is a load on the near link."""
-        self.book(joint, wrench)
+        self.enter_wrench(joint, wrench)
         x, y, moment = wrench
         arm = self.arm(joint.near, joint.near_local) if isinstance(joint, Revolute) else self.gap(joint.near, joint.far)
-        self._charge(joint.near, (-x, -y), arm, -moment)
+        self._add_load(joint.near, (-x, -y), arm, -moment)
 
-    def book(self, joint: GroupJoint, wrench: Wrench) -> None:
+    def enter_wrench(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter the wrench of a joint on its far body, and the reverse on the near body."""
         if isinstance(joint, DrivenDistance):
             self.drive = frames.dot(self.direction(joint), (wrench[0], wrench[1]))
         elif isinstance(joint, Revolute):
-            self._add(joint.point, joint.far, (wrench[0], wrench[1]))
-            self._add(joint.point, joint.near, (-wrench[0], -wrench[1]))
+            self._add_pin_force(joint.point, joint.far, (wrench[0], wrench[1]))
+            self._add_pin_force(joint.point, joint.near, (-wrench[0], -wrench[1]))
         else:
-            self.on_sliders[joint.slider] = self._on_slider(joint, wrench)
+            x, y, _ = wrench
+            self.on_sliders[joint.slider] = (x, y) if joint.far == joint.slider else (-x, -y)
 
-    def _on_slider(self, joint: Prismatic, wrench: Wrench) -> Wrench:
-        """The wrench on a slide's far link as one on its slider, about the slider's guided point."""
-        x, y, moment = wrench
-        guided = self.guided.get(joint.slider, (0.0, 0.0))
-        if joint.far == joint.slider:
-            gap = self.arm(joint.far, guided)
-            return (x, y, moment - frames.cross(gap, (x, y)))
-        gap = frames.minus(frames.point(self.poses[joint.slider], guided), self.place(joint.far))
-        return (-x, -y, frames.cross(gap, (x, y)) - moment)
-
-    def _charge(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
+    def _add_load(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
         """Enter a load on a body, its force at an arm from the reference point; loads on the ground are not entered."""
         if body != GROUND:
             x, y, moment = self.needs[body]
             self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
 
-    def _add(self, point: str, body: str, force: Pair) -> None:
+    def _add_pin_force(self, point: str, body: str, force: Pair) -> None:
         """Add to the force of a pin on a body, which several groups may share."""
         x, y = self.at_pins.get((point, body), (0.0, 0.0))
         self.at_pins[point, body] = (x + force[0], y + force[1])
 
     def arm(self, body: str, to: Vector) -> Pair:
-        """From the reference point of a body to another point of it, ground frame."""
-        reference = self.references[body]
+        """Vector, m, from the reference point of a body to another point of it, ground frame."""
+        reference = self.reference_points[body]
         return frames.arm(self.poses[body], (to[0] - reference[0], to[1] - reference[1]))
 
     def direction(self, cylinder: DrivenDistance) -> Pair:
@@ -209,14 +199,14 @@ class LinkBalance:
 
     def place(self, body: str) -> Pair:
         """Position of the reference point of a body, m, ground frame."""
-        return frames.point(self.poses[body], self.references[body])
+        return frames.point(self.poses[body], self.reference_points[body])
 
     def gap(self, start: str, end: str) -> Pair:
-        """From the reference point of a body to that of another."""
+        """Vector, m, from the reference point of one body to that of another."""
         return frames.minus(self.place(end), self.place(start))
 
 
-def references(structure: Structure) -> dict[str, Vector]:
+def reference_points(structure: Structure) -> dict[str, Vector]:
     """The reference point of every body, in its own frame: its outer pin, else its inner pin, else its mass centre.
 
     With moments taken about pins, lengths are differences of points of one link, however far its frame's origin lies.
@@ -226,12 +216,12 @@ def references(structure: Structure) -> dict[str, Vector]:
     if pivot is not None:
         reference[pivot.far] = pivot.far_local if isinstance(pivot, Revolute) else structure.bodies[pivot.far].centre
     for group in structure.groups:
-        reference.update({body: _own_pin(group, body) or structure.bodies[body].centre for body in group.links})
+        reference.update({body: _pin_of_link(group, body) or structure.bodies[body].centre for body in group.links})
     return reference
 
 
-def _own_pin(group: AnyGroup, body: str) -> Vector | None:
-    """A pin of a link, in its own frame; of the pins to placed bodies if it has one."""
+def _pin_of_link(group: AnyGroup, body: str) -> Vector | None:
+    """A pin of a link, in its frame, to a placed body if there is one; None where the link has slides alone."""
     pins = [joint for joint in group.joints if isinstance(joint, Revolute) and body in (joint.near, joint.far)]
     pins.sort(key=lambda joint: joint.near in group.links)
     return next((joint.far_local if body == joint.far else joint.near_local for joint in pins), None)

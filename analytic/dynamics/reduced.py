@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
+from analytic.description.linkage import Link, LinkTorque, PointForce, Spring
 from analytic.dynamics.link_loads import TINY
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar, is_zero
@@ -29,20 +29,21 @@ def link_inertia(sweep: Sweep, link: str) -> Array:
 
 
 def _link_inertia(sweep: Sweep, link: str) -> Scalar:
+    """A link's reduced inertia, kg m², a plain number where it is constant; of a pushed slider its mass, kg."""
     body = sweep.linkage.links[link]
     pivot = sweep.structure.pivot
     if pivot is not None and link == pivot.far:  # slides on the ground or turns about a fixed point: a constant
         if isinstance(pivot, Prismatic):
             return body.mass
         x, y = frames.minus(body.centre, pivot.far_local)
-        return body.mass * (x * x + y * y) + _inertia(body)
-    return _weighed(sweep, link, 1)
+        return body.mass * (x * x + y * y) + _own_inertia(body)
+    return _weighted_products(sweep, link, 1)
 
 
-def _weighed(sweep: Sweep, link: str, order: int) -> Scalar:
-    """A link's part of ½ Jeq', m S'·S'' + J θ' θ'', and with order 1 of Jeq; zero factors are left out."""
+def _weighted_products(sweep: Sweep, link: str, order: int) -> Scalar:
+    """A link's part of ½ Jeq', m S'·S'' + J θ' θ'', kg m²/rad, and with order 1 of Jeq; zero factors are left out."""
     body = sweep.linkage.links[link]
-    inertia = _inertia(body)
+    inertia = _own_inertia(body)
     moved = 0.0 if is_zero(body.mass) else body.mass * frames.dot(sweep.centre(link, 1), sweep.centre(link, order))
     if is_zero(inertia):
         return moved
@@ -51,7 +52,7 @@ def _weighed(sweep: Sweep, link: str, order: int) -> Scalar:
     return turned if is_zero(moved) else moved + turned
 
 
-def _inertia(body: Link) -> Scalar:
+def _own_inertia(body: Link) -> Scalar:
     return 0.0 if body.inertia is None else body.inertia
 
 
@@ -78,7 +79,7 @@ def half_inertia_derivative(sweep: Sweep) -> Array:
     total = np.zeros(sweep.angle.shape)
     for name in sweep.linkage.links:
         if name != sweep.linkage.crank:  # its part of Jeq is a constant
-            total += _weighed(sweep, name, 2)
+            total += _weighted_products(sweep, name, 2)
     return total
 
 
@@ -90,11 +91,11 @@ def gravity_force(sweep: Sweep) -> Array:
         return total
     for name, body in sweep.linkage.links.items():
         if not is_zero(body.mass):
-            total += body.mass * _along(gravity, sweep.centre(name, 1))
+            total += body.mass * _product_with_constant(gravity, sweep.centre(name, 1))
     return total
 
 
-def _along(constant: Pair, vector: Pair) -> Scalar:
+def _product_with_constant(constant: Pair, vector: Pair) -> Scalar:
     """Scalar product with a constant vector, without work for its zero components."""
     x, y = constant
     return y * vector[1] if is_zero(x) else x * vector[0] + y * vector[1]
@@ -109,7 +110,7 @@ def load_force(sweep: Sweep) -> Array:
 
 
 def load_forces(sweep: Sweep) -> Iterator[tuple[PointForce | LinkTorque | Spring, Array]]:
-    """Every force, torque and spring with its generalised force, N m."""
+    """Each force, torque and spring with its generalised force, N m."""
     linkage = sweep.linkage
     for force in linkage.forces:
         fx, fy = force.force(sweep.places)
@@ -165,7 +166,7 @@ def potential_energy(sweep: Sweep) -> Array:
     if linkage.gravity != (0.0, 0.0):
         for name, body in linkage.links.items():
             if body.mass:
-                total -= body.mass * _along(linkage.gravity, sweep.centre(name))
+                total -= body.mass * _product_with_constant(linkage.gravity, sweep.centre(name))
     for number, spring in enumerate(linkage.springs):
         total += 0.5 * spring.stiffness * (spring_length(sweep, number)[0] - spring.length) ** 2
     return total
@@ -182,17 +183,13 @@ def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Arr
 
 
 def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> Array:
-    """Mkr as ``drive_torque`` has it, where Jeq is known already; a crank at rest needs no second derivative."""
+    """Mkr as by ``drive_torque``, N m, with Jeq, kg m², given; a crank at rest needs no second derivative."""
     turns = bool(np.any(speed))
     torque = inertia * acceleration
     if turns:
         torque += half_inertia_derivative(sweep) * (speed * speed)
     torque -= generalised_force(sweep)
-    if turns and is_damped(sweep.linkage):
+    linkage = sweep.linkage
+    if turns and (linkage.dampers or not all(is_zero(spring.damping) for spring in linkage.springs)):
         torque += damping_coefficient(sweep) * speed
     return torque
-
-
-def is_damped(linkage: Linkage) -> bool:
-    """Whether there are any dampers or dashpots."""
-    return bool(linkage.dampers) or any(not is_zero(spring.damping) for spring in linkage.springs)

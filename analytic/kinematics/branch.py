@@ -32,8 +32,8 @@ class GroupBranch:
         """The lowest and the highest φ."""
         return float(self.coordinate[0]), float(self.coordinate[-1])
 
-    def within(self, coordinate: Array) -> Array:
-        """φ shifted into the range of the nodes by whole turns of a crank, if the branch repeats."""
+    def wrapped(self, coordinate: Array) -> Array:
+        """φ shifted by whole turns of a crank into the range of the nodes; of a linear driver as it is."""
         if self.is_linear:
             return coordinate
         low, high = self.ends
@@ -44,19 +44,19 @@ class GroupBranch:
         return coordinate - FULL_TURN * np.round((coordinate - 0.5 * (low + high)) / FULL_TURN)
 
     def margin(self, coordinate: Array) -> Array:
-        """How far φ is from the nearer end, negative outside; infinite where there are no ends."""
+        """Distance of φ, rad or m, from the nearer end, negative outside; infinite where there are no ends."""
         if self.turns is not None:
             return np.full(np.shape(coordinate), np.inf)
-        at, (low, high) = self.within(coordinate), self.ends
+        at, (low, high) = self.wrapped(coordinate), self.ends
         return np.asarray(np.minimum(at - low, high - at))
 
     def guess(self, coordinate: Array) -> Array:
         """Coordinates of the links near the exact ones, (n, links, 3), by quintics between the nodes."""
-        return quintic(self.coordinate, self.state, self.within(coordinate))
+        return quintic(self.coordinate, self.state, self.wrapped(coordinate))
 
 
 def quintic(places: Array, state: Array, at: Array) -> Array:
-    """Hermite's quintics through both neighbours' values and derivatives, (n, links, 3)."""
+    """Hermite's quintics through both neighbours' values and derivatives (``state``), at ``at`` (n,): (n, links, 3)."""
     if len(places) == 1:
         return np.repeat(state[:, 0], len(at), axis=0)
     left = np.clip(np.searchsorted(places, at, side="right") - 1, 0, len(places) - 2)

@@ -57,7 +57,7 @@ class Undetermined(NamedTuple):
     reason: str
 
 
-def through_change_points(structure: Structure, angle: float) -> tuple[Structure, tuple[Undetermined, ...]]:
+def with_change_points(structure: Structure, angle: float) -> tuple[Structure, tuple[Undetermined, ...]]:
     """The structure with the change points of its dyads, and the dyads whose motion is undetermined somewhere.
 
     ``angle``, rad, is where the signs of the structure hold.
@@ -66,7 +66,7 @@ def through_change_points(structure: Structure, angle: float) -> tuple[Structure
         return structure, ()
     search = _ChangePointSearch(structure, angle)
     for number in range(len(structure.dyads)):
-        search.look_at(number)
+        search.find_change_points(number)
     return replace(structure, groups=tuple(search.dyads)), tuple(search.undetermined)
 
 
@@ -90,13 +90,15 @@ class _Chain:
         self.done = 0
         self.fails = np.zeros(self.angle.shape, dtype=bool)  # where a dyad solved so far cannot be assembled
 
-    def up_to(self, dyads: Sequence[Dyad]) -> list[dict[str, Any]]:
-        """The poses after these first dyads are solved."""
+    def poses_before(self, dyads: Sequence[Dyad]) -> list[dict[str, Any]]:
+        """The poses, by body, once these first dyads are solved, for every order of derivative."""
         for dyad in dyads[self.done :]:
             patches = dyad.changes.patches if dyad.changes else ()
             touches = [patch.touch for patch in patches]
-            beside = [touch for touch in touches if np.all(np.abs(_turned(self.angle - touch.angle)) < BESIDE)]
-            margin, lengths = self.solve(dyad, self.known, beside).missing()
+            beside = [
+                touch for touch in touches if np.all(np.abs(_within_half_turn(self.angle - touch.angle)) < BESIDE)
+            ]
+            margin, lengths = self.solve(dyad, self.known, beside).reach_margin()
             self.fails |= ~(margin >= -TOUCHING * lengths)
         self.done = len(dyads)
         return self.known
@@ -105,7 +107,7 @@ class _Chain:
         """Add the poses of a dyad's links, with the lengths that touch."""
         solver = DyadSolver(dyad, self.angle)
         for touch in touches:
-            solver.touch(touch.margin, touch.gap)
+            solver.snap_to_touch(touch.margin, touch.gap)
         steps: tuple[Any, ...] = (solver.poses, solver.rates, solver.accelerations)
         for solved, step in zip(known, steps, strict=False):
             solved[dyad.first], solved[dyad.second] = step(solved)
@@ -129,7 +131,7 @@ class _ChangePointSearch:
         """Crank angles over the period."""
         return _Chain(self.pivot, np.arange(round(GRID * self.period / FULL_TURN)) * (FULL_TURN / GRID))
 
-    def look_at(self, number: int) -> None:
+    def find_change_points(self, number: int) -> None:
         """Find a dyad's change points, if it has any."""
         dyad = self.dyads[number]
         if not dyad.has_two_modes:
@@ -147,15 +149,15 @@ class _ChangePointSearch:
         here = int(np.searchsorted(angles, np.mod(self.start, self.period), "right"))
         points = ChangePoints(angles, self.period, float(dyad.sign * (-1) ** here))
         self.dyads[number] = replace(dyad, changes=points)
-        patches = tuple(self._patch(number, touch, _apart(angles, touch, self.period)) for touch in touches)
+        patches = tuple(self._patch(number, touch, _distance_to_next(angles, touch, self.period)) for touch in touches)
         self.dyads[number] = replace(dyad, changes=replace(points, patches=patches))
 
     def _touches(self, number: int) -> Iterator[Touch]:
-        """Where the links' margin touches zero."""
-        share = self._share(number, self.grid)
+        """The crank angles at which the dyad's margin of reach touches zero."""
+        share = self._relative_margin(number, self.grid)
         around = np.concatenate([share[-1:], share, share[:1]])
         for angle in self.grid.angle[may_touch_zero(around, TOUCHING)]:
-            touch = self._touch_near(number, angle)
+            touch = self._find_touch(number, angle)
             if touch is None:
                 continue
             far = np.asarray(touch.angle + np.multiply.outer([NEAR, 2.0 * NEAR], SIDES))
@@ -166,37 +168,41 @@ class _ChangePointSearch:
                 self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))
 
     def _margin(self, number: int, chain: _Chain) -> tuple[Any, Any, Any]:
-        """A dyad's margin, m, the lengths it comes from, and the gap between the outer pins."""
-        poses = chain.up_to(self.dyads[:number])[0]
+        """A dyad's margin of reach, m, the lengths it comes from, and the gap between the outer pins, m."""
+        poses = chain.poses_before(self.dyads[:number])[0]
         solver = chain.solve(self.dyads[number], [dict(poses)])
         with np.errstate(invalid="ignore"):
-            margin, lengths = solver.missing()
+            margin, lengths = solver.reach_margin()
         margin = np.where(np.isnan(margin) | chain.fails, np.inf, margin)
         margin, lengths, gap = np.broadcast_arrays(margin, lengths, solver.gap())
         return margin, lengths, gap
 
-    def _touch_near(self, number: int, angle: float) -> Touch | None:
+    def _find_touch(self, number: int, angle: float) -> Touch | None:
         """The touch within a grid step of a crank angle, rad; None where the margin does not reach zero.
 
         Where an earlier search has a centre at which this dyad touches too, the angle is that centre's.
         """
         for near in self.centres:
-            if abs(_turned(near.angle[0] - angle)) < FULL_TURN / GRID:
+            if abs(_within_half_turn(near.angle[0] - angle)) < FULL_TURN / GRID:
                 touch = self._touch(number, near)
                 if abs(touch.margin) <= TOUCHING * touch.lengths:
                     return touch
         step = np.longdouble(FULL_TURN / GRID)
         bracket = np.array([angle - step]), np.array([angle + step])
         centre, height = lowest(
-            lambda at: self._share(number, _Chain(self.pivot, at)), *bracket, LOOKS, points=LOOK, enough=-TOUCHING
+            lambda at: self._relative_margin(number, _Chain(self.pivot, at)),
+            *bracket,
+            LOOKS,
+            points=LOOK,
+            enough=-TOUCHING,
         )
         if abs(height[0]) > TOUCHING:
             return None
         self.centres.append(_Chain(self.pivot, centre))
         return self._touch(number, self.centres[-1])
 
-    def _share(self, number: int, chain: _Chain) -> Any:  # noqa: ANN401
-        """A dyad's margin over the lengths it comes from."""
+    def _relative_margin(self, number: int, chain: _Chain) -> Any:  # noqa: ANN401
+        """A dyad's margin of reach over the lengths it comes from."""
         margin, lengths, _ = self._margin(number, chain)
         return margin / lengths
 
@@ -210,7 +216,7 @@ class _ChangePointSearch:
             if half > APART * apart and half != WIDTHS[-1]:
                 continue
             series = tuple(self._series(number, touch, half))
-            tail = max(_tail(part) for part in series)
+            tail = max(_relative_tail(part) for part in series)
             if best is None or tail < best[0]:
                 plain = (series[0].astype(float), series[1].astype(float), series[2].astype(float))
                 best = tail, Patch(touch, half, plain, series)
@@ -220,14 +226,14 @@ class _ChangePointSearch:
         return best[1]
 
     def _series(self, number: int, touch: Touch, half: float) -> Iterator[Any]:
-        """By order, the coefficients (NODES, parts) of both links' numbers."""
+        """Coefficients (NODES, parts) of the series through a change point of both links' numbers, array by order."""
         dyad = self.dyads[number]
         half_turn = np.arccos(np.longdouble(-1.0))  # π of extended precision
         places = np.cos(half_turn * (np.arange(NODES, dtype=np.longdouble) + 0.5) / NODES)
         key = (float(touch.angle), half)
         if key not in self.nodes:
             self.nodes[key] = _Chain(self.pivot, touch.angle + half * places, 2)
-        known = [dict(solved) for solved in self.nodes[key].up_to(self.dyads[:number])]
+        known = [dict(solved) for solved in self.nodes[key].poses_before(self.dyads[:number])]
         self.nodes[key].solve(dyad, known, [touch])
         analysis = chebyshev.chebvander(places, NODES - 1) * (np.longdouble(2.0) / NODES)
         analysis[:, 0] *= 0.5
@@ -238,19 +244,19 @@ class _ChangePointSearch:
                 yield analysis.T @ values.T
 
 
-def _apart(angles: tuple[float, ...], touch: Touch, period: float) -> float:
+def _distance_to_next(angles: tuple[float, ...], touch: Touch, period: float) -> float:
     """Distance of a change point from the next one of the dyad, rad; the period if it is the only one."""
     others = [abs((angle - float(touch.angle) + 0.5 * period) % period - 0.5 * period) for angle in angles]
     return min((other for other in others if other > 0.0), default=period)
 
 
-def _turned(angle: Any) -> Any:  # noqa: ANN401
-    """An angle brought to within half a turn of zero."""
+def _within_half_turn(angle: Any) -> Any:  # noqa: ANN401
+    """An angle, rad, with whole turns taken off, so that it is within half a turn of zero."""
     return np.mod(angle + np.pi, FULL_TURN) - np.pi
 
 
-def _tail(series: Any) -> float:  # noqa: ANN401
-    """Last terms of the series over the largest of all; infinite where it is no number."""
+def _relative_tail(series: Any) -> float:  # noqa: ANN401
+    """Size of the last terms of a series over its largest: its truncation; infinite where it is no number."""
     with np.errstate(all="ignore"):
         tail = np.max(np.abs(series[-3:])) / (np.max(np.abs(series)) or 1.0)
     return float(tail) if np.isfinite(tail) else np.inf

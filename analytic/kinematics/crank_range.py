@@ -18,7 +18,7 @@ from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.groups.solver import DEAD, GroupSolver
 from analytic.kinematics.structure import AnyGroup, Structure
-from analytic.kinematics.sweep import Sweep, placed, solver_of
+from analytic.kinematics.sweep import Sweep, driver_poses, solver_of
 from analytic.numerics.roots import lowest, may_touch_zero, root
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Toggle:
 
     @property
     def sentence(self) -> str:
-        """The links and their position, in words."""
+        """The position in words, with its links."""
         return f"{self.dyad.name}: {self.reason}"
 
 
@@ -99,12 +99,12 @@ def crank_range(
 ) -> CrankRange:
     """The range around a crank angle, rad, the sketch's if None.
 
-    The limits are roots of the length by which a dyad's links reach each other, to rounding; where that length touches
-    zero, and the linkage is not followed on, the root of rounding. Raises AssemblyError where it cannot be assembled at
-    the start.
+    The limits are zeros of the margin by which a dyad's links reach each other, to rounding; where the margin only
+    touches zero, and the linkage is not followed on, the place where rounding has it zero. Raises AssemblyError where
+    it cannot be assembled at the start.
     """
     search = _Margins(linkage, structure, linkage.sketch_angle if start is None else start)
-    low, high = search.first_fault(-1.0), search.first_fault(1.0)
+    low, high = search.nearest_limit(-1.0), search.nearest_limit(1.0)
     changes = search.change_points(low, high, undetermined)
     if linkage.is_linear:
         return CrankRange(search.start, low, high, changes, FULL_TURN * search.radian, linkage.written, is_linear=True)
@@ -130,7 +130,7 @@ class _Margins:
 
     def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
         """Every group placed at crank angles, assembled or not."""
-        poses = placed(self.structure, angle)
+        poses = driver_poses(self.structure, angle)
         solvers = [solver_of(group, angle) for group in self.structure.groups]
         for solver in solvers:
             poses.update(zip(solver.dyad.links, solver.poses(poses), strict=True))
@@ -149,32 +149,34 @@ class _Margins:
                     missing, lengths = solver.margin(), 1.0
                 else:
                     parallel = (solver.closure.determinant, sign)
-                    missing, lengths = solver.missing() if solver.dyad.has_two_modes else parallel
+                    missing, lengths = solver.reach_margin() if solver.dyad.has_two_modes else parallel
                 row = np.where(fails, np.inf, missing / lengths)
                 rows[number] = np.where(np.isnan(row), -1.0, row)
                 fails |= rows[number] < -ROUNDING
         return rows
 
     def toggle(self, offset: float, row: int) -> Toggle:
-        """How a group stands at an angle."""
+        """The limit at an offset from the start: the group and the position of its links."""
         solver = self.solvers(np.array([self.start + offset]))[row]
         if isinstance(solver, GroupSolver):
             return Toggle(self.start + offset, solver.dyad, f"its links stand {DEAD}")
-        return Toggle(self.start + offset, solver.dyad, solver.formulas.toggle(solver.dyad, solver.closure))
+        return Toggle(self.start + offset, solver.dyad, solver.formulas.dead_position_text(solver.dyad, solver.closure))
 
-    def first_fault(self, direction: float) -> Toggle | None:
-        """The nearest end of the range in a direction; None after a whole turn."""
+    def nearest_limit(self, direction: float) -> Toggle | None:
+        """The nearest end of the range in a direction, 1 or -1; None where a whole turn has none."""
         offsets = direction * self.offsets
         margins = self.margins(offsets)
         least = -ROUNDING if is_followed(self.structure) else TOUCHING
-        bad = np.concatenate([offsets[np.any(margins < -ROUNDING, axis=0)], self._between(offsets, margins, least)])
+        bad = np.concatenate(
+            [offsets[np.any(margins < -ROUNDING, axis=0)], self._minima_below(offsets, margins, least)]
+        )
         if not len(bad):
             return None
         end = float(bad[np.argmin(np.abs(bad))])
         good = float(offsets[np.abs(offsets) < abs(end)][-1])
         for _ in self.signs:
             row = int(np.argmin(self.margins(np.array([end]))[:, 0]))
-            at = self._end(row, good, end)
+            at = self._zero_of_margin(row, good, end)
             left = self.margins(np.array([at]))[:, 0]
             left[row] = 0.0
             if np.min(left) >= -ROUNDING:
@@ -182,8 +184,8 @@ class _Margins:
             end = at  # a group before it comes to its end nearer to the start
         return self.toggle(at, row)
 
-    def _between(self, offsets: Array, margins: Array, least: float) -> Array:
-        """Minima of a group's margin, between ordered offsets too, in which it falls below ``least``."""
+    def _minima_below(self, offsets: Array, margins: Array, least: float) -> Array:
+        """Offsets at minima of a group's margin, between the samples too, in which it falls below ``least``."""
         inner = margins[:, 1:-1]
         low = (inner < margins[:, :-2]) & (inner <= margins[:, 2:]) & (inner < least)
         seen = offsets[1:-1][np.any(low, axis=0)]
@@ -195,7 +197,7 @@ class _Margins:
         spots, heights = lowest(lambda at: self.margins(at)[rows, each], *brackets, LOOKS, enough=least)
         return np.concatenate([seen, spots[heights < least]])
 
-    def _end(self, row: int, good: float, end: float) -> float:
+    def _zero_of_margin(self, row: int, good: float, end: float) -> float:
         """Where a group's margin is zero between an offset where it has some and one where it has none, or touches."""
 
         def margin(offset: float) -> float:
@@ -208,7 +210,7 @@ class _Margins:
     def change_points(
         self, low: Toggle | None, high: Toggle | None, undetermined: Sequence[Undetermined]
     ) -> tuple[Toggle, ...]:
-        """Those within the range, in their order; where several dyads have one, that of the first."""
+        """Change points within the range, in order; where several dyads have one, that of the first."""
         known = [(angle, dyad) for dyad in self.structure.dyads if dyad.changes for angle in dyad.changes.angles]
         known += [(angle, dyad) for dyad, angle, _ in undetermined]
         first, last = (low.angle, high.angle) if low and high else (self.start, self.start + FULL_TURN)

@@ -101,7 +101,7 @@ class _PlacedBodies:
             near = _other_end(slider, body)
             if near in self.placed:
                 joints.append(self.prismatic(slider, near))
-        return sorted(joints, key=lambda joint: _rank(joint.near))
+        return sorted(joints, key=lambda joint: _ground_first(joint.near))
 
     def inner_joints(self, second: str, first: str) -> list[Joint]:
         """Joints between two unplaced bodies; a pin that a placed body carries is an outer joint of both instead."""
@@ -115,15 +115,15 @@ class _PlacedBodies:
             for pin in self.pins_of[name]:
                 if pin.point not in self.holders:
                     neighbours.update(pin.links)
-                self.holders[pin.point] = min(self.holders.get(pin.point, name), name, key=_rank)
+                self.holders[pin.point] = min(self.holders.get(pin.point, name), name, key=_ground_first)
             neighbours.update(_other_end(slider, name) for slider in self.sliders_of[name])
         for name in sorted(neighbours - self.placed):
             outer = self.outer_joints(name)
             if len(outer) > 1:
-                raise StructureError(self._overconstrained(name, outer))
-            self._reach(name)
+                raise StructureError(self._overconstrained_text(name, outer))
+            self._add_candidate_pairs(name)
 
-    def _reach(self, body: str) -> None:
+    def _add_candidate_pairs(self, body: str) -> None:
         """Add the pairs that a body forms with the reachable ones, of a pin only the first pair by name."""
         self.reachable.add(body)
         for pin in self.pins_of[body]:
@@ -145,7 +145,7 @@ class _PlacedBodies:
                 continue
             inner = self.inner_joints(second, first)
             if len(inner) > 1:
-                raise StructureError(self._overconstrained(first, [*self.outer_joints(first), *inner]))
+                raise StructureError(self._overconstrained_text(first, [*self.outer_joints(first), *inner]))
             if inner:
                 return self._dyad(first, second, inner[0])
         return None
@@ -167,6 +167,7 @@ class _PlacedBodies:
         return DrivenDistance(near[1], far[1], self.linkage.local(*near), self.linkage.local(*far))
 
     def _dyad(self, first: str, second: str, inner: Joint) -> Dyad:
+        """The dyad of two bodies by the kinds of its joints, its links in the order of the kind's name."""
         joints = (self.outer_joints(first)[0], inner, self.outer_joints(second)[0])
         kind = "".join("R" if isinstance(joint, Revolute) else "P" for joint in joints)
         if kind in KINDS:
@@ -178,7 +179,8 @@ class _PlacedBodies:
             "position: expected at least one revolute joint among the three; pin one of them instead"
         )
 
-    def _overconstrained(self, name: str, joints: Sequence[Joint]) -> str:
+    def _overconstrained_text(self, name: str, joints: Sequence[Joint]) -> str:
+        """The message for a body with too many joints to placed ones."""
         return (
             f"'{name}' of '{self.linkage.name}' is held by too many joints ({listed(joint.name for joint in joints)}), "
             "so the linkage is locked or not built of two-link groups: expected one joint to the links before it and "
@@ -186,8 +188,8 @@ class _PlacedBodies:
         )
 
 
-def _rank(body: str) -> tuple[bool, str]:
-    """The ground first, then by name."""
+def _ground_first(body: str) -> tuple[bool, str]:
+    """Sort key of bodies: the ground first, then by name."""
     return (body != GROUND, body)
 
 
@@ -215,7 +217,7 @@ def find_structure(linkage: Linkage) -> Structure:
         while len(search.placed) <= len(search.bodies):
             group = search.next_dyad() or search.next_group()
             if group is None:
-                raise StructureError(_leftover(search))
+                raise StructureError(_why_no_group(search))
             groups.append(group)
             search.place(*group.links)
     except StructureError as error:
@@ -224,7 +226,7 @@ def find_structure(linkage: Linkage) -> Structure:
     return Structure(dict(sorted(search.bodies.items())), pivot, tuple(groups))
 
 
-def _leftover(search: _PlacedBodies) -> str:
+def _why_no_group(search: _PlacedBodies) -> str:
     """Why the remaining bodies form no group: too many or too few joints, in all or in a part of the linkage."""
     left = sorted(set(search.bodies) - search.placed)
     moving = len(search.bodies)

@@ -47,16 +47,16 @@ class DyadSolver:
         with np.errstate(divide="ignore", invalid="ignore"):
             self.link_poses, self.closure = self.formulas.poses(self.constants, self.near)
             self.moves = self._moves()
-        self.link_poses = self._followed(0, self.link_poses)
+        self.link_poses = self._through_change_points(0, self.link_poses)
         return self.link_poses
 
-    def _followed(self, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:
-        """Values of the formulas, near change points those of the series through them."""
-        return pair if self.dyad.changes is None else self.dyad.changes.patched(self.angle, order, pair)
+    def _through_change_points(self, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:
+        """Values of the formulas; near change points those of the series through them."""
+        return pair if self.dyad.changes is None else self.dyad.changes.with_series(self.angle, order, pair)
 
     def _moves(self) -> Scalar:
         """Where the dyad is away from its dead positions, so that its links meet and can move."""
-        determinant, least = self.closure.determinant, self.formulas.least(self.constants, self.closure)
+        determinant, least = self.closure.determinant, self.formulas.dead_determinant(self.constants, self.closure)
         if self.dyad.changes is not None:
             return self.dyad.changes.moves(self.angle, self.sign * determinant > least)
         if self.dyad.sign > 0:  # the determinant's own sign
@@ -71,7 +71,7 @@ class DyadSolver:
             link_poses, self.travel = self.formulas.rates(
                 self.constants, self.near, self.near_rates, self.link_poses, self.closure
             )
-        self.link_rates = self._followed(1, link_poses)
+        self.link_rates = self._through_change_points(1, link_poses)
         return self.link_rates
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, Rate]:
@@ -85,24 +85,24 @@ class DyadSolver:
                 self.closure,
                 self.travel,
             )
-        return self._followed(2, pair)
+        return self._through_change_points(2, pair)
 
-    def missing(self) -> tuple[Scalar, Scalar]:
-        """Length, m, by which the links reach beyond meeting, else negative, and the lengths it comes from."""
-        length, lengths = self.formulas.missing(self.constants, self.near, self.closure)
+    def reach_margin(self) -> tuple[Scalar, Scalar]:
+        """By how much the links reach each other, m, negative where they do not, and the lengths it comes from."""
+        length, lengths = self.formulas.reach_margin(self.constants, self.near, self.closure)
         return length, lengths
 
     def gap(self) -> Scalar:
         """Distance of the outer pins, m; infinite where there is only one."""
         return self.formulas.gap(self.constants, self.near)
 
-    def touch(self, margin: Scalar, gap: Scalar) -> None:
-        """Take those lengths of the links with which they touch where they miss by a ``margin`` of rounding, m."""
-        self.constants = self.formulas.touching(self.constants, margin, gap)
+    def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
+        """Take lengths of the links with which they just touch, where a ``margin``, m, is a rounding of zero."""
+        self.constants = self.formulas.snapped_to_touch(self.constants, margin, gap)
 
-    def shortfall(self, at: At, written: Written) -> Shortfall:
+    def assembly_fault(self, at: At, written: Written) -> Shortfall:
         """Why the links do not meet at a crank angle: the link, by how much it misses, and the remedy."""
-        fault, detail = self.formulas.shortfall(self.dyad, self.constants, self.near, at, written)
+        fault, detail = self.formulas.assembly_fault(self.dyad, self.constants, self.near, at, written)
         return fault, detail
 
 
@@ -122,22 +122,23 @@ def check_assembly(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Ar
         margin = np.broadcast_to(solver.margin(), angle.shape)
         worst = int(np.argmin(np.where(solver.moves, np.inf, np.minimum(margin, 0.0))))
         raise AssemblyError(
-            f"'{linkage.name}' cannot be assembled at {linkage.place(_at(angle, angle, worst))}: {solver.why(linkage)}"
+            f"'{linkage.name}' cannot be assembled at {linkage.place(_at(angle, angle, worst))}: "
+            f"{solver.assembly_fault(linkage)}"
         )
     severity = _severity(solver)
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
-        fault, detail = solver.shortfall(lambda value: _at(value, angle, worst), linkage.written)
+        fault, detail = solver.assembly_fault(lambda value: _at(value, angle, worst), linkage.written)
         raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.place(_at(angle, angle, worst))}: {detail}")
 
 
-def note_assembly(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
+def mark_unassembled(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
     """Set ``faults`` (of the angles' shape) where ``check_assembly`` would raise."""
     if not np.all(solver.moves):
         faults |= ~solver.moves if isinstance(solver, GroupSolver) else _severity(solver) < 0.0
 
 
-def note_motion(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
+def mark_stuck(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
     """Set ``faults`` (of the angles' shape) where ``check_motion`` would raise."""
     if not np.all(solver.moves):
         faults |= ~solver.moves
@@ -146,7 +147,7 @@ def note_motion(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
 def _severity(solver: DyadSolver) -> Scalar:
     """Length by which the links fail to meet, m, below zero; zero where no more than rounding is missing."""
     with np.errstate(invalid="ignore"):
-        missing, lengths = solver.missing()
+        missing, lengths = solver.reach_margin()
         short = np.minimum(missing + ROUNDING * lengths, 0.0)
     undefined = ~(np.isfinite(solver.link_poses[0][0]) & np.isfinite(solver.link_poses[0][2]))
     return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
@@ -169,4 +170,5 @@ def check_motion(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Arra
 
 
 def _at(value: Scalar, angle: Array, index: int) -> float:
+    """The value at one of the crank angles."""
     return float(np.broadcast_to(value, angle.shape).ravel()[index])

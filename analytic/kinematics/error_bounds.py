@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
-from analytic.kinematics.groups.equations import jacobian, located, values
+from analytic.kinematics.groups.equations import jacobian, point_derivative, residuals
 from analytic.kinematics.structure import AnyGroup, DrivenDistance, Group, Prismatic, Revolute
 from analytic.kinematics.sweep import FIXED, Sweep, crank_motion
 from analytic.numerics.dual import EPS, Rounded, bound_of
@@ -36,58 +36,61 @@ class ErrorBounds:
         angle = np.atleast_1d(np.array(sweep.angle, dtype=float)).ravel()
         for dyad in sweep.structure.dyads:
             if dyad.changes:
-                dyad.changes.moved_out(angle)
+                dyad.changes.move_out_of_patches(angle)
         self.sweep = sweep = Sweep(sweep.linkage, sweep.structure, angle)
         self.motions: dict[str, Any] = {GROUND: FIXED}
         if sweep.structure.pivot is not None:
             self.motions[sweep.linkage.crank] = crank_motion(sweep.structure.pivot, Rounded(angle))
         self.waiting = list(reversed(sweep.structure.groups))
 
-    def motion(self, body: str) -> Any:  # noqa: ANN401 - pose, rate and acceleration
-        """Pose of a body and its two derivatives."""
+    def motion_with_errors(self, body: str) -> Any:  # noqa: ANN401 - pose, rate and acceleration
+        """Pose, rate and acceleration of a body, each number with the bound of its error, in m and rad.
+
+        Groups before it in the chain are worked out on the first request.
+        """
         with np.errstate(invalid="ignore"):  # 0·∞ behind a dyad whose bound is infinite
             while body not in self.motions:
-                self._place(self.waiting.pop())
+                self._bound_group(self.waiting.pop())
         return self.motions[body]
 
     def point(self, body: str, local: Vector, order: int = 0) -> Array:
         """Bound on the error of a point of a body, m, or of its derivative of order 1 or 2; one per crank angle."""
-        motion = self.motion(body)
+        motion = self.motion_with_errors(body)
         with np.errstate(invalid="ignore"):
-            x, y = (bound_of(part) for part in located(motion, local, order))
+            x, y = (bound_of(part) for part in point_derivative(motion, local, order))
             bound = np.broadcast_to(np.hypot(x, y), self.sweep.angle.shape)
         return np.where(np.isnan(bound), np.inf, bound)
 
-    def _place(self, group: AnyGroup) -> None:
+    def _bound_group(self, group: AnyGroup) -> None:
         """Bounds for the group's links, order by order."""
         steps = (self.sweep.poses, self.sweep.rates, self.sweep.accelerations)
-        plain = {body: [self._full(step(body)) for step in steps] for body in group.links}
+        plain = {body: [self._filled(step(body)) for step in steps] for body in group.links}
         bounded: dict[str, list[Any]] = {body: [] for body in group.links}
         poses = {body: self.sweep.poses(body) for joint in group.joints for body in (joint.near, joint.far)}
         matrix = jacobian(group.joints, group.links, poses, len(self.sweep.angle))
         inverse = np.abs(np.linalg.inv(matrix))
         distances = np.concatenate([DISTANCES[type(joint)] for joint in group.joints])
-        hosts = {body: self.motion(body) for body in poses if body not in bounded}
+        hosts = {body: self.motion_with_errors(body) for body in poses if body not in bounded}
         for order in range(ORDERS):
             known = {body: (*bounded[body], *(map(Rounded, part) for part in plain[body][order:])) for body in bounded}
             known = {body: tuple(tuple(part) for part in motion) for body, motion in known.items()}
-            rows = values(group.joints, {**hosts, **known}, order, self.sweep.angle)
+            rows = residuals(group.joints, {**hosts, **known}, order, self.sweep.angle)
             residual = np.stack([np.broadcast_to(bound_of(row), self.sweep.angle.shape) for row in rows], axis=-1)
             if order and isinstance(group, Group):
                 motions = np.stack([part for body in group.links for part in plain[body][order]], axis=-1)
-                residual = residual + self._elimination(matrix, motions, distances > 0.0)
+                residual = residual + self._elimination_error(matrix, motions, distances > 0.0)
             error = np.einsum("nij,nj->ni", inverse, residual)
             if order == 0:
-                error = _curved(inverse, error, self._reach(group, poses), distances)
+                error = _with_curvature(inverse, error, self._reach(group, poses), distances)
             error[np.isnan(error)] = np.inf
             for number, body in enumerate(group.links):
                 bounded[body].append(_with_errors(plain[body][order], error[:, 3 * number : 3 * number + 3].T))
         self.motions |= bounded
 
-    def _full(self, parts: Any) -> list[Array]:  # noqa: ANN401 - a pose or a rate
+    def _filled(self, parts: Any) -> list[Array]:  # noqa: ANN401 - a pose or a rate
         return [np.broadcast_to(np.asarray(part, dtype=float), self.sweep.angle.shape) for part in parts]
 
-    def _elimination(self, matrix: Array, motions: Array, lengths: NDArray[np.bool_]) -> Array:
+    def _elimination_error(self, matrix: Array, motions: Array, lengths: NDArray[np.bool_]) -> Array:
         """Residual of elimination with pivots in the equations of an order, (n, equations): eps of the largest row.
 
         (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 9.3.)
@@ -117,7 +120,7 @@ def _with_errors(parts: list[Array], error: Array) -> tuple[Rounded, ...]:
     return (*place, Rounded(c, np.abs(s) * turn + EPS), Rounded(s, np.abs(c) * turn + EPS))
 
 
-def _curved(inverse: Array, linear: Array, reach: Array, distances: Array) -> Array:
+def _with_curvature(inverse: Array, linear: Array, reach: Array, distances: Array) -> Array:
     """The bound on the poses with the curvature of the equations for distances added; infinite where that is not small.
 
     ``linear`` (n, k) is the bound without it, ``distances`` (k,) marks those equations among all.
@@ -139,7 +142,7 @@ def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:
     """
     bounds = ErrorBounds(sweep)
     errors, peaks = np.zeros(ORDERS), np.zeros(ORDERS)
-    for body, local in _places(sweep):
+    for body, local in _named_points(sweep):
         for order in range(ORDERS):
             errors[order] = max(errors[order], np.max(bounds.point(body, local, order)))
             peaks[order] = max(peaks[order], np.max(np.hypot(*sweep.local_point(body, local, order))))
@@ -149,7 +152,7 @@ def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:
     return float(position), float(first), float(second)
 
 
-def _places(sweep: Sweep) -> Iterator[tuple[str, Vector]]:
+def _named_points(sweep: Sweep) -> Iterator[tuple[str, Vector]]:
     """Named points and mass centres of all links, in the order in which these are solved."""
     solved = [sweep.linkage.crank, *(body for group in sweep.structure.groups for body in group.links)]
     for body in solved:

@@ -129,7 +129,7 @@ def minus(a: Pair, b: Pair) -> Pair:
     return (a[0] if is_zero(b[0]) else a[0] - b[0], a[1] if is_zero(b[1]) else a[1] - b[1])
 
 
-def ahead(place: Pair, travel: Scalar, direction: Pair) -> Pair:
+def point_along(place: Pair, travel: Scalar, direction: Pair) -> Pair:
     """The point at a travel along a direction from another point."""
     x, y = direction
     return (place[0] if is_zero(x) else place[0] + travel * x, place[1] if is_zero(y) else place[1] + travel * y)

@@ -14,18 +14,18 @@ from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, StructureError
-from analytic.kinematics.change_points import period_of, through_change_points
+from analytic.kinematics.change_points import period_of, with_change_points
 from analytic.kinematics.crank_range import CrankRange, crank_range
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver, check_assembly
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
 from analytic.kinematics.groups.equations import Motions
-from analytic.kinematics.groups.following import followed
-from analytic.kinematics.groups.solver import nearest, problem_of
-from analytic.kinematics.sketch import meant, named_places
+from analytic.kinematics.groups.following import follow_branch
+from analytic.kinematics.groups.solver import configuration_at_sketch, problem_of
+from analytic.kinematics.sketch import named_places, nearest_to_sketch
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
-from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
+from analytic.kinematics.sweep import Array, Sweep, driver_poses, solver_of
 
 AT_REST = 1e-6  # rad from a change point
 
@@ -41,9 +41,10 @@ class Mechanism:
         self._assemble(linkage, ())
 
     def _assemble(self, linkage: Linkage, signs: Sequence[int]) -> None:
+        """Find the groups, their assembly modes and their change points."""
         self.linkage = linkage
-        signed = _signed(linkage, find_structure(linkage), signs)
-        self.structure, self.undetermined = through_change_points(signed, linkage.sketch_angle)
+        signed = _with_assembly_modes(linkage, find_structure(linkage), signs)
+        self.structure, self.undetermined = with_change_points(signed, linkage.sketch_angle)
         self.period = period_of(self.structure)
 
     def redesigned(self, linkage: Linkage) -> Mechanism:
@@ -132,37 +133,38 @@ class Mechanism:
                     )
 
 
-def _signed(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
+def _with_assembly_modes(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
     """Choose each group's assembly mode nearest to the sketch, group by group.
 
     Dyads take the ``signs``, if there are any.
     """
     left = iter(signs)
-    poses = placed(structure, linkage.sketch_angle)
+    poses = driver_poses(structure, linkage.sketch_angle)
     done: list[AnyGroup] = []
     for group in structure.groups:
         if isinstance(group, Dyad):
             known = replace(group, sign=next(left)) if signs else None
             done.append(known or _nearest_mode(linkage, structure, group, poses))
         else:
-            done.append(_on_branch(linkage, replace(structure, groups=tuple(done)), group))
+            done.append(_with_branch(linkage, replace(structure, groups=tuple(done)), group))
         solver = solver_of(done[-1], np.asarray(linkage.sketch_angle))
         poses.update(zip(group.links, solver.poses(poses), strict=True))
     return replace(structure, groups=tuple(done))
 
 
-def _on_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
+def _with_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
     """A group of a higher class with the configuration that the sketch means, followed over φ."""
 
     def hosts(angle: Array) -> Motions:
+        """Motions over φ of the bodies that the group hangs on."""
         sweep = Sweep(linkage, before, angle)
         motion = {body: (sweep.poses(body), sweep.rates(body), sweep.accelerations(body)) for body in group.hosts}
         full = np.ones(angle.shape)
         return {body: tuple(tuple(p * full for p in part) for part in parts) for body, parts in motion.items()}  # type: ignore[misc]
 
     problem = problem_of(group, linkage, hosts)
-    start = nearest(linkage, before, group, problem)
-    return replace(group, branch=followed(problem, start, linkage.sketch_angle))
+    start = configuration_at_sketch(linkage, before, group, problem)
+    return replace(group, branch=follow_branch(problem, start, linkage.sketch_angle))
 
 
 def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dict[str, Pose]) -> Dyad:
@@ -176,14 +178,14 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dic
         solver = DyadSolver(mode)
         places.append(named_places(points, solver.poses(poses)))
         check_assembly(linkage, solver, np.asarray(linkage.sketch_angle))
-    nearest, telling = meant(linkage, places)
+    configuration_at_sketch, telling = nearest_to_sketch(linkage, places)
     if telling is not None:
-        raise StructureError(_ambiguous(linkage, dyad, telling))
-    return modes[nearest]
+        raise StructureError(_ambiguous_sketch(linkage, dyad, telling))
+    return modes[configuration_at_sketch]
 
 
-def _ambiguous(linkage: Linkage, dyad: Dyad, telling: Sequence[str]) -> str:
-    """The error that names points to add to the sketch, those that distinguish the two modes."""
+def _ambiguous_sketch(linkage: Linkage, dyad: Dyad, telling: Sequence[str]) -> str:
+    """The error for a sketch that leaves a mode open; names the points to add, which tell the two modes apart."""
     if telling:
         needed, cure = f"the rough position of {' or '.join(map(repr, telling))}", "add it under [sketch.points]"
     else:

@@ -43,14 +43,14 @@ class Patch:
     extended: tuple[NDArray[np.longdouble], ...]
 
     def values(self, order: int, place: Any) -> Any:  # noqa: ANN401 - of either precision
-        """Both links' numbers of an order at places of [-1, 1], (8 or 6, n)."""
+        """The numbers of both links, or their derivatives of an order, at places of [-1, 1]: (8 or 6, n)."""
         series = self.extended if np.asarray(place).dtype == np.longdouble else self.series
         return (chebyshev.chebvander(place, NODES - 1) @ series[order]).T  # faster than chebval
 
 
 @dataclass(frozen=True, eq=False)
 class ChangePoints:
-    """Those of a dyad: crank angles, rad, rising within a ``period``, the sign W below the first one, the patches."""
+    """Change points of a dyad: crank angles, rad, rising within ``period``, the sign W before the first, patches."""
 
     angles: tuple[float, ...]
     period: float
@@ -62,7 +62,7 @@ class ChangePoints:
         passed = np.searchsorted(self.angles, np.mod(angle, self.period), "right")
         return np.where(passed % 2 == 0, self.first_sign, -self.first_sign)
 
-    def inside(self, angle: Any) -> Iterator[tuple[Patch, NDArray[np.intp], Any]]:  # noqa: ANN401
+    def patches_at(self, angle: Any) -> Iterator[tuple[Patch, NDArray[np.intp], Any]]:  # noqa: ANN401
         """Each patch with the flat indices of the crank angles within it and their places there, in [-1, 1].
 
         Of angles in extended precision only those nearer to a change point than any node.
@@ -76,28 +76,28 @@ class ChangePoints:
                 yield patch, within, away[within] / patch.half
 
     def moves(self, angle: Any, away: Any) -> Any:  # noqa: ANN401
-        """Where the dyad can move: away from its dead positions, and within patches."""
+        """Where the dyad can move: where ``away`` from its dead positions, and everywhere within patches."""
         result = np.array(np.broadcast_to(away, np.shape(angle)))
-        for _, within, _ in self.inside(angle):
+        for _, within, _ in self.patches_at(angle):
             result.reshape(-1)[within] = True
         return result
 
-    def patched(self, angle: Any, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:  # noqa: ANN401
+    def with_series(self, angle: Any, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:  # noqa: ANN401
         """Poses of the dyad's two links, or their derivatives, with those within patches read from the series."""
         result, size = None, len(pair[0])
-        for patch, within, place in self.inside(angle):
+        for patch, within, place in self.patches_at(angle):
             if result is None:
                 result = [np.array(np.broadcast_to(np.asarray(part), np.shape(angle))) for part in (*pair[0], *pair[1])]
             for part, values in zip(result, patch.values(order, place), strict=True):
                 part.reshape(-1)[within] = values
         return pair if result is None else (tuple(result[:size]), tuple(result[size:]))
 
-    def moved_out(self, angle: Array) -> None:
+    def move_out_of_patches(self, angle: Array) -> None:
         """Move crank angles within patches to the nodes that determine the series there.
 
         The series are no worse than the closed form at the edges of the patch or, where the machine has no extended
         precision, at the nodes nearest to the change point.
         """
-        for patch, within, place in self.inside(angle):
+        for patch, within, place in self.patches_at(angle):
             from_centre = np.copysign(1.0 if EXTENDED else NEAREST_NODE, place)
             angle.reshape(-1)[within] += (from_centre - place) * patch.half

@@ -28,8 +28,8 @@ def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
     return places
 
 
-def meant(linkage: Linkage, places: Sequence[Mapping[str, Vector]]) -> tuple[int, list[str] | None]:
-    """The number of the configuration nearest to the sketch; if ambiguous, the points that would distinguish them."""
+def nearest_to_sketch(linkage: Linkage, places: Sequence[Mapping[str, Vector]]) -> tuple[int, list[str] | None]:
+    """The number of the configuration nearest to the sketch; if it is not clear, points that would tell them apart."""
     distances = [
         math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in configuration.items() if p in linkage.sketch))
         for configuration in places

@@ -284,10 +284,11 @@ def grashof(linkage: Linkage, structure: Structure) -> str | None:
         "coupler": math.dist(ends[linkage.crank].far_local, local[ends[linkage.crank].far]),
         "rocker": math.dist(ends[GROUND].far_local, local[ends[GROUND].far]),
     }
-    return _class(lengths, linkage)
+    return _grashof_class(lengths, linkage)
 
 
-def _class(lengths: dict[str, float], linkage: Linkage) -> str:
+def _grashof_class(lengths: dict[str, float], linkage: Linkage) -> str:
+    """The class of a four-bar with these lengths, m, and the two sums that decide it, in words."""
     shortest, *middle, longest = sorted(lengths, key=lambda name: lengths[name])
     ends, others = lengths[shortest] + lengths[longest], sum(lengths[name] for name in middle)
     sums = f"shortest + longest {linkage.written(ends)}, the other two {linkage.written(others)}"

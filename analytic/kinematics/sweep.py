@@ -16,11 +16,11 @@ from analytic.kinematics.dyad_solver import (
     DyadSolver,
     check_assembly,
     check_motion,
-    note_assembly,
-    note_motion,
+    mark_stuck,
+    mark_unassembled,
 )
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
-from analytic.kinematics.groups.equations import located, values
+from analytic.kinematics.groups.equations import point_derivative, residuals
 from analytic.kinematics.groups.solver import GroupSolver
 from analytic.kinematics.structure import AnyGroup, Dyad, Prismatic, Revolute, Structure
 
@@ -31,7 +31,7 @@ FIXED: tuple[Any, Any, Any] = ((0.0, 0.0, 1.0, 0.0), STILL, STILL)  # the ground
 def crank_pose(pivot: Revolute | Prismatic, angle: Scalar) -> Pose:
     """Pose of the driver at φ: turned about its pin, or shifted along its guide."""
     if isinstance(pivot, Prismatic):
-        x, y = frames.ahead(pivot.origin, angle, pivot.along)
+        x, y = frames.point_along(pivot.origin, angle, pivot.along)
         return (x, y, *pivot.turn)
     return frames.pose_through(pivot.near_local, (np.cos(angle), np.sin(angle)), pivot.far_local)
 
@@ -56,7 +56,7 @@ def output_of(linkage: Linkage) -> Output:
     return linkage.output
 
 
-def placed(structure: Structure, angle: Scalar) -> dict[str, Pose]:
+def driver_poses(structure: Structure, angle: Scalar) -> dict[str, Pose]:
     """Poses of the ground and the driven link, which belong to no group."""
     poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0)}
     return poses if structure.pivot is None else poses | {structure.pivot.far: crank_pose(structure.pivot, angle)}
@@ -96,20 +96,20 @@ class Sweep:
 
     def poses(self, body: str) -> Pose:
         """Origin x, y, m, and cosine and sine of the angle of a body's frame."""
-        pose: Pose = self._solved(body, 0)
+        pose: Pose = self._solve(body, 0)
         return pose
 
     def rates(self, body: str) -> Rate:
         """First derivatives x', y' (m/rad) and θ' of a body's frame."""
-        rate: Rate = self._solved(body, 1)
+        rate: Rate = self._solve(body, 1)
         return rate
 
     def accelerations(self, body: str) -> Rate:
         """Second derivatives x'', y'' (m/rad²) and θ'' of a body's frame."""
-        second: Rate = self._solved(body, 2)
+        second: Rate = self._solve(body, 2)
         return second
 
-    def _solved(self, body: str, order: int) -> Any:  # noqa: ANN401 - a pose or a rate
+    def _solve(self, body: str, order: int) -> Any:  # noqa: ANN401 - a pose or a rate
         """Pose of a body or its derivative of an order; computes its dyad and those before it as far as needed."""
         known = self._known[order]
         if body not in known:
@@ -119,10 +119,10 @@ class Sweep:
             if order == 0:
                 solver = self._solvers[group.first] = solver_of(group, self.angle)
             else:
-                self._solved(body, order - 1)
+                self._solve(body, order - 1)
                 solver = self._solvers[group.first]
             for host in solver.hosts:
-                self._solved(host, order)
+                self._solve(host, order)
             if order == 1:
                 self._check_motion(solver)
             solved = (solver.poses, solver.rates, solver.accelerations)[order](known)
@@ -139,29 +139,31 @@ class Sweep:
         return solver.closure.determinant
 
     def _check_assembly(self, solver: DyadSolver | GroupSolver) -> None:
+        """Raise AssemblyError where a group's links do not meet, or note it in ``faults``."""
         if self.faults is None:
             check_assembly(self.linkage, solver, self.angle)
         else:
-            note_assembly(solver, self.faults)
+            mark_unassembled(solver, self.faults)
 
     def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
+        """Raise AssemblyError where a dyad is in a dead position, or note it in ``faults``."""
         if self.faults is None:
             check_motion(self.linkage, solver, self.angle)
         else:
-            note_motion(solver, self.faults)
+            mark_stuck(solver, self.faults)
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
         """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
-        motion: Any = tuple(self._solved(body, k) for k in range(order + 1))
-        return located(motion, local, order)
+        motion: Any = tuple(self._solve(body, k) for k in range(order + 1))
+        return point_derivative(motion, local, order)
 
     def point(self, name: str, order: int = 0) -> Array:
         """A named point in the ground frame, m, or a derivative of it; shape (2, *angle.shape)."""
         body = self.carrier(name)
-        return self._full(self.local_point(body, self.linkage.local(name, body), order))
+        return self._filled(self.local_point(body, self.linkage.local(name, body), order))
 
     def carrier(self, name: str) -> str:
-        """The body through which a named point is cheapest to reach: the ground, the crank, then the first dyad's."""
+        """The body through which a named point is cheapest to reach: ground, crank, else the first dyad's link."""
         if name in self.linkage.ground:
             return GROUND
         if name not in self._carriers:
@@ -187,7 +189,7 @@ class Sweep:
             self._centres[body, order] = self.local_point(body, self.linkage.links[body].centre, order)
         return self._centres[body, order]
 
-    def _full(self, pair: Pair) -> Array:
+    def _filled(self, pair: Pair) -> Array:
         return np.stack([np.broadcast_to(part, self.angle.shape) for part in pair])
 
     def output(self, order: int = 0) -> Array:
@@ -202,7 +204,7 @@ class Sweep:
         worst = np.zeros(self.angle.shape)
         for joint in (joint for group in self.structure.groups for joint in group.joints):
             motions = {body: (self.poses(body), STILL, STILL) for body in (joint.near, joint.far)}
-            gaps = values([joint], motions, 0, self.angle)
+            gaps = residuals([joint], motions, 0, self.angle)
             lengths = gaps[:1] if isinstance(joint, Prismatic) else gaps  # the other one is an angle
             worst = np.maximum(worst, np.sqrt(sum(gap * gap for gap in lengths)))
         return worst

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.kinematics import frames
-from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.frames import Pair
 from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
 
@@ -22,22 +22,20 @@ Array = NDArray[np.float64]
 
 def transmission_angle(sweep: Sweep, dyad: Dyad) -> Array:
     """The dyad's transmission angle, rad, in [0, π/2], at every crank angle of the sweep."""
-    angle = between(*_sides(sweep, dyad))
+    pair, other = _parallel_when_dead(sweep, dyad)
+    angle = np.arctan2(np.abs(frames.cross(pair, other)), np.abs(frames.dot(pair, other)))  # of the two lines, acute
     return np.copy(np.broadcast_to(angle, sweep.angle.shape))
 
 
-def between(pair: Pair, other: Pair) -> Scalar:
-    """Acute angle of two lines, rad, in [0, π/2]."""
-    return np.arctan2(np.abs(frames.cross(pair, other)), np.abs(frames.dot(pair, other)))
-
-
-def _sides(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:
+def _parallel_when_dead(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:
     """The two directions that are parallel in a dead position."""
     for link in dyad.links:
         sweep.poses(link)
     first, inner, second = dyad.joints
     if isinstance(inner, Revolute):
-        return _side(sweep, first, inner), _side(sweep, second, inner, rods=isinstance(first, Revolute))
+        return _side_direction(sweep, first, inner), _side_direction(
+            sweep, second, inner, rods=isinstance(first, Revolute)
+        )
     slide = _direction(sweep, inner)
     if isinstance(second, Prismatic):
         return slide, _direction(sweep, second)
@@ -45,7 +43,7 @@ def _sides(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:
     return frames.minus(_place(sweep, second), _place(sweep, first)), (-slide[1], slide[0])
 
 
-def _side(sweep: Sweep, outer: Joint, inner: Revolute, *, rods: bool = False) -> Pair:
+def _side_direction(sweep: Sweep, outer: Joint, inner: Revolute, *, rods: bool = False) -> Pair:
     """The rod from the inner pin to the outer one; of a slide beside a rod (``rods``) its normal, else its line."""
     if isinstance(outer, Revolute):
         return frames.minus(_place(sweep, outer), _place(sweep, inner))

@@ -30,14 +30,14 @@ from analytic.machine_code.tracing import CONSTANT, OperationList
 # j-th of a row is ``rows[row, j]``, the same in every lane; ``results[chunk, m * LANES + d]`` is the m-th result.
 # Constant offsets let the compiler see that no two of them overlap, and compute several lanes in one instruction.
 # Sines and cosines of what is given, which a library computes lane by lane, come first in a loop of their own, and
-# lie behind the numbers of the lanes (``ahead``).
+# lie behind the numbers of the lanes (``sines_and_cosines``).
 
 
 LANES: Final = 64
 FUNCTION: Final = "straight"
 
 # How each operation is written, of {0}, {1} and {2}. NumPy's maximum and minimum are nan where one number is.
-WRITTEN: Final[Mapping[str, str]] = {
+PYTHON_FORMS: Final[Mapping[str, str]] = {
     **{"add": "{0} + {1}", "subtract": "{0} - {1}", "multiply": "{0} * {1}", "divide": "{0} / {1}"},
     **{"negative": "-{0}", "absolute": "abs({0})", "sign": "({0} > 0.0) - ({0} < 0.0)", "sqrt": "math.sqrt({0})"},
     "hypot": "math.sqrt({0} * {0} + {1} * {1})",  # a library's function would leave the vector registers
@@ -62,17 +62,17 @@ class Result(NamedTuple):
     start: float = 0.0
 
 
-def ahead(trace: OperationList, lanes: Sequence[int], results: Sequence[Result]) -> list[int]:
-    """The lines of sines and cosines of the lanes' numbers."""
+def sines_and_cosines(trace: OperationList, lanes: Sequence[int], results: Sequence[Result]) -> list[int]:
+    """The lines of sines and cosines of numbers of the lanes, which are computed before the rows."""
     rows = trace.operations
-    needed = trace.leading_to([result.line for result in results], lanes)
+    needed = trace.lines_needed([result.line for result in results], lanes)
     return [line for line in needed if rows[line].name in {"sin", "cos"} and rows[line].operands[0] in lanes]
 
 
 def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
     """The source of ``FUNCTION``, whose numbers of lanes and of rows are these lines."""
     names: dict[int, str] = {}
-    first = ahead(trace, lanes, results)
+    first = sines_and_cosines(trace, lanes, results)
     places = {line: f"given[{number * LANES} + d]" for number, line in enumerate([*lanes, *first])}
     outs = [f"out[{number * LANES} + d]" for number in range(len(results) + 1)]
     over_lanes = f"for d in range({LANES}):"
@@ -81,7 +81,7 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
         begun = []  # no result is of what it was
     for line in first:  # side by side, so that a sine and a cosine of one number are one call
         operation = trace.operations[line]
-        begun.append(f"{places[line]} = {WRITTEN[operation.name].format(places[operation.operands[0]])}")
+        begun.append(f"{places[line]} = {PYTHON_FORMS[operation.name].format(places[operation.operands[0]])}")
     text = [
         f"def {FUNCTION}(lanes, rows, results):",
         "    for chunk in range(len(results)):",
@@ -92,6 +92,7 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
     ]
 
     def take(depth: int, line: int, expression: str, *, is_given: bool = False) -> None:
+        """Write the line that assigns an expression to a line's variable."""
         names[line] = f"v{line}"
         if is_given and trace.operations[line].name in LOGICAL:  # truth values are given as numbers
             expression = f"{expression} != 0.0"
@@ -102,12 +103,12 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
     text.append(f"            {over_lanes}")
     for line, place in places.items():
         take(4, line, place, is_given=True)
-    for line in trace.leading_to([result.line for result in results], names):
+    for line in trace.lines_needed([result.line for result in results], names):
         operation = trace.operations[line]
         if operation.name == CONSTANT:
             names[line] = _number(operation.value)
         elif line not in names:
-            take(4, line, WRITTEN[operation.name].format(*(names[other] for other in operation.operands)))
+            take(4, line, PYTHON_FORMS[operation.name].format(*(names[other] for other in operation.operands)))
     for number, result in enumerate(results):
         value = result.formula.format(value=names[result.line], so_far=outs[number], next=outs[number + 1])
         text.append(f"{' ' * 16}{outs[number]} = {value}")
@@ -129,20 +130,20 @@ def _number(value: float) -> str:
 
 
 # What JavaScript writes otherwise than Python. Math.max and Math.min are NaN where one number is, as in NumPy.
-OTHERWISE: Final[Mapping[str, str]] = {
+JAVASCRIPT_FORMS: Final[Mapping[str, str]] = {
     **{"absolute": "Math.abs({0})", "sign": "Math.sign({0})", "sqrt": "Math.sqrt({0})"},
     "hypot": "Math.sqrt({0} * {0} + {1} * {1})",
     **{"sin": "Math.sin({0})", "cos": "Math.cos({0})", "arctan2": "Math.atan2({0}, {1})"},
     **{"maximum": "Math.max({0}, {1})", "minimum": "Math.min({0}, {1})"},
     **{"and": "{0} && {1}", "or": "{0} || {1}", "not": "!{0}", "where": "{0} ? {1} : {2}"},
 }
-SPELT: Final = {**WRITTEN, **OTHERWISE}
+ALL_JAVASCRIPT_FORMS: Final = {**PYTHON_FORMS, **JAVASCRIPT_FORMS}
 
 
 def javascript_source(trace: OperationList, given: Sequence[int], rows: Sequence[int], results: Sequence[int]) -> str:
     """The source of the function, whose numbers of the design, of a row and results are these lines of the list."""
     names = {line: f"v{line}" for line in (*given, *rows)}
-    needed = trace.leading_to(results, names)
+    needed = trace.lines_needed(results, names)
     in_rows = set(rows)
     once = [f"const v{line} = given[{number}];" for number, line in enumerate(given) if line in needed]
     each = [f"const v{line} = rows[{number} * count + i];" for number, line in enumerate(rows) if line in needed]
@@ -152,7 +153,7 @@ def javascript_source(trace: OperationList, given: Sequence[int], rows: Sequence
             names[line] = _literal(operation.value)
         elif line not in names:
             names[line] = f"v{line}"
-            expression = SPELT[operation.name].format(*(names[other] for other in operation.operands))
+            expression = ALL_JAVASCRIPT_FORMS[operation.name].format(*(names[other] for other in operation.operands))
             is_of_row = not in_rows.isdisjoint(operation.operands)
             in_rows |= {line} if is_of_row else set()
             (each if is_of_row else once).append(f"const v{line} = {expression};")
@@ -180,7 +181,7 @@ MOST_OPERATIONS: Final = 3000  # compiling a longer list takes longer than it sa
 def is_worthwhile(path: str, operations: int, poses: float) -> bool:
     """Whether to compile a list of so many operations for so many poses; raises for a wrong ``path``.
 
-    ``path`` is ``numpy``, ``compiled``, or ``auto``: compiled where NumPy would take longer than compiling does.
+    ``path`` is ``numpy``, ``compile_source``, or ``auto``: compiled where NumPy would take longer than compiling does.
     Raises UnknownNameError for another, LinkproofError where numba is missing for "compiled".
     """
     if path not in PATHS:
@@ -212,8 +213,8 @@ class StraightFunction:
         self, trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]
     ) -> None:
         self.lanes, self.rows = tuple(lanes), tuple(rows)
-        self._widths = len(lanes) + len(ahead(trace, lanes, results)), len(results)
-        self._straight = compiled(python_source(trace, lanes, rows, results))
+        self._widths = len(lanes) + len(sines_and_cosines(trace, lanes, results)), len(results)
+        self._straight = compile_source(python_source(trace, lanes, rows, results))
         self._scratch = threading.local()
 
     def __call__(self, lanes: Sequence[Any], rows: Array, count: int, into: Array | None = None) -> Array:
@@ -242,7 +243,7 @@ class StraightFunction:
 
 
 @lru_cache(maxsize=32)
-def compiled(source: str) -> Callable[[Array, Array, Array], None]:
+def compile_source(source: str) -> Callable[[Array, Array, Array], None]:
     """The function of a source of ``analytic.machine_code.compiling``."""
     import numba  # noqa: PLC0415 - optional, and slow to import
 

@@ -68,12 +68,14 @@ class OperationList:
     def input(self, name: Hashable) -> Traced:
         """A number that is given from outside, always the same for one name."""
         if name not in self.inputs:
-            self.inputs[name] = self._noted(Operation(INPUT, (len(self.inputs),)))
+            self.inputs[name] = self._add_operation(Operation(INPUT, (len(self.inputs),)))
         return Traced(self, self.inputs[name])
 
     def line(self, number: Any) -> int:  # noqa: ANN401 - plain or traced
         """The line of a number of this trace, or of a constant."""
-        return number.line if isinstance(number, Traced) else self._noted(Operation(CONSTANT, (), float(number)))
+        return (
+            number.line if isinstance(number, Traced) else self._add_operation(Operation(CONSTANT, (), float(number)))
+        )
 
     def apply(self, name: str, *numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
         """A function of numbers, noted; a plain number where all of them are constants."""
@@ -96,25 +98,26 @@ class OperationList:
                 name, lines = "negative", lines[1:]
             case (("add" | "multiply"), _):
                 lines = tuple(sorted(lines))
-        return Traced(self, self._noted(Operation(name, lines)))
+        return Traced(self, self._add_operation(Operation(name, lines)))
 
-    def _noted(self, operation: Operation) -> int:
+    def _add_operation(self, operation: Operation) -> int:
+        """The line of an operation, which is added if the list does not have it."""
         if operation not in self._lines:
             self._lines[operation] = len(self.operations)
             self.operations.append(operation)
         return self._lines[operation]
 
-    def leading_to(self, outputs: Iterable[int], known: Iterable[int] = ()) -> list[int]:
-        """The lines from which some follow, in order, themselves among them; none behind ``known`` ones."""
+    def lines_needed(self, outputs: Iterable[int], known: Iterable[int] = ()) -> list[int]:
+        """The lines needed to compute ``outputs``, these included, in order; nothing that only ``known`` lines need."""
         seen, given = set(outputs), set(known) | set(self.inputs.values())
         for line in range(len(self.operations) - 1, -1, -1):
             if line in seen and line not in given:
                 seen.update(self.operations[line].operands)
         return sorted(seen)
 
-    def computed(self, outputs: Sequence[int], known: Mapping[int, Any]) -> list[Any]:
+    def evaluate(self, outputs: Sequence[int], known: Mapping[int, Any]) -> list[Any]:
         """Values of lines by NumPy, from the values of ``known`` lines, inputs among them: arrays that go together."""
-        needed = self.leading_to(outputs, known)
+        needed = self.lines_needed(outputs, known)
         last = {other: line for line in needed if line not in known for other in self.operations[line].operands}
         values = {line: known[line] for line in needed if line in known}
         numbers = set(outputs)
@@ -218,13 +221,13 @@ class LinkageTrace:
 
     @property
     def lines(self) -> tuple[int, ...]:
-        """Those of the signals, of whether they move, and of the determinants."""
+        """Line numbers of the results: the signals, whether it moves, the determinants."""
         return (*self.signals, self.moves, *self.determinants)
 
     def values(
         self, numbers: Mapping[str, Any], phi: ArrayLike = 0.0, speed: ArrayLike = 0.0, acceleration: ArrayLike = 0.0
     ) -> dict[int, Any]:
-        """Values of the inputs by line: of the ``numbers`` that are given, and of the crank's place and motion, SI."""
+        """Values of the inputs by line: ``numbers`` by name, the crank's angle or stroke, speed, acceleration, SI."""
         known = {**numbers, PHI: phi, SPEED: speed, ACCELERATION: acceleration}
         table: dict[int, Any] = {}
         for name, line in self.trace.inputs.items():
@@ -235,8 +238,11 @@ class LinkageTrace:
                 table[line] = known[name]
         return table
 
-    def borders(self, outputs: Iterable[int]) -> tuple[list[int], list[int]]:
-        """The lines of a design's numbers alone, and of the crank's place alone, from which outputs follow."""
+    def split_inputs(self, outputs: Iterable[int]) -> tuple[list[int], list[int]]:
+        """Lines that depend on the design alone, and lines that depend on the crank alone, from which outputs follow.
+
+        Each can be computed once and shared.
+        """
         parts = dict.fromkeys(range(len(self.trace.operations)), 0)
         for name, line in self.trace.inputs.items():
             parts[line] = OF_DESIGN if name in self.varied else OF_PLACE
@@ -244,7 +250,7 @@ class LinkageTrace:
             if operation.name != INPUT:
                 for other in operation.operands:
                     parts[line] |= parts[other]
-        needed = self.trace.leading_to(outputs)
+        needed = self.trace.lines_needed(outputs)
         mixed = [line for line in needed if parts[line] == OF_DESIGN | OF_PLACE]
         used = sorted({other for line in mixed for other in self.trace.operations[line].operands} | set(outputs))
         return [line for line in used if parts[line] == OF_DESIGN], [line for line in used if parts[line] == OF_PLACE]

@@ -101,8 +101,9 @@ class FreeMotion:
         return 2.0 * self._integration_error(time, angle) + self._closed_form_error(time, angle) + rounding
 
     def _integration_error(self, time: Array, angle: Array) -> float:
+        """Largest difference of φ, rad, from the second integration."""
         equation = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
-        control = _integrated(equation, self.start, self.duration, CONTROL_NODES, TIGHTENED * self.tolerance)
+        control = _integrate_windows(equation, self.start, self.duration, CONTROL_NODES, TIGHTENED * self.tolerance)
         return float(np.max(np.abs(angle - control.angle_at(time))))
 
     def _closed_form_error(self, time: Array, angle: Array) -> float:
@@ -162,15 +163,15 @@ def free_motion(
 def follow(
     equation: EquationOfMotion, start_angle: float, start_speed: float, duration: float, tolerance: float
 ) -> FreeMotion:
-    """The motion of an equation that is ready to be integrated; arguments as for ``free_motion``."""
+    """Integrate an equation of motion that may be tabulated already; arguments as for ``free_motion``."""
     start = (start_angle, start_speed)
-    windows = _integrated(equation, start, duration, NODES, tolerance)
+    windows = _integrate_windows(equation, start, duration, NODES, tolerance)
     timed = equation.over_time is not None and any(equation.over_time.torque)
     regime = "driven" if timed or np.any(equation.torque.values) else "free"
     return FreeMotion(regime, start, duration, equation, windows, tolerance)
 
 
-def _integrated(
+def _integrate_windows(
     equation: EquationOfMotion, start: tuple[float, float], duration: float, nodes: int, tolerance: float
 ) -> Windows:
     """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""

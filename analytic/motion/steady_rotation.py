@@ -53,7 +53,7 @@ def last_turns(motion: FreeMotion, turns: int = 1) -> Rotation:
     """The rotation in the last whole turns of a motion; raises LinkproofError if it did not make them."""
     end, whole = float(motion.angle(motion.duration)), turns * FULL_TURN
     direction = 1.0 if end > float(motion.angle(0.0)) else -1.0
-    start = _instant(motion, end - direction * whole)
+    start = _last_passage(motion, end - direction * whole)
     if start is None or turns < 1:
         raise LinkproofError(
             f"rotation: expected a motion of at least {turns} whole turns and at least one, got one from "
@@ -63,6 +63,8 @@ def last_turns(motion: FreeMotion, turns: int = 1) -> Rotation:
 
 
 def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotation:
+    """Mean speeds, rad/s, over time and over φ, and the extreme speeds, between two instants, s."""
+
     def speed(phase: Array) -> Array:
         return motion.speed(start + (end - start) * (phase % FULL_TURN) / FULL_TURN)
 
@@ -73,8 +75,8 @@ def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotat
     return Rotation(travelled / time, over_angle, result.maximum, result.minimum)
 
 
-def _instant(motion: FreeMotion, angle: float) -> float | None:
-    """The last time at which the crank passes an angle, s."""
+def _last_passage(motion: FreeMotion, angle: float) -> float | None:
+    """The last time, s, at which the crank passes an angle, rad; None if it never does."""
     times = motion.windows.starts
     ahead = motion.angle(times) >= angle
     changes = np.flatnonzero(ahead[1:] != ahead[:-1])
@@ -100,7 +102,7 @@ def steady_state(mechanism: Mechanism, torque: float | Law, half_slope: str = "e
         )
     equation = equation.tabulated()
     for guess in GUESSES:
-        rotation = _repeating(equation, guess * moment / damping)
+        rotation = _repeating_rotation(equation, guess * moment / damping)
         if rotation is not None:
             return rotation
     raise LinkproofError(
@@ -109,7 +111,7 @@ def steady_state(mechanism: Mechanism, torque: float | Law, half_slope: str = "e
     )
 
 
-def _repeating(equation: EquationOfMotion, speed: float) -> Rotation | None:
+def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | None:
     """Search the speed at φ = 0 that a turn brings back, by secants of the turn's map; None if the crank stalls."""
     earlier: tuple[float, float] | None = None
     for _ in range(MOST_TURNS):
@@ -129,11 +131,11 @@ def _repeating(equation: EquationOfMotion, speed: float) -> Rotation | None:
 
 
 def _turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, float] | None:
-    """A motion of one turn from φ = 0 and the time it takes, s."""
+    """A motion of one turn from φ = 0 and the time it takes, s; None if the crank does not get round."""
     duration = 1.25 * FULL_TURN / abs(speed)
     while duration < SLOWEST * FULL_TURN / abs(speed):
         motion = follow(equation, 0.0, speed, duration, TOLERANCE)
-        end = _instant(motion, float(np.copysign(FULL_TURN, speed)))
+        end = _last_passage(motion, float(np.copysign(FULL_TURN, speed)))
         if end is not None:
             return motion, end
         duration *= 2.0

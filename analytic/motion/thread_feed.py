@@ -183,7 +183,7 @@ def read_required_feed(path: str | Path) -> RequiredFeed:
     rows: list[tuple[float, float]] = []
     swapped = False
     for number, line in enumerate(_lines(Path(path)), start=1):
-        fields = _fields(line)
+        fields = _cells_of_line(line)
         if not fields:
             continue
         if not rows and not any(_is_number(field) for field in fields):
@@ -205,6 +205,7 @@ def read_required_feed(path: str | Path) -> RequiredFeed:
 
 
 def _lines(path: Path) -> list[str]:
+    """The lines of a CSV file; raises LinkproofError where it cannot be read."""
     try:
         return path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
@@ -213,7 +214,8 @@ def _lines(path: Path) -> list[str]:
         raise LinkproofError(f"{path}: expected a readable CSV file, got '{error}'; check the path") from None
 
 
-def _fields(line: str) -> list[str]:
+def _cells_of_line(line: str) -> list[str]:
+    """The cells of a line of a CSV file; none for an empty line or a comment."""
     text = line.strip()
     if not text or text.startswith("#"):
         return []

@@ -13,10 +13,10 @@ from functools import lru_cache
 import numpy as np
 
 from analytic.description.law import FULL_TURN
-from analytic.errors import LinkproofError
+from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.refine import Array, grid, largest, periodic_mean, zeros
+from analytic.numerics.refine import Array, grid, highest, largest, periodic_mean, zeros
 
 # The mean of a modulus has kinks, where the trapezoid rule errs by h²: 7200 points leave eight digits.
 POINTS = 7200
@@ -62,14 +62,15 @@ def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
     """Every reversal of the output over one turn, by crank angle; roots of its first derivative, not grid points."""
     angles = zeros(lambda phi: mechanism.sweep(phi).output(1), turns=round(mechanism.period / FULL_TURN))
     if not len(angles):
-        raise _still(mechanism)
+        raise _still_output(mechanism)
     coordinates = mechanism.sweep(angles).output()
     if np.ptp(coordinates) <= ROUNDING * mechanism.linkage.extent():
-        raise _still(mechanism)
+        raise _still_output(mechanism)
     return tuple(DeadCentre(float(a), float(c)) for a, c in zip(angles, coordinates, strict=True))
 
 
-def _still(mechanism: Mechanism) -> LinkproofError:
+def _still_output(mechanism: Mechanism) -> LinkproofError:
+    """The error for an output that does not move along its direction."""
     output = mechanism.linkage.output
     assert output is not None
     return LinkproofError(
@@ -103,4 +104,36 @@ def unit_functions(mechanism: Mechanism, points: int = POINTS, *, clockwise: boo
         displacement=(top.coordinate - sweep.output()) / stroke(mechanism),
         velocity=-direction * sweep.output(1) / largest(lambda phi: mechanism.sweep(phi).output(1)),
         acceleration=-sweep.output(2) / largest(lambda phi: mechanism.sweep(phi).output(2)),
+    )
+
+
+# The zero of S: the top dead centre, or the farthest position of a crank that cannot turn fully.
+
+RANGE_POINTS = 721  # of a range of angles, at which its highest place is looked for
+
+
+@lru_cache(maxsize=64)
+def top_of_turn(mechanism: Mechanism) -> float | None:
+    """The output's coordinate at the top dead centre, m; None where the crank cannot turn fully to show it."""
+    if mechanism.linkage.is_linear:
+        return None
+    try:
+        mechanism.check_full_turn()
+        return top_dead_centre(mechanism).coordinate
+    except AssemblyError:
+        return None
+
+
+def farthest_between(mechanism: Mechanism, angle: Array) -> float:
+    """The output's coordinate at which S is 0, m, where the crank moves between the least and the largest angle, rad.
+
+    It is that of the top dead centre where the crank can turn fully, else the highest between them. Raises
+    LinkproofError where the output of a full turn stands still along its direction.
+    """
+    top = top_of_turn(mechanism)
+    if top is not None:
+        return top
+    places = np.linspace(np.min(angle), np.max(angle), RANGE_POINTS)
+    return float(
+        highest(lambda phi: mechanism.sweep(phi).output()[None], places, mechanism.sweep(places).output()[None])[0][0]
     )

@@ -36,14 +36,14 @@ def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
     row = np.repeat(np.arange(rows), len(edges) - 1)
     length = edges[-1] - edges[0]
     share = width / length if length else np.full(len(width), 1.0 / (len(edges) - 1))
-    parts, _ = _weighed(integrands, row, start, width, share)
+    parts, _ = _cell_integrals(integrands, row, start, width, share)
     means, sizes = np.zeros((2, len(parts), rows))
     rough = np.zeros(means.shape, dtype=bool)
     for level in range(LEVELS):
         whole, row_of_cell = parts, row
         start, width = np.concatenate([start, start + 0.5 * width]), np.tile(0.5 * width, 2)
         row, share = np.tile(row, 2), np.tile(0.5 * share, 2)
-        parts, magnitudes = _weighed(integrands, row, start, width, share)
+        parts, magnitudes = _cell_integrals(integrands, row, start, width, share)
         halves = parts.reshape(len(parts), 2, -1).sum(axis=1)
         scale = sizes + _sums(magnitudes, row, rows)
         off = np.abs(halves - whole) > SAME * scale[:, row_of_cell]
@@ -58,12 +58,14 @@ def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
     return means
 
 
-def _weighed(integrands: Integrands, row: Integers, start: Array, width: Array, share: Array) -> tuple[Array, Array]:
+def _cell_integrals(
+    integrands: Integrands, row: Integers, start: Array, width: Array, share: Array
+) -> tuple[Array, Array]:
     """Contributions of cells (n,) to the means of integrands, and to those of their magnitudes: (k, n)."""
     values = integrands(row, start[:, None] + width[:, None] * NODES)
     return np.sum(values * WEIGHTS, axis=2) * share, np.sum(np.abs(values) * WEIGHTS, axis=2) * share
 
 
 def _sums(parts: Array, row: Integers, rows: int) -> Array:
-    """Parts (k, n) of rows (n,) added up, (k, rows)."""
+    """Sums of parts (k, n) by their row (n,): (k, rows)."""
     return np.array([np.bincount(row, part, rows) for part in parts])

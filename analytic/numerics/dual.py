@@ -106,13 +106,13 @@ WITHOUT: Final = frozenset({
 
 
 def _padded(slopes: Array, dimensions: int) -> Array:
-    """Derivatives of an argument as they belong to a result of more dimensions."""
+    """Derivatives of an argument with the axes that a result of more dimensions has."""
     missing = dimensions + 1 - slopes.ndim
     return slopes.reshape(len(slopes), *[1] * missing, *slopes.shape[1:]) if missing > 0 else slopes
 
 
 def _parts(numbers: Sequence[Any]) -> tuple[list[Any], list[Array]]:
-    """Values and derivatives of several numbers, plain ones among them."""
+    """Values and derivatives of several numbers, plain ones among them, which have none."""
     count = next(len(number.slopes) for number in numbers if isinstance(number, Dual))
     values = [number.value if isinstance(number, Dual) else np.asarray(number, dtype=float) for number in numbers]
     slopes = [number.full if isinstance(number, Dual) else np.zeros((count, *np.shape(number))) for number in numbers]

@@ -109,7 +109,7 @@ DIVERGING: Final = 30.0  # times the least change so far: the window is too long
 SETTLED: Final = 0.001  # of the tolerance, relative to the acceleration: what an iteration may leave
 FINE: Final = 1e-9  # a tolerance from which windows settle to rounding
 SAFETY, MOST_GROWTH, LEAST_GROWTH, MOST_RETRY = 0.85, 1.5, 0.2, 0.7
-ALL_BUT: Final = 0.999  # of the rest of the time: no sliver of a window is left over
+NEARLY_ALL: Final = 0.999  # of the rest of the time: no sliver of a window is left over
 FIRST_ANGLE: Final = 0.3  # rad, the first window's guess
 LEAST_WINDOW: Final = 1e-12  # of the longest one
 # Near a dead position the windows shrink without end. A kink in a load takes some 40 small ones to get over.
@@ -156,6 +156,7 @@ class _Path:
         self._periods += round((angle - self.angle) / self.period)
 
     def windows(self) -> Windows:
+        """The motion so far as series of Legendre polynomials."""
         length, start = np.diff(self.starts), np.array(self._speeds)
         accelerations = np.stack(self._accelerations, axis=1)
         angle, speed = length**2 * (self.scheme.angle @ accelerations), length * (self.scheme.speed @ accelerations)
@@ -204,12 +205,12 @@ def integrate(
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
     unsettled = SETTLED * tolerance if tolerance > FINE else 0.0
     path = _Path(scheme, start, period)
-    pushed = _timed(acceleration, push)
+    pushed = _with_push(acceleration, push)
     borders = [*sorted(knot for knot in knots if 0.0 < knot < duration), duration]
-    path.acceleration = _at_end(pushed, path)
+    path.acceleration = _end_acceleration(pushed, path)
     length = longest = _first_window(path, duration)
     while path.time < duration:
-        last = length >= ALL_BUT * (borders[0] - path.time)
+        last = length >= NEARLY_ALL * (borders[0] - path.time)
         end = borders[0] if last else path.time + length
         length = end - path.time
         accelerations = _solve(pushed, path, length, rounding, unsettled)
@@ -220,22 +221,22 @@ def integrate(
             longest = max(longest, length)
             if last:
                 del borders[0]
-                path.acceleration = _at_end(pushed, path)
+                path.acceleration = _end_acceleration(pushed, path)
         else:
             factor = min(factor, MOST_RETRY)
         length *= factor
-        _check(path, length, longest, duration, place)
+        _check_progress(path, length, longest, duration, place)
     return path.windows()
 
 
-def _timed(acceleration: Acceleration, push: Push | None) -> Timed:
-    """The whole acceleration over time, φ and ω."""
+def _with_push(acceleration: Acceleration, push: Push | None) -> Timed:
+    """The whole acceleration, rad/s², as a function of time, φ and ω."""
     if push is None:
         return lambda _time, angle, speed: acceleration(angle, speed)
     return lambda time, angle, speed: acceleration(angle, speed) + push(time, angle)
 
 
-def _at_end(acceleration: Timed, path: _Path) -> float:
+def _end_acceleration(acceleration: Timed, path: _Path) -> float:
     """The acceleration at the path's end."""
     return float(acceleration(np.array([path.time]), np.array([path.angle]), np.array([path.speed]))[0])
 
@@ -284,7 +285,8 @@ def _error(path: _Path, accelerations: Array, length: float, rounding: float) ->
     return tail * length / scale if scale > 0.0 else 0.0
 
 
-def _check(path: _Path, length: float, longest: float, duration: float, place: Callable[[float], str]) -> None:
+def _check_progress(path: _Path, length: float, longest: float, duration: float, place: Callable[[float], str]) -> None:
+    """Raise LinkproofError where the motion cannot be followed, or takes too many windows."""
     time, done = path.time, len(path.starts) - 1
     if path.is_lost(length, longest):
         raise LinkproofError(

@@ -84,11 +84,11 @@ def tabulate(
     done: list[tuple[Array, Array, Array]] = []
     for level in range(MOST_HALVINGS + 1):
         last = level == MOST_HALVINGS or len(left) > MOST_CELLS
-        values = _on(functions, left, right, nodes)
+        values = _sampled_functions(functions, left, right, nodes)
         peak = np.maximum(np.abs(values).max(axis=(1, 2)), 0.0 if peak is None else peak)
         # Two products: in one, the large entries of the conversion to powers would amplify roundings of the values.
         coefficients = np.moveaxis((values @ analysis.T) @ powers.T, 0, -1)
-        true = np.moveaxis(_on(functions, left, right, between), 0, -1)
+        true = np.moveaxis(_sampled_functions(functions, left, right, between), 0, -1)
         deviation = np.abs(checked @ coefficients - true).max(axis=1)
         error = (deviation / np.where(peak > 0.0, peak, 1.0)).max(axis=1)
         accepted = (error <= TOLERANCE) | ((error < SMALL) & (error > PROGRESS * parents)) | last
@@ -121,7 +121,7 @@ def _rules(degree: int) -> tuple[Array, Array, Array]:
     return nodes, analysis, powers
 
 
-def _on(functions: Functions, left: Array, right: Array, places: Array) -> Array:
+def _sampled_functions(functions: Functions, left: Array, right: Array, places: Array) -> Array:
     """The functions at places of [-1, 1] across every cell; (functions, cells, places)."""
     angle = left[:, None] + np.multiply.outer(right - left, 0.5 * (places + 1.0))
     flat = angle.ravel()

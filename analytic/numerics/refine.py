@@ -76,7 +76,7 @@ def highest(curves: Curves, grid: Array, values: Array) -> tuple[Array, Array]:
         return seen[result.curve[top], np.arange(len(top))]
 
     climbed, where = climb(result, heights)
-    first = firsts(result, climbed, len(values), np.max(np.abs(values), axis=1))
+    first = first_highest(result, climbed, len(values), np.max(np.abs(values), axis=1))
     best = np.argmax(values, axis=1)
     most, places = values[np.arange(len(values)), best], grid[best]
     most[result.curve[first]], places[result.curve[first]] = climbed[first], where[first]
@@ -107,13 +107,13 @@ def summits(outcome: Tops, signs: Array, heights: Heights, count: int) -> tuple[
     Of tops that are equal but for rounding it is the first.
     """
     climbed, _ = climb(outcome, heights)
-    first, result = firsts(outcome, climbed, count), np.full((2, count), np.nan)
+    first, result = first_highest(outcome, climbed, count), np.full((2, count), np.nan)
     result[:, outcome.curve[first]] = climbed[first], signs[first]
     return result[0], result[1]
 
 
-def firsts(result: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
-    """Of each of ``count`` curves that has tops the highest of them, the first of those that are equal.
+def first_highest(result: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
+    """For each of ``count`` curves with tops, the number of its highest top, the first of those that are equal.
 
     They are equal where they differ by the rounding of their height, or of a curve's size (count,).
     """
@@ -151,7 +151,7 @@ def climb(outcome: Tops, heights: Heights) -> tuple[Array, Array]:
         x, y = np.take_along_axis(x, three, 1), np.take_along_axis(y, three, 1)
         row, peak = np.arange(len(x)), np.argmax(y, axis=1)
         seen, place = y[row, peak], x[row, peak]
-        top = _height(x, y, low, high, seen)
+        top = _predicted_height(x, y, low, high, seen)
         missed = top - seen > MISSED * np.abs(top)
         wide = high - low > np.where(missed, SHARP * fine, fine)
         is_corner = (missed & ~wide) | (top - seen > JUMP * np.abs(top))
@@ -181,7 +181,7 @@ def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
     return x[:, 1] - 0.5 * slope / bend, y[:, 1] - 0.25 * slope * slope / bend
 
 
-def _height(x: Array, y: Array, low: Array, high: Array, seen: Array) -> Array:
+def _predicted_height(x: Array, y: Array, low: Array, high: Array, seen: Array) -> Array:
     """The top of the parabola, if that is between the bounds, or the highest point ``seen``; nan if one is nan."""
     place, top = _parabola(x, y)
     return np.asarray(np.where((place > low) & (place < high), np.fmax(top, seen), seen))

@@ -109,7 +109,7 @@ def lowest(
 # Functions of the crank angle that are nan where the linkage cannot be assembled.
 
 
-def where_assembled(function: Callable[[Array], Array], angle: Array) -> Array:
+def evaluate_assembled(function: Callable[[Array], Array], angle: Array) -> Array:
     """A function at every angle (n,), rad, nan where the linkage is not assembled or stuck."""
     try:
         return function(angle)
@@ -117,4 +117,4 @@ def where_assembled(function: Callable[[Array], Array], angle: Array) -> Array:
         if len(angle) == 1:
             return np.full(1, np.nan)
         halves = np.split(angle, [len(angle) // 2])
-        return np.concatenate([where_assembled(function, half) for half in halves], axis=-1)
+        return np.concatenate([evaluate_assembled(function, half) for half in halves], axis=-1)

@@ -18,7 +18,7 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.farthest import top_of_turn
+from analytic.motion.unit_functions import top_of_turn
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import tables
 from comparisons.datasheet.instants import Instants, needed

@@ -19,7 +19,7 @@ from analytic.dynamics.reduced import drive_torque, load_forces
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.refine import grid
-from analytic.numerics.roots import where_assembled
+from analytic.numerics.roots import evaluate_assembled
 
 Load = PointForce | LinkTorque | Spring
 LOADS: Final = ("forces", "torques", "springs")
@@ -133,7 +133,7 @@ def _sizes(linkage: Linkage) -> Iterator[str]:
         return
     places = loaded.turn.angle if linkage.is_linear else grid(PLACES)
     speed = 0.0 if linkage.is_linear else SPEED * RPM
-    rest = where_assembled(lambda angle: -drive_torque(bare.sweep(angle), speed, 0.0), places)
+    rest = evaluate_assembled(lambda angle: -drive_torque(bare.sweep(angle), speed, 0.0), places)
     known = np.isfinite(rest)
     rest, parts = rest[known], [part for _, part in load_forces(loaded.sweep(places[known]))]
     for load, part in zip(loads, parts, strict=True):

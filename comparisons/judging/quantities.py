@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.motion.farthest import top_of_turn
 from analytic.motion.thread_feed import feed, feed_of_length, reference_angle, reference_length
-from analytic.signals import ONE_OF_ITS_KIND, unit_of
+from analytic.motion.unit_functions import top_of_turn
+from analytic.signals import SINGLE_SIGNALS, unit_of
 from comparisons.observation.interpolation import SHARP, peak, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
@@ -224,9 +224,9 @@ OBSERVED: Mapping[str, Observed] = {
 
 def _quantity(name: str, row: dict[str, Any]) -> Quantity:
     channels = {"clock": Channel(row["clock"]), "also": frozenset(map(Channel, row.get("also", ())))}
-    if name not in ONE_OF_ITS_KIND:
+    if name not in SINGLE_SIGNALS:
         return Quantity(name, _true_feed, OBSERVED[name], **{**row, **channels})
-    known = ONE_OF_ITS_KIND[name]
+    known = SINGLE_SIGNALS[name]
     return Quantity(
         name,
         lambda case, time: np.asarray(known.formula(case.at(time))),

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import (
+    FileRegime,
     Linkage,
     LinkTorque,
     Output,
-    OwnRegime,
     PrescribedRegime,
     ReleasedRegime,
     Vector,
@@ -221,7 +221,7 @@ def _released(linkage: Linkage, own: ReleasedRegime) -> str:
     return f"released at {start}, crank torque {_torque(own, 'N m')}"
 
 
-def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
+def own_case(mechanism: Mechanism, own: FileRegime) -> Case:
     """The case of a regime of the linkage's own: its motion, or a released crank's by the equation of motion.
 
     A crank torque over the angle is a load like any other: it is put among the linkage's.

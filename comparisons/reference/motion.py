@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.farthest import top_of_turn
+from analytic.motion.unit_functions import top_of_turn
 from analytic.numerics.refine import highest
 
 Array = NDArray[np.float64]

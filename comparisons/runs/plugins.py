@@ -122,7 +122,9 @@ def _from_workers(function: Any, jobs: Sequence[tuple[Any, ...]]) -> list[Any]: 
     if not jobs:
         return []
     start_server(["comparisons.campaign.campaign"])  # which runs will need, as the server starts once
-    results = dict(run_jobs(function, jobs, bounds=Bounds(registry.LOADING + 5.0)))  # loading ends by itself, mostly
+    results = dict(
+        run_jobs(function, jobs, bounds=Bounds(registry.LONGEST_LOADING + 5.0))
+    )  # loading ends by itself, mostly
     return [results[number] for number in range(len(jobs))]
 
 

@@ -31,9 +31,9 @@ from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, ch
 LEAST_SAMPLES = 1400
 SAMPLES_PER_TURN = 120
 FREE_SPACING = 1e-3  # s
-FARTHEST = 16.0  # units that a free linear driver is followed from its start
-STOP = 1e-3  # rad or units before a position that the path cannot pass
-FEWEST = 8  # fewer intervals cannot be read between
+LARGEST_TRAVEL = 16.0  # units that a free linear driver is followed from its start
+STOP_MARGIN = 1e-3  # rad or units before a position that the path cannot pass
+LEAST_STEPS = 8  # fewer intervals cannot be read between
 
 
 def motion(equations: Equations, spacing: float | None) -> tuple[History, int]:
@@ -42,24 +42,28 @@ def motion(equations: Equations, spacing: float | None) -> tuple[History, int]:
     ``spacing``, s, is the longest between samples; None takes as many as show the motion's every turn.
     """
     if isinstance(equations.scene.drive, Prescribed):
-        return _prescribed(equations, equations.scene.drive, spacing)
-    return _free(equations, equations.scene.drive, spacing)
+        return _prescribed_motion(equations, equations.scene.drive, spacing)
+    return _free_motion(equations, equations.scene.drive, spacing)
 
 
-def _clock(duration: float, spacing: float | None, turns: float, least: int = LEAST_SAMPLES) -> Array:
+def _sample_times(duration: float, spacing: float | None, turns: float, least: int = LEAST_SAMPLES) -> Array:
+    """Instants, s, of the samples: every ``spacing``, or as many as ``turns`` of the crank need if None."""
     samples = max(least, round(SAMPLES_PER_TURN * turns))
     if spacing is not None:
-        samples = max(FEWEST, math.ceil(duration / spacing - 1e-6))
+        samples = max(LEAST_STEPS, math.ceil(duration / spacing - 1e-6))
     return np.linspace(0.0, duration, samples + 1)
 
 
-def _prescribed(equations: Equations, drive: Prescribed, spacing: float | None) -> tuple[History, int]:
+def _prescribed_motion(equations: Equations, drive: Prescribed, spacing: float | None) -> tuple[History, int]:
+    """History of a driver with a prescribed motion, and the number of instants."""
     crank, scale = drive.motion, equations.driver.scale
-    time = _clock(crank.duration, spacing, crank.duration * crank.peak_speed / FULL_TURN)
+    time = _sample_times(crank.duration, spacing, crank.duration * crank.peak_speed / FULL_TURN)
     angle = crank.angle(time) / scale
     path = reach(equations, float(np.min(angle)), float(np.max(angle)))
     _check_reach(path, time, angle)
-    return _sampled(path, time, Crank(angle, crank.speed(time) / scale, crank.acceleration(time) / scale)), len(time)
+    return _solved_samples(path, time, Crank(angle, crank.speed(time) / scale, crank.acceleration(time) / scale)), len(
+        time
+    )
 
 
 def _check_reach(path: Path, time: Array, angle: Array) -> None:
@@ -78,30 +82,33 @@ def _check_reach(path: Path, time: Array, angle: Array) -> None:
         )
 
 
-def _sampled(path: Path, time: Array, crank: Crank) -> History:
-    """Every instant of the clock solved, in blocks."""
+def _solved_samples(path: Path, time: Array, crank: Crank) -> History:
+    """The history of instants, s, each solved by itself, in blocks."""
     equations, channels = path.equations, path.equations.scene.channels
     blocks = []
     for start in range(0, len(time), BLOCK):
         part = crank.part(slice(start, start + BLOCK))
-        blocks.append(solve(equations, path.closed(part.angle), part, channels))
+        blocks.append(solve(equations, path.closed_pose(part.angle), part, channels))
     return history(time, blocks, equations.joints, channels)
 
 
-def _free(equations: Equations, drive: Free, spacing: float | None) -> tuple[History, int]:
+def _free_motion(equations: Equations, drive: Free, spacing: float | None) -> tuple[History, int]:
+    """History of a free driver, and the number of time steps of its integration."""
     scale = equations.driver.scale
-    start, far = equations.scene.crank_angle / scale, FULL_TURN if equations.driver.turns else FARTHEST
+    start, far = equations.scene.crank_angle / scale, FULL_TURN if equations.driver.turns else LARGEST_TRAVEL
     low, high = start - far, start + far
     path = reach(equations, low, high)
     if path.turns is None:
         if equations.driver.turns and path.high - path.low > FULL_TURN:
             raise UnsolvableError("the linkage is in another pose after a turn of its crank")
-        path = replace(path, low=path.low + STOP * (path.low > low), high=path.high - STOP * (path.high < high))
+        path = replace(
+            path, low=path.low + STOP_MARGIN * (path.low > low), high=path.high - STOP_MARGIN * (path.high < high)
+        )
     free = released_motion(equations, path, drive)
     turns = drive.duration * float(np.max(np.abs(free(free.ts)[1]))) / FULL_TURN  # or spans as long
-    time = _clock(drive.duration, spacing, turns, max(LEAST_SAMPLES, round(drive.duration / FREE_SPACING)))
+    time = _sample_times(drive.duration, spacing, turns, max(LEAST_SAMPLES, round(drive.duration / FREE_SPACING)))
     angle, speed = free(time)
-    return _sampled(path, time, Crank(angle, speed, None, drive.torque_at(time) * scale)), free.n_segments
+    return _solved_samples(path, time, Crank(angle, speed, None, drive.torque_at(time) * scale)), free.n_segments
 
 
 DISTRIBUTION = "linkproof"
@@ -147,10 +154,14 @@ class DirectEngine:
 
 
 def _run(scene: Scene, spacing: float | None, cost: Cost) -> Run:
-    return run_stepping(cost, lambda: _history(scene, spacing, cost))
+    return run_stepping(cost, lambda: _solved_history(scene, spacing, cost))
 
 
-def _history(scene: Scene, spacing: float | None, cost: Cost) -> History:
+def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
+    """Build the equations and solve the motion; samples every ``spacing`` s, or as the adapter chooses if None.
+
+    Times and work go into ``cost``.
+    """
     turns = scene.driver_kind is DriverKind.CRANK
     if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
         raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
@@ -158,7 +169,7 @@ def _history(scene: Scene, spacing: float | None, cost: Cost) -> History:
         reason = data_obstacle(scene, massless=True)
         if reason is not None:
             raise DivergedError(reason)
-        equations = _equations(scene)
+        equations = _checked_equations(scene)
     try:
         with cost.stepping(), np.errstate(all="ignore"):  # numbers that are not finite are named later
             history, cost.steps = motion(equations, spacing)
@@ -167,7 +178,7 @@ def _history(scene: Scene, spacing: float | None, cost: Cost) -> History:
     return history
 
 
-def _equations(scene: Scene) -> Equations:
+def _checked_equations(scene: Scene) -> Equations:
     """The scene's equations; raises UnsupportedError where they do not fix its motion."""
     equations = Equations(scene)
     given, expected = equations.rows - 1, equations.size - 1
@@ -181,7 +192,7 @@ def _equations(scene: Scene) -> Equations:
 
 
 def _degeneracy(equations: Equations) -> str | None:
-    """Why the equations do not fix the motion at the start, in a sentence; None where they do."""
+    """Why the equations do not fix the motion at the start, in a sentence; None where they fix it."""
     matrix = equations.jacobian(equations.arms(equations.start()))[0]
     if not np.all(np.isfinite(matrix)):
         return "the start state is not finite"

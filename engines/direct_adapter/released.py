@@ -21,7 +21,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from analytic.description.law import FULL_TURN
 from engines.contract import Array
-from engines.direct_adapter.solution import Equations, Path, UnsolvableError, bends, transfer
+from engines.direct_adapter.solution import Equations, Path, UnsolvableError, transfer, velocity_terms
 from engines.mechanics.driver import driven
 from engines.mechanics.joints import applied_loads
 from engines.mechanics.states import body_numbers, point_velocity, start_motion
@@ -42,7 +42,7 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
     """
     scene, driver = equations.scene, equations.driver
     start = [float(value[0]) / driver.scale for value in driven(scene, *start_motion(scene)[:2])]
-    rate = _rate(equations, path, drive)
+    rate = _rate_function(equations, path, drive)
     kinks = () if drive.over_time is None else [kink for kink in drive.over_time.times if 0.0 < kink < drive.duration]
     times, pieces, turned = [0.0], [], np.zeros((2, 1))
     for begin, end in pairwise([0.0, *kinks, drive.duration]):
@@ -53,7 +53,7 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
                 raise UnsolvableError(f"{reason} at {run.t:.4g} s")
             run.max_step = STEP * run.h_abs
             times.append(run.t)
-            pieces.append(_ahead(run.dense_output(), turned))
+            pieces.append(_shifted(run.dense_output(), turned))
             if path.turns is not None:  # rounded as an angle of many turns is, the state would lose energy
                 whole = FULL_TURN * np.floor((run.y - path.low) / FULL_TURN) * (1.0, 0.0)
                 run.y, turned = run.y - whole, turned + whole[:, None]
@@ -61,14 +61,15 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
     return OdeSolution(times, pieces)
 
 
-def _ahead(piece: DenseOutput, by: Array) -> Callable[[Array], Array]:
-    return lambda time: np.asarray(piece(time) + by)
+def _shifted(piece: DenseOutput, offset: Array) -> Callable[[Array], Array]:
+    """A piece of the motion with whole periods of φ added."""
+    return lambda time: np.asarray(piece(time) + offset)
 
 
-def _rate(equations: Equations, path: Path, drive: Free) -> Callable[[float, Array], tuple[float, float]]:
-    """The state's rate for an integrator, not a number outside the path."""
+def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[float, Array], tuple[float, float]]:
+    """The rate of the state (φ, φ̇), for an integrator; nan outside the path."""
     scene, scale = equations.scene, equations.driver.scale
-    table = _table(equations, path)
+    table = _coefficient_table(equations, path)
     laws = [load.force for load in scene.forces if not load.force.is_constant]
     laws += [load.torque for load in scene.torques if not load.torque.is_constant]
     low, high, repeats = path.low, path.high, path.turns is not None
@@ -87,8 +88,11 @@ def _rate(equations: Equations, path: Path, drive: Free) -> Callable[[float, Arr
     return rate
 
 
-def _table(equations: Equations, path: Path) -> BSpline:
-    """Coefficients over a path, as many places as make it exact; raises UnsolvableError where they are not finite."""
+def _coefficient_table(equations: Equations, path: Path) -> BSpline:
+    """Coefficients over a path as a spline, at as many places as make it exact.
+
+    Raises UnsolvableError where they are not finite.
+    """
     for count in COUNTS:
         places = np.linspace(path.low, path.high, count)
         halves = 0.5 * (places[1:] + places[:-1])
@@ -109,12 +113,12 @@ def _coefficients(equations: Equations, path: Path, angle: Array) -> tuple[Array
 
     The sizes take each coordinate's lever for at least one unit of length: what is small beside them is cancellation.
     """
-    pose = path.closed(angle)
+    pose = path.closed_pose(angle)
     arms, metric = equations.arms(pose), pose.scaled(equations.unit)
     matrix = equations.jacobian(arms)
     first = transfer(equations, matrix)
-    lever, second = first * equations.metres, bends(equations, arms, matrix, first) * equations.metres
-    steady, varying = _parted(equations.scene)
+    lever, second = first * equations.metres, velocity_terms(equations, arms, matrix, first) * equations.metres
+    steady, varying = _split_loads(equations.scene)
     at_rest, moving = (applied_loads(steady, metric, rate) for rate in (np.zeros_like(lever), lever))
     forces = [equations.mass * lever, equations.mass * second, at_rest, at_rest - moving]
     values = [np.sum(lever * force, axis=(1, 2)) for force in forces]
@@ -127,8 +131,8 @@ def _coefficients(equations: Equations, path: Path, angle: Array) -> tuple[Array
     return np.stack([*values, *levers]), np.stack([*sizes, *(np.abs(each) + equations.unit for each in levers)])
 
 
-def _parted(scene: Scene) -> tuple[Scene, Scene]:
-    """The scene without its loads over φ, and with no other."""
+def _split_loads(scene: Scene) -> tuple[Scene, Scene]:
+    """The scene without its loads over φ, and the scene with no other loads."""
     steady, varying = (
         replace(
             scene,

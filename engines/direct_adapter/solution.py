@@ -20,7 +20,7 @@ from engines.stepping.intervals import DivergedError
 # The joints' equations of a scene, solved for many instants at once: linear systems in G, and Newton's method.
 
 
-PASSES = 12  # of Newton's method
+MOST_ITERATIONS = 12  # of Newton's method
 SHRINKING = 0.25  # of a correction over the one before it
 UNFINISHED = 1e-9  # units and rad: a correction that no longer shrinks is rounding if it is smaller, failure if not
 EPS = float(np.finfo(float).eps)
@@ -51,13 +51,13 @@ class Equations(JointEquations):
         residual[:, self.crank_row] = self.driven(pose, arms) - coordinate
         return residual, self.jacobian(arms)
 
-    def close(self, pose: Pose, coordinate: Reals) -> Pose:
+    def close_joints(self, pose: Pose, coordinate: Reals) -> Pose:
         """Close all joints by Newton's method, from poses that are near; raises UnsolvableError where it does not end.
 
         ``coordinate`` (n,) is φ, rad or units.
         """
         before = math.inf
-        for _ in range(PASSES):
+        for _ in range(MOST_ITERATIONS):
             residual, matrix = self.violation(pose, coordinate)
             step = self.solve(matrix, -residual)
             worst = float(np.max(np.abs(step)))
@@ -117,7 +117,7 @@ def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Ch
     velocity = rate * equations.metres
     if not channels & KINETIC:
         return Solution(metric.coordinates(), velocity)
-    bend = bends(equations, arms, matrix, rate)
+    bend = velocity_terms(equations, arms, matrix, rate)
     loads: Reals = np.zeros(0)
     second = crank.acceleration
     if second is None or channels & FORCES:  # a prescribed crank moves as it does whatever pulls at the links
@@ -142,17 +142,17 @@ def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Ch
 
 
 def transfer(equations: Equations, matrix: Reals) -> Reals:
-    """The derivatives q' = dq/dφ, (n, bodies, 3), in units and rad."""
+    """The derivatives q' = dq/dφ of all coordinates, (n, bodies, 3), in units and rad."""
     return equations.spread(equations.solve(matrix, equations.crank_unit(len(matrix))))
 
 
-def bends(equations: Equations, arms: Arms, matrix: Reals, rate: Reals) -> Reals:
-    """Solve for what the rates alone accelerate the coordinates by, q'' φ̇², (n, bodies, 3), in units and rad."""
+def velocity_terms(equations: Equations, arms: Arms, matrix: Reals, rate: Reals) -> Reals:
+    """Q'' φ̇² (n, bodies, 3), in units and rad: the accelerations that the rates alone cause."""
     return equations.spread(equations.solve(matrix, equations.bend(arms, rate)))
 
 
 def history(time: Array, blocks: Sequence[Solution], joints: Iterable[str], channels: frozenset[Channel]) -> History:
-    """The requested channels, from consecutive blocks of instants."""
+    """The requested channels as signals, from consecutive blocks of instants."""
     whole = {channel: np.concatenate([getattr(block, channel.value) for block in blocks]) for channel in channels}
     forces = whole.pop(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
     # The ground, the last body, is left out.
@@ -173,7 +173,7 @@ RELATIVE, ABSOLUTE = 1e-9, 1e-9  # of the integration, units and rad: near enoug
 PULL = 4.0  # 1/rad, at which a violation of the joints fades
 LONGEST = FULL_TURN / 16.0  # rad or units, between two poses of which one could be in another assembly mode
 EVALUATIONS = 5000  # a turn; an integration that needs more has come to a stop, where steps shrink without end
-SHUT = 1e-6  # units and rad between the two ends of a full turn
+RETURNED = 1e-6  # units and rad between the two ends of a full turn
 
 
 @dataclass(frozen=True)
@@ -190,13 +190,13 @@ class Path:
     gain: Callable[[Reals], Reals]
     turns: Reals | None
 
-    def closed(self, coordinate: Reals) -> Pose:
+    def closed_pose(self, coordinate: Reals) -> Pose:
         """The poses at φ (n,), the driver exactly there; raises UnsolvableError where they cannot be closed."""
         number = np.zeros(len(coordinate))
         if self.turns is not None:
             number = np.floor((coordinate - self.low) / FULL_TURN)
         pose = _pose(self.equations, self.gain(coordinate - FULL_TURN * number), coordinate)
-        pose = self.equations.close(pose, coordinate)
+        pose = self.equations.close_joints(pose, coordinate)
         if self.turns is None:
             return pose
         angle = pose.angle + number[:, None] * self.turns
@@ -212,14 +212,14 @@ def reach(equations: Equations, low: float, high: float) -> Path:
     at_start = equations.start()
     start = float(equations.driven(at_start, equations.arms(at_start))[0])
     if equations.driver.turns and high - low > FULL_TURN:
-        end, above = _followed(equations, start, start + FULL_TURN)
+        end, above = _follow_path(equations, start, start + FULL_TURN)
         gained = equations.spread(above(np.array([end])))[0]
         turns = FULL_TURN * np.round(gained[:, 2] / FULL_TURN)
         gained[:, 2] -= turns
-        if end == start + FULL_TURN and np.max(np.abs(gained)) <= SHUT:
+        if end == start + FULL_TURN and np.max(np.abs(gained)) <= RETURNED:
             return Path(equations, start, end, above, turns)
-    bottom, below = _followed(equations, start, low)
-    top, above = _followed(equations, start, high)
+    bottom, below = _follow_path(equations, start, low)
+    top, above = _follow_path(equations, start, high)
 
     def gain(coordinate: Reals) -> Reals:
         return np.where(coordinate[:, None] < start, below(coordinate), above(coordinate))
@@ -227,7 +227,7 @@ def reach(equations: Equations, low: float, high: float) -> Path:
     return Path(equations, bottom, top, gain, None)
 
 
-def _followed(equations: Equations, start: float, end: float) -> tuple[float, Callable[[Reals], Reals]]:
+def _follow_path(equations: Equations, start: float, end: float) -> tuple[float, Callable[[Reals], Reals]]:
     """φ up to which the path can be followed towards ``end`` in its assembly mode, and the coordinates' gain (n, k).
 
     The gain is a function of φ (n,).

@@ -30,7 +30,7 @@ from engines.stepping.stepped_engine import Course
 
 
 EFFORT_UNIT = "relative tolerance"
-ODD = (1, 3, 5, 7)  # steps to a sample that keep the sign of what alternates from step to step
+ODD_RATIOS = (1, 3, 5, 7)  # steps to a sample that keep the sign of what alternates from step to step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +59,40 @@ class ExudynRecipe(stepped_engine.Recipe):
             table["tolerance"] = self.effort
         return table
 
+    def solver_settings(self) -> dict[str, Any]:
+        """The rule as exudyn's settings, by their dotted names."""
+        newton, alpha = "timeIntegration.newton", "timeIntegration.generalizedAlpha"
+        table: dict[str, Any] = {"solution.file.write": False}
+        if self.effort is not None:
+            table |= {f"{newton}.{kind}Tolerance": self.effort for kind in ("relative", "absolute")}
+        if self.as_shipped:
+            return table
+        if self.damping is not None:
+            table[f"{alpha}.spectralRadius"] = self.damping
+        return table | {
+            "linearSolver.solverType": "EigenDense",
+            "timeIntegration.adaptiveStep": self.adaptive,
+            f"{alpha}.useNewmark": self.damping is None,
+            f"{alpha}.useIndex2Constraints": self.damping is None,
+            f"{alpha}.computeInitialAccelerations": False,  # exudyn leaves out the drive's own
+            # Residuals hold the multipliers, which nothing fixes at a change point; the motion's corrections die out.
+            f"{newton}.residualMode": 1,
+            f"{newton}.useModifiedNewton": True,
+            f"{newton}.modifiedNewtonJacUpdatePerStep": True,
+        }
+
+
+# The static solver's, which finds the start of a part: corrections are judged, not loads. The square of a correction,
+# which is the next one, is rounding.
+STATIC_SETTINGS = {
+    "solution.file.write": False,
+    "solution.sensors.active": False,
+    "linearSolver.solverType": "EigenDense",
+    "staticSolver.useLoadFactor": False,
+    "staticSolver.newton.residualMode": 1,
+    "staticSolver.newton.relativeTolerance": 1e-9,
+    "staticSolver.newton.absoluteTolerance": 1e-9,
+}
 
 # Generalised α (J. Chung, G. M. Hulbert, ASME Journal of Applied Mechanics 60, 1993); exudyn has it on position level
 # only. Its auxiliary accelerations start as the true ones, which leaves the multipliers first order behind every start;
@@ -89,7 +123,7 @@ TUNED = replace(
     turns=10,
     least_steps=100,
 )
-BEST = replace(TRAPEZOIDAL, effort=1e-12, steps_per_turn=150, ratios=ODD, least_steps=100)
+BEST = replace(TRAPEZOIDAL, effort=1e-12, steps_per_turn=150, ratios=ODD_RATIOS, least_steps=100)
 SETTINGS: Mapping[type, Mapping[Setting, ExudynRecipe]] = {
     Prescribed: {Setting.NAIVE: NAIVE, Setting.TUNED: TUNED, Setting.BEST: BEST},
     # A free crank adds its phase error up over all turns: 160 in 10 s of the slotted take-up, where 1600 steps a turn
@@ -102,10 +136,11 @@ SETTINGS: Mapping[type, Mapping[Setting, ExudynRecipe]] = {
 }
 
 
-def _extrapolated(count: int) -> tuple[str, ExudynRecipe]:
-    parts = ", 1/".join(map(str, ODD[:count]))
+def _extrapolated_method(count: int) -> tuple[str, ExudynRecipe]:
+    """What a method of ``count`` extrapolated runs is, in a sentence, and its recipe."""
+    parts = ", 1/".join(map(str, ODD_RATIOS[:count]))
     about = f"the same at 1/{parts} of the step, extrapolated to order {2 * count}"
-    return about, replace(TRAPEZOIDAL, ratios=ODD[:count], effort=1e-12)
+    return about, replace(TRAPEZOIDAL, ratios=ODD_RATIOS[:count], effort=1e-12)
 
 
 STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
@@ -118,7 +153,7 @@ STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
         "the implicit trapezoidal rule, constraints on velocity level, started anew at jumps and every 1.7 turns",
         TRAPEZOIDAL,
     ),
-    **{f"trapezoidal x{count}": _extrapolated(count) for count in (2, 3, 4)},
+    **{f"trapezoidal x{count}": _extrapolated_method(count) for count in (2, 3, 4)},
 }
 
 
@@ -165,8 +200,8 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
     studied = STUDIED
 
     def model(self, scene: Scene, recipe: ExudynRecipe) -> Mapping[str, Any]:
-        rule = {name: getattr(recipe, name) for name in ("as_shipped", "effort", "adaptive", "damping")}
-        return ExudynModel(scene).described() | rule
+        settings = {"settings": recipe.solver_settings(), "static_settings": STATIC_SETTINGS}
+        return ExudynModel(scene).as_data() | settings | {"as_shipped": recipe.as_shipped}
 
     def follow(self, world: Any, course: Course[ExudynRecipe]) -> History:  # noqa: ANN401 - the loop's
         course.cost.details.update(course.recipe.details())

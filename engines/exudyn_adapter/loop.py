@@ -11,7 +11,7 @@ import cmath
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, reduce
 from operator import mul
 from typing import Any
 
@@ -23,15 +23,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
-State = tuple[Array, Array, Array]  # coordinates and their first two time derivatives
 
-FULL_TURN = 2.0 * math.pi
 ANGLE = 2  # number of the angle among the coordinates of a two-dimensional rigid body
 TURNED = 5e-3  # rad between these: rounding of q'' and what the differences leave out are about equal
-# Central differences of sixth order for the first and second derivative, at 1 … 3 times that on either side.
-FIRST = (3 / 4, -3 / 20, 1 / 60)
-SECOND = (3 / 2, -3 / 20, 1 / 90)
-TOLERANCE = 1e-9  # of a correction of the static solver, whose square, which is the next, is rounding
+# Weights of central differences of sixth order, for the first and second derivative, at 1 … 3 times that.
+WEIGHTS = ((3 / 4, 3 / 2), (-3 / 20, -3 / 20), (1 / 60, 1 / 90))
 # What a start may change of coordinates, in the unit of length and rad, and of velocities, over the largest. A larger
 # change leads to another assembly mode, near a change point.
 LARGEST_CHANGE = 1e-2
@@ -41,25 +37,13 @@ def polynomial(coefficients: Sequence[float], x: Any, order: int = 0) -> Any:  #
     """Value or derivative of a polynomial, lowest power first."""
     for _ in range(order):
         coefficients = [power * each for power, each in enumerate(coefficients)][1:] or [0.0]
-    result = coefficients[-1] + 0.0 * x
-    for coefficient in coefficients[-2::-1]:
-        result = result * x + coefficient
-    return result
+    return reduce(lambda total, each: total * x + each, coefficients[-2::-1], coefficients[-1] + 0.0 * x)
 
 
-def coordinate(terms: Sequence[float], order: int) -> Callable[..., Any]:
-    """A polynomial of time or its derivative, in the form exudyn wants of a function of time."""
-
-    def value(_mbs: Any, t: Any, _item: Any, _offset: Any) -> Any:  # noqa: ANN401
-        return polynomial(terms, t, order)
-
-    return value
-
-
-def at(law: Any, angle: float) -> Any:  # noqa: ANN401
+def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
     """A load's components at an angle or a travel: those of cubics between knots."""
     knots, pieces, repeats = law
-    angle = knots[0] + (angle - knots[0]) % FULL_TURN if repeats else min(max(angle, knots[0]), knots[-1])
+    angle = knots[0] + (angle - knots[0]) % math.tau if repeats else min(max(angle, knots[0]), knots[-1])
     piece = min(bisect_right(knots, angle), len(pieces)) - 1
     x = angle - knots[piece]
     return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
@@ -93,15 +77,12 @@ class LinearDriver:
 
     def reached(self, mbs: Any) -> float:  # noqa: ANN401
         """φ at the present instant, m."""
-        coordinates = list[float]()
-        for node, _ in self.ends:
-            if node is not None:
-                place = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates)
-                coordinates += (place + mbs.GetNode(node)["referenceCoordinates"]).tolist()
-        return self.span(coordinates)[0]
+        nodes, kind = [node for node, _ in self.ends if node is not None], exudyn.OutputVariableType.Coordinates
+        places = [mbs.GetNodeOutput(node, kind) + mbs.GetNode(node)["referenceCoordinates"] for node in nodes]
+        return self.span(np.concatenate(places).tolist())[0]
 
     def functions(self) -> Data:
-        """The constraint, at position or at velocity level, and its Jacobian."""
+        """The constraint, one equation on position or velocity level, and its Jacobian."""
 
         def gap(_mbs: Any, t: float, _item: int, q: Any, q_t: Any, at_velocity: bool) -> list[float]:  # noqa: ANN401
             length, gradient = self.span(q)
@@ -110,7 +91,6 @@ class LinearDriver:
         def jacobian(_mbs: Any, _t: float, _item: int, q: Any, *_: object) -> Array:  # noqa: ANN401
             return np.array([self.span(q)[1]])
 
-        # The matrix has one row: there is one equation.
         return {"scalingMarker0": np.zeros((1, 1)), "constraintUserFunction": gap, "jacobianUserFunction": jacobian}
 
 
@@ -122,8 +102,7 @@ class ExudynWorld:
     """
 
     def __init__(self, given: Data) -> None:
-        self.given = given
-        self.container = exudyn.SystemContainer()
+        self.given, self.container = given, exudyn.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.begin = 0.0  # the time at which exudyn's is 0, s
         self.unwound = np.zeros((len(given["poses"]), 3))  # whole turns, rad, that have been taken off the angles
@@ -131,7 +110,7 @@ class ExudynWorld:
         self.functions = list[Any]()  # exudyn does not keep them alive itself
         self.driver = None if given["driver"] is None else exudyn.ObjectIndex(given["driver"])
         for category, kind, data, law in given["items"]:
-            values = {**data, **self.function(kind, law)} if law else dict(data)
+            values = {**data, **self.function(law)} if law else dict(data)
             if category == "Sensor":
                 values["outputVariableType"] = getattr(exudyn.OutputVariableType, data["outputVariableType"])
             getattr(self.mbs, f"Add{category}")(getattr(itemInterface, category + kind)(**values))
@@ -146,28 +125,23 @@ class ExudynWorld:
         start, _, coefficients = next((each for each in motion if time <= each[1]), motion[-1])
         return float(polynomial(coefficients, time - start, order))
 
-    def function(self, kind: str, law: tuple[str, Any]) -> Data:
-        """Exudyn's user functions of an item, by argument name: over time, over φ, or of a linear driver."""
-        by, values = law
+    def function(self, law: tuple[str, str, Any]) -> Data:
+        """The user function of an item, by argument name: over time, over φ, or those of a linear driver."""
+        by, name, values = law
         if by == "gap":
             return self.linear.functions()
-        vector = kind == "ForceVector"
-        name = {"ForceVector": "loadVector", "Coordinate": "load", "ConnectorSpringDamper": "springForce"}[kind]
-        if by == "time":  # a free driver's, along a direction; of a cylinder the pull
-            torque, times, direction = values
+        over_angle = lru_cache(maxsize=1)(lambda angle: law_values(values, angle))  # it is evaluated at every iteration
 
-            def timed(_mbs: Any, t: float, *_: object) -> Any:  # noqa: ANN401
+        def load(mbs: Any, t: float, *_: object) -> Any:  # noqa: ANN401
+            if by == "angle":
+                components = over_angle(self.angle(mbs, t))
+            else:  # a free driver's, along a direction; of a cylinder the pull
+                torque, times, direction = values
                 size = torque + (float(np.interp(self.begin + t, *times)) if times else 0.0)
-                return [size * each for each in direction] if vector else size * direction[0]
+                components = [size * each for each in direction]
+            return [*components, 0.0] if components[1:] else components[0]
 
-            return {f"{name}UserFunction": timed}
-        value = lru_cache(maxsize=1)(lambda angle: at(values, angle))  # it is evaluated at every iteration
-
-        def over_angle(mbs: Any, t: float, _load: Any) -> Any:  # noqa: ANN401
-            components = value(self.angle(mbs, t))
-            return [*components, 0.0] if vector else components[0]
-
-        return {f"{name}UserFunction": over_angle}
+        return {name: load}
 
     def angle(self, mbs: Any, t: float) -> float:  # noqa: ANN401
         """φ; a prescribed crank's is a matter of the time alone."""
@@ -184,14 +158,14 @@ class ExudynWorld:
         On position level accelerations and forces carry the rounding of angles and times over the square of the step,
         which would grow with them: 2e-5 of the torque's peak after 300 turns.
         """
-        whole = np.round(position.reshape(-1, 3) / FULL_TURN) * FULL_TURN * (0.0, 0.0, 1.0)
+        whole = np.round(position.reshape(-1, 3) / math.tau) * math.tau * (0.0, 0.0, 1.0)
         self.unwound += whole
         return np.asarray(position - whole.ravel())
 
     @property
     def origin(self) -> float:
-        """φ at which the crank's coordinate is 0, rad; a linear driver has no coordinate but φ."""
-        return 0.0 if self.linear else float(self.given["start"] + self.unwound[self.given["crank"], ANGLE])
+        """φ at which the crank's coordinate is 0, rad."""
+        return float(self.given["start"] + self.unwound[self.given["crank"], ANGLE])
 
     def set_drive(self, part: Data) -> None:
         """Give the solver the crank's angle and speed as its own functions of the time since the start of a part.
@@ -199,17 +173,19 @@ class ExudynWorld:
         Python functions take a third more time.
         """
         self.begin, (zero, coefficients) = part["start"], part["segment"]
-        orders = range(len(coefficients))
-        terms = [float(polynomial(coefficients, self.begin - zero, n)) / math.factorial(n) for n in orders]
-        terms[0] -= self.origin
+        shifted = [float(polynomial(coefficients, self.begin - zero, n)) for n in range(len(coefficients))]
+        terms = [value / math.factorial(n) for n, value in enumerate(shifted)]
         if self.linear:
             self.linear.travel = lambda t, order: polynomial(terms, t, order)
             return
-        self.functions = []
-        for order, name in enumerate(("offsetUserFunction", "offsetUserFunction_t")):
-            function = coordinate(terms, order)
-            self.functions.append(CreateSymbolicUserFunction(self.mbs, function, name, self.driver))
-            self.mbs.SetObjectParameter(self.driver, name, self.functions[-1])
+        terms[0] -= self.origin
+        offsets: dict[str, Callable[..., Any]] = {
+            "offsetUserFunction": lambda _mbs, t, _item, _offset: polynomial(terms, t),
+            "offsetUserFunction_t": lambda _mbs, t, _item, _offset: polynomial(terms, t, 1),
+        }
+        self.functions = [CreateSymbolicUserFunction(self.mbs, f, name, self.driver) for name, f in offsets.items()]
+        for name, function in zip(offsets, self.functions, strict=True):
+            self.mbs.SetObjectParameter(self.driver, name, function)
 
     def hold_drive(self, angle: float) -> None:
         """Keep the crank at an angle, rad, or a linear driver at a travel."""
@@ -232,31 +208,23 @@ def build(given: Data) -> ExudynWorld:
         raise ArithmeticError("exudyn refuses the scene: " + str(error).partition("\n")[0]) from error
     freedom = exudyn.ComputeSystemDegreeOfFreedom(world.mbs)
     redundant, left = freedom["redundantConstraints"], int(freedom["degreeOfFreedom"])
-    expected = 1 if world.driver is None else 0
-    if redundant or left != expected:
-        reason = f"leave {left} degrees of freedom where the drive needs {expected}, and repeat {redundant}"
+    needed = 1 if world.driver is None else 0
+    if redundant or left != needed:
+        reason = f"leave {left} degrees of freedom where the drive needs {needed}, and repeat {redundant}"
         raise ArithmeticError(f"the joints {reason} of their conditions")
     return world
 
 
-def end_state(world: ExudynWorld) -> State:
-    """The state that the latest solve has ended with, its angles unwound."""
-    state = world.mbs.systemData
-    values = (state.GetODE2Coordinates(), state.GetODE2Coordinates_t(), state.GetODE2Coordinates_tt())
-    position, velocity, acceleration = map(np.array, values)
-    return world.unwind(position), velocity, acceleration
-
-
-def set_initial(world: ExudynWorld, position: Array, *rates: Array) -> None:
+def set_initial(world: ExudynWorld, *state: Array) -> None:
     """Set coordinates and, where given, their time derivatives as the start of the next solve."""
-    state, initial = world.mbs.systemData, exudyn.ConfigurationType.Initial
-    state.SetODE2Coordinates(position, configuration=initial)
-    for put, rate in zip((state.SetODE2Coordinates_t, state.SetODE2Coordinates_tt), rates, strict=False):
-        put(rate, configuration=initial)
+    data, initial = world.mbs.systemData, exudyn.ConfigurationType.Initial
+    setters = (data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE2Coordinates_tt)
+    for setter, values in zip(setters, state, strict=False):
+        setter(values, configuration=initial)
 
 
-def closed_state(world: ExudynWorld, part: Data, reached: State) -> State | None:
-    """The state at the start of a part of a prescribed motion; None if the solver has none near the one reached."""
+def closed_state(world: ExudynWorld, part: Data, reached: tuple[Array, ...]) -> tuple[Array, ...] | None:
+    """Coordinates and two time derivatives at the start of a part; None if the solver has none near those reached."""
     zero, coefficients = part["segment"]
     angle, speed, second = (float(polynomial(coefficients, part["start"] - zero, order)) for order in range(3))
     try:
@@ -264,10 +232,10 @@ def closed_state(world: ExudynWorld, part: Data, reached: State) -> State | None
         rate, bend = np.zeros_like(position), np.zeros_like(position)
         for sign in (1.0, -1.0):
             place = position
-            for count, (first_weight, second_weight) in enumerate(zip(FIRST, SECOND, strict=True), start=1):
+            for count, (first, other) in enumerate(WEIGHTS, start=1):
                 place = at_angle(world, place, angle + sign * count * TURNED)
-                rate += sign * first_weight / TURNED * (place - position)
-                bend += second_weight / TURNED**2 * (place - position)
+                rate += sign * first / TURNED * (place - position)
+                bend += other / TURNED**2 * (place - position)
     except exudyn.ExudynError:
         return None
     velocity = rate * speed
@@ -276,27 +244,31 @@ def closed_state(world: ExudynWorld, part: Data, reached: State) -> State | None
     return (position, velocity, bend * speed**2 + rate * second) if is_near and is_like else None
 
 
+def simulation_settings(values: Data) -> Any:  # noqa: ANN401
+    """Settings of exudyn from their values by dotted name."""
+    settings = exudyn.SimulationSettings()
+    for path, value in values.items():
+        *groups, name = path.split(".")
+        enumerated = exudyn.LinearSolverType.__members__ if name == "solverType" else {}
+        setattr(reduce(getattr, groups, settings), name, enumerated.get(value, value))
+    return settings
+
+
 def at_angle(world: ExudynWorld, guess: Array, angle: float) -> Array:
     """Coordinates at a crank angle, rad; raises ExudynError where exudyn finds none."""
     world.hold_drive(angle)
     set_initial(world, guess)
-    settings = exudyn.SimulationSettings()
-    settings.solution.file.write = False
-    settings.solution.sensors.active = False
-    settings.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
-    settings.staticSolver.useLoadFactor = False
-    newton = settings.staticSolver.newton
-    newton.residualMode = 1  # corrections are judged, not loads
-    newton.relativeTolerance = newton.absoluteTolerance = TOLERANCE
-    world.mbs.SolveStatic(settings)
+    world.mbs.SolveStatic(simulation_settings(world.given["static_settings"]))
     return np.array(world.mbs.systemData.GetODE2Coordinates())
 
 
 def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None:
     """Set the drive's functions and the state a part starts from: the scene's, or one near what has been reached."""
-    state = tuple(map(np.array, world.given["states"]))
+    state, data = tuple(map(np.array, world.given["states"])), world.mbs.systemData
     if not first:
-        reached = end_state(world)
+        ended = (data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())
+        position, velocity, acceleration = map(np.array, ended)
+        reached = world.unwind(position), velocity, acceleration
         closed = closed_state(world, part, reached)
         key = "fresh_starts_left_out" if closed is None else "fresh_starts"
         details[key] = details.get(key, 0) + 1
@@ -306,38 +278,13 @@ def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None
     set_initial(world, *state)
 
 
-def solver_settings(given: Data, part: Data, ratio: int) -> Any:  # noqa: ANN401
-    """The settings of a part's solver."""
-    settings = exudyn.SimulationSettings()
-    integration = settings.timeIntegration
-    integration.endTime = part["end"] - part["start"]
-    integration.numberOfSteps = part["samples"] * ratio
-    settings.solution.sensors.writePeriod = (part["end"] - part["start"]) / part["samples"]
-    settings.solution.file.write = False
-    newton = integration.newton
-    if given["effort"] is not None:
-        newton.relativeTolerance = newton.absoluteTolerance = given["effort"]
-    if given["as_shipped"]:
-        return settings
-    settings.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
-    integration.adaptiveStep = given["adaptive"]
-    integration.generalizedAlpha.useNewmark = given["damping"] is None
-    integration.generalizedAlpha.useIndex2Constraints = given["damping"] is None
-    integration.generalizedAlpha.computeInitialAccelerations = False  # exudyn leaves out the drive's own
-    if given["damping"] is not None:
-        integration.generalizedAlpha.spectralRadius = given["damping"]
-    # Residuals hold the multipliers, which nothing fixes at a change point; corrections of the motion die out there.
-    newton.residualMode = 1
-    newton.useModifiedNewton = True
-    newton.modifiedNewtonJacUpdatePerStep = True
-    return settings
-
-
 def solve(world: ExudynWorld, part: Data, course: Data) -> None:
     """Step through a part; raises ArithmeticError if exudyn stops or leaves what is no number."""
-    mbs, solver = world.mbs, exudyn.MainSolverImplicitSecondOrder()
+    mbs, solver, duration = world.mbs, exudyn.MainSolverImplicitSecondOrder(), part["end"] - part["start"]
+    times = {"timeIntegration.endTime": duration, "timeIntegration.numberOfSteps": part["samples"] * course["ratio"]}
+    times["solution.sensors.writePeriod"] = duration / part["samples"]
     try:
-        finished = solver.SolveSystem(mbs, solver_settings(world.given, part, course["ratio"]))
+        finished = solver.SolveSystem(mbs, simulation_settings(world.given["settings"] | times))
         reason = solver.GetErrorString()
     except exudyn.ExudynError as error:
         finished, reason = False, str(error).partition("\n")[0]
@@ -364,8 +311,8 @@ def read(world: ExudynWorld, *, first: bool, before_jump: bool) -> Iterator[tupl
         values = np.stack([data[sensor][:, 1:] for sensor in sensors], axis=1)
         if channel == "position":
             values += np.array(given["poses"]) + world.unwound
-        is_own = first and not (changes and not given["as_shipped"])
-        steps = slice(0 if is_own else 1, end if changes else None)
+        is_given = changes and not given["as_shipped"]
+        steps = slice(0 if first and not is_given else 1, end if changes else None)
         yield channel, None, time[steps], values[steps]
     loaded = slice(1, end)
     if given["torque_sensor"] is not None:  # exudyn reports what the crank does to the drive

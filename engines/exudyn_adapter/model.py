@@ -14,6 +14,7 @@ from engines.scene import Body, Channel, GuidedJoint, PinJoint, Prescribed, Scen
 from engines.stepping.loop_engine import plain_law
 
 ANGLE = 2  # number of the angle among the coordinates of a two-dimensional rigid body
+USER_FUNCTIONS = {"ForceVector": "loadVectorUserFunction", "Coordinate": "loadUserFunction"}  # of loads
 COORDINATES = {
     Channel.POSITION: "Coordinates",
     Channel.VELOCITY: "Coordinates_t",
@@ -29,15 +30,15 @@ class ExudynModel:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.items: list[tuple[str, str, dict[str, Any], tuple[str, Any] | None]] = []
+        self.items: list[tuple[str, str, dict[str, Any], tuple[str, str, Any] | None]] = []
         self.counts: Counter[str] = Counter()
         self.scene = scene
         self.nodes: dict[str, int] = {}
-        self.objects: dict[str, int] = {GROUND: self._object("Ground")}
+        self.objects: dict[str, int] = {GROUND: self._add_object("Ground")}
         self.angles = {GROUND: 0.0, **{body.name: body.angle for body in scene.bodies}}
         self.joints: dict[str, tuple[int, str | None]] = {}  # item, and the body in whose frame its force is, or None
-        self.ground = self._add("Node", "PointGround", {})
-        self.fixed = self._marker("NodeCoordinate", nodeNumber=self.ground, coordinate=0)
+        self.ground = self._add_item("Node", "PointGround", {})
+        self.fixed = self._add_marker("NodeCoordinate", nodeNumber=self.ground, coordinate=0)
         for body in scene.bodies:
             self._add_body(body)
         for pin in scene.pins:
@@ -49,7 +50,7 @@ class ExudynModel:
         self.driver: int | None = None
         self._add_drive()
 
-    def described(self) -> dict[str, Any]:
+    def as_data(self) -> dict[str, Any]:
         """The system in plain data, its sensors among the items."""
         scene = self.scene
         segments = scene.drive.motion.segments if isinstance(scene.drive, Prescribed) else ()
@@ -75,59 +76,59 @@ class ExudynModel:
             "poses": [(*body.position, body.angle) for body in scene.bodies],
         }
 
-    def _add(self, category: str, kind: str, data: dict[str, Any], law: tuple[str, Any] | None = None) -> int:
+    def _add_item(self, category: str, kind: str, data: dict[str, Any], law: tuple[str, str, Any] | None = None) -> int:
         """Number of a new item in its category."""
         self.items.append((category, kind, data, law))
         self.counts[category] += 1
         return self.counts[category] - 1
 
-    def sensor(self, kind: str, output: str, **data: int) -> int:
+    def add_sensor(self, kind: str, output: str, **data: int) -> int:
         """Number of a new sensor on a node or an object."""
-        return self._add("Sensor", kind, {**data, "outputVariableType": output, "storeInternal": True})
+        return self._add_item("Sensor", kind, {**data, "outputVariableType": output, "storeInternal": True})
 
-    def _object(self, kind: str, law: tuple[str, Any] | None = None, **data: Any) -> int:  # noqa: ANN401
-        return self._add("Object", kind, data, law)
+    def _add_object(self, kind: str, law: tuple[str, str, Any] | None = None, **data: Any) -> int:  # noqa: ANN401
+        return self._add_item("Object", kind, data, law)
 
-    def _marker(self, kind: str, **data: Any) -> int:  # noqa: ANN401
-        return self._add("Marker", kind, data)
+    def _add_marker(self, kind: str, **data: Any) -> int:  # noqa: ANN401
+        return self._add_item("Marker", kind, data)
 
-    def _load(self, kind: str, marker: int, law: tuple[str, Any] | None = None, **data: Any) -> None:  # noqa: ANN401
-        self._add("Load", kind, {"markerNumber": marker, **data}, law)
+    def _add_load(self, kind: str, marker: int, law: tuple[str, str, Any] | None = None, **data: Any) -> None:  # noqa: ANN401
+        self._add_item("Load", kind, {"markerNumber": marker, **data}, law)
 
-    def _angle(self, body: str) -> int:
+    def _angle_marker(self, body: str) -> int:
         """Marker of a body's angle, or of the ground's."""
         if body == GROUND:
             return self.fixed
-        return self._marker("NodeCoordinate", nodeNumber=self.nodes[body], coordinate=ANGLE)
+        return self._add_marker("NodeCoordinate", nodeNumber=self.nodes[body], coordinate=ANGLE)
 
-    def _point(self, body: str, anchor: Vector) -> int:
+    def _point_marker(self, body: str, anchor: Vector) -> int:
         """Marker of a point of a body together with the body's orientation."""
-        return self._marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
+        return self._add_marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
 
     def _add_body(self, body: Body) -> None:
         """Add a body, with its weight if it has any; one that cannot turn needs no inertia."""
         place, rate = [*body.position, body.angle], [*body.velocity, body.angular_velocity]
-        number = self._add("Node", "RigidBody2D", {"referenceCoordinates": place, "initialVelocities": rate})
+        number = self._add_item("Node", "RigidBody2D", {"referenceCoordinates": place, "initialVelocities": rate})
         self.nodes[body.name], inertia = number, body.inertia or 0.0
-        self.objects[body.name] = self._object("RigidBody2D", mass=body.mass, inertia=inertia, nodeNumber=number)
+        self.objects[body.name] = self._add_object("RigidBody2D", mass=body.mass, inertia=inertia, nodeNumber=number)
         if body.inertia is None and body.name not in {joint.body for joint in self.scene.sliders}:
-            self._object("ConnectorCoordinate", markerNumbers=[self.fixed, self._angle(body.name)])
+            self._add_object("ConnectorCoordinate", markerNumbers=[self.fixed, self._angle_marker(body.name)])
         if any(self.scene.gravity) and body.mass > 0.0:
-            marker = self._marker("BodyMass", bodyNumber=self.objects[body.name])
-            self._load("MassProportional", marker, loadVector=[*self.scene.gravity, 0.0])
+            marker = self._add_marker("BodyMass", bodyNumber=self.objects[body.name])
+            self._add_load("MassProportional", marker, loadVector=[*self.scene.gravity, 0.0])
 
     def _add_pin(self, pin: PinJoint) -> None:
         """Add a revolute joint; exudyn reports the force on its first marker's body, in the ground frame."""
-        markers = [self._point(pin.first, pin.first_anchor), self._point(pin.second, pin.second_anchor)]
-        self.joints[pin.name] = self._object("JointRevolute2D", markerNumbers=markers), None
+        markers = [self._point_marker(pin.first, pin.first_anchor), self._point_marker(pin.second, pin.second_anchor)]
+        self.joints[pin.name] = self._add_object("JointRevolute2D", markerNumbers=markers), None
 
     def _add_line(self, joint: GuidedJoint) -> None:
         """Add exudyn's prismatic joint; a pin in a slot is one without its condition on the angle."""
         turned = self.angles[joint.host] - self.angles[joint.body]
         (x, y), c, s = joint.along, math.cos(turned), math.sin(turned)
-        item = self._object(
+        item = self._add_object(
             "JointPrismatic2D",
-            markerNumbers=[self._point(joint.body, joint.anchor), self._point(joint.host, joint.through)],
+            markerNumbers=[self._point_marker(joint.body, joint.anchor), self._point_marker(joint.host, joint.through)],
             axisMarker0=[c * x - s * y, s * x + c * y, 0.0],
             normalMarker1=[-y, x, 0.0],
             constrainRotation=isinstance(joint, SliderJoint),
@@ -136,22 +137,25 @@ class ExudynModel:
 
     def _add_loads(self) -> None:
         """Add the applied forces and torques; one that varies reads φ at every evaluation."""
-        loads = [("ForceVector", self._point(load.body, load.anchor), load.force) for load in self.scene.forces]
-        loads += [("Coordinate", self._angle(load.body), load.torque) for load in self.scene.torques]
+        loads = [("ForceVector", self._point_marker(load.body, load.anchor), load.force) for load in self.scene.forces]
+        loads += [("Coordinate", self._angle_marker(load.body), load.torque) for load in self.scene.torques]
         for kind, marker, law in loads:
             values = plain_law(law)
             if not law.is_constant:
-                self._load(kind, marker, ("angle", values))
+                self._add_load(kind, marker, ("angle", USER_FUNCTIONS[kind], values))
             elif kind == "ForceVector":
-                self._load(kind, marker, loadVector=[*values, 0.0])
+                self._add_load(kind, marker, loadVector=[*values, 0.0])
             else:
-                self._load(kind, marker, load=values[0])
+                self._add_load(kind, marker, load=values[0])
 
     def _add_springs(self) -> None:
         """Add the springs between points and the dampers between bodies."""
         for spring in self.scene.springs:
-            ends = [self._point(spring.first, spring.first_anchor), self._point(spring.second, spring.second_anchor)]
-            self._object(
+            ends = [
+                self._point_marker(spring.first, spring.first_anchor),
+                self._point_marker(spring.second, spring.second_anchor),
+            ]
+            self._add_object(
                 "ConnectorSpringDamper",
                 markerNumbers=ends,
                 stiffness=spring.stiffness,
@@ -159,8 +163,8 @@ class ExudynModel:
                 referenceLength=spring.length,
             )
         for damper in self.scene.dampers:
-            ends = [self._angle(damper.first), self._angle(damper.second)]
-            self._object("ConnectorCoordinateSpringDamper", markerNumbers=ends, damping=damper.coefficient)
+            ends = [self._angle_marker(damper.first), self._angle_marker(damper.second)]
+            self._add_object("ConnectorCoordinateSpringDamper", markerNumbers=ends, damping=damper.coefficient)
 
     def _add_drive(self) -> None:
         """Add the drive: the item that holds a prescribed driver, or a free one's torque or force."""
@@ -168,46 +172,47 @@ class ExudynModel:
         turns = scene.driver_kind is DriverKind.CRANK
         if isinstance(drive, Prescribed):
             if turns:
-                markers = [self.fixed, self._angle(scene.crank)]
-                self.driver = self._object("ConnectorCoordinate", markerNumbers=markers)
+                markers = [self.fixed, self._angle_marker(scene.crank)]
+                self.driver = self._add_object("ConnectorCoordinate", markerNumbers=markers)
             else:
                 nodes = [self.nodes.get(body, self.ground) for body in scene.driver_ends[:2]]
-                markers = [self._marker("NodeCoordinates", nodeNumber=node) for node in nodes]
-                self.driver = self._object("ConnectorCoordinateVector", ("gap", None), markerNumbers=markers)
+                markers = [self._add_marker("NodeCoordinates", nodeNumber=node) for node in nodes]
+                self.driver = self._add_object("ConnectorCoordinateVector", ("gap", "", None), markerNumbers=markers)
             return
         times = drive.over_time and (drive.over_time.times, drive.over_time.torque)
         if turns:
-            crank = self._angle(scene.crank)
+            crank = self._angle_marker(scene.crank)
             if drive.torque:
-                self._load("Coordinate", crank, load=drive.torque)
+                self._add_load("Coordinate", crank, load=drive.torque)
             if times:
-                self._load("Coordinate", crank, ("time", (0.0, times, [1.0])))
+                self._add_load("Coordinate", crank, ("time", USER_FUNCTIONS["Coordinate"], (0.0, times, [1.0])))
             return
-        ends = [self._point(*end) for end in zip(scene.driver_ends[:2], scene.driver_ends[2:], strict=True)]
+        ends = [self._point_marker(*end) for end in zip(scene.driver_ends[:2], scene.driver_ends[2:], strict=True)]
         if scene.cylinder is not None:
-            pull = ("time", (drive.torque, times, [-1.0]))
-            self._object("ConnectorSpringDamper", pull, markerNumbers=ends)
+            pull = ("time", "springForceUserFunction", (drive.torque, times, [-1.0]))
+            self._add_object("ConnectorSpringDamper", pull, markerNumbers=ends)
         else:
-            self._load("ForceVector", ends[0], ("time", (drive.torque, times, [*scene.driven_slider.along, 0.0])))
+            push = (drive.torque, times, [*scene.driven_slider.along])
+            self._add_load("ForceVector", ends[0], ("time", USER_FUNCTIONS["ForceVector"], push))
 
 
 def add_sensors(model: ExudynModel) -> dict[str, Any]:
     """Add sensors for the scene's channels to a model; returns their numbers by what they measure."""
     channels = model.scene.channels
     motion = {
-        channel: [model.sensor("Node", output, nodeNumber=node) for node in model.nodes.values()]
+        channel: [model.add_sensor("Node", output, nodeNumber=node) for node in model.nodes.values()]
         for channel, output in COORDINATES.items()
         if channel in channels
     }
     torque = None
     if model.driver is not None and Channel.TORQUE in channels:
-        torque = model.sensor("Object", "Force", objectNumber=model.driver)
+        torque = model.add_sensor("Object", "Force", objectNumber=model.driver)
     forces = {}
     for name, (item, frame) in model.joints.items() if Channel.JOINT_FORCE in channels else ():
         turned = None
         if frame in model.nodes:
-            turned = model.angles[frame], model.sensor("Node", "Coordinates", nodeNumber=model.nodes[frame])
-        forces[name] = model.sensor("Object", "ForceLocal" if frame else "Force", objectNumber=item), turned
+            turned = model.angles[frame], model.add_sensor("Node", "Coordinates", nodeNumber=model.nodes[frame])
+        forces[name] = model.add_sensor("Object", "ForceLocal" if frame else "Force", objectNumber=item), turned
     return {
         "motion_sensors": motion, "torque_sensor": torque, "force_sensors": forces, "sensors": model.counts["Sensor"]
     }  # fmt: skip

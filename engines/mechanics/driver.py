@@ -95,7 +95,7 @@ class Driver:
 
 
 def driven(scene: Scene, position: Reals, *rates: Reals) -> tuple[Reals, ...]:
-    """φ and, from the bodies' velocities and accelerations, its time derivatives; SI, bodies (n, bodies, 3)."""
+    """φ, rad or m, and its time derivatives from the motion of the bodies, SI, each (n, bodies, 3)."""
     driver, pose = Driver(scene), pose_of(position)
     span = driver.span(pose)
     gradient = driver.gradient(span, len(position))

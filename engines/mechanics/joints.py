@@ -74,12 +74,16 @@ class JointEquations:
         self.joints = (*(pin.name for pin in scene.pins), *(line.name for line in scene.guided))
         self.body = self._numbers([*(pin.first for pin in scene.pins), *(line.body for line in scene.guided)])
         self.host = self._numbers([*(pin.second for pin in scene.pins), *(line.host for line in scene.guided)])
-        body_anchor = _table([*(pin.first_anchor for pin in scene.pins), *(line.anchor for line in scene.guided)])
-        host_anchor = _table([*(pin.second_anchor for pin in scene.pins), *(line.through for line in scene.guided)])
+        body_anchor = _vector_array(
+            [*(pin.first_anchor for pin in scene.pins), *(line.anchor for line in scene.guided)]
+        )
+        host_anchor = _vector_array(
+            [*(pin.second_anchor for pin in scene.pins), *(line.through for line in scene.guided)]
+        )
         self.unit = _power_of_two(scene_size(scene)) if unit is None else unit
         self.metres = np.array([self.unit, self.unit, 1.0])  # factors from units and rad to m and rad
         self.body_anchor, self.host_anchor = body_anchor / self.unit, host_anchor / self.unit
-        self.along = _table([line.along for line in scene.guided])
+        self.along = _vector_array([line.along for line in scene.guided])
         self.driver = Driver(scene, self.unit)
         self._count_coordinates()
         self._count_rows()
@@ -99,7 +103,8 @@ class JointEquations:
         self.mass = body_masses(self.scene)
 
     def _count_rows(self) -> None:
-        turning = [pair for pair in self.geared if any(map(self._turns, pair))]
+        """Number the equations: rows of pins in x and y, of lines, of kept angles, and the row of the driver."""
+        turning = [pair for pair in self.geared if any(map(self._can_turn, pair))]
         self.turn_body = self._numbers([body for body, _ in turning])
         self.turn_host = self._numbers([host for _, host in turning])
         angle = {**{body.name: body.angle for body in self.scene.bodies}, GROUND: 0.0}
@@ -114,10 +119,11 @@ class JointEquations:
         self.crank = self.driver.crank
         self.crank_column = int(self.column[self.crank, 2]) if self.driver.turns else self.size
 
-    def _turns(self, name: str) -> bool:
+    def _can_turn(self, name: str) -> bool:
         return bool(self.column[self.index[name], 2] != self.size)
 
     def _constant_entries(self) -> Reals:
+        """The entries of the Jacobian that no pose changes, (rows, coordinates + 1)."""
         entries = np.zeros((self.rows, self.size + 1))
         pins = slice(0, self.pins)
         for rows, part in ((self.x_rows, 0), (self.y_rows, 1)):
@@ -148,7 +154,7 @@ class JointEquations:
         return result
 
     def driven(self, pose: Pose, arms: Arms) -> Reals:
-        """φ by the pose, (n,), rad or units."""
+        """φ at a pose, (n,), rad or units."""
         return pose.angle[:, self.crank] if arms.driver is None else arms.driver.length
 
     def jacobian(self, arms: Arms) -> Reals:
@@ -233,7 +239,7 @@ def scene_size(scene: Scene) -> float:
     return max((math.hypot(*anchor) for anchor in anchors), default=0.0) or 1.0
 
 
-def _table(pairs: list[Vector]) -> Reals:
+def _vector_array(pairs: list[Vector]) -> Reals:
     return np.array(pairs, dtype=float).reshape(-1, 2)
 
 

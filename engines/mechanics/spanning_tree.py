@@ -62,7 +62,7 @@ class SpanningTree:
 
     @property
     def obstacle(self) -> str | None:
-        """Why an engine cannot hold it that puts every body on a pin or slider and holds only pins and slots else."""
+        """Why an engine that knows only pins and sliders in its tree cannot hold this one, in words; None if it can."""
         loose = next((branch.body.name for branch in self.branches if branch.joint is None), None)
         if loose is not None:
             return f"it carries every body by a pin or a slider, and only slots hold '{loose}'"
@@ -70,8 +70,8 @@ class SpanningTree:
         return None if loop is None else f"it has no constraint for '{loop}', which closes a loop of sliders alone"
 
     def carrier(self, cut: PinJoint | SliderJoint | SlotJoint) -> str:
-        """The body, or the ground, nearest to both ends of a joint that carries both of them or is one."""
-        first, second = (self._chain(end) for end in _ends(cut))
+        """The body, or the ground, nearest to both ends of a joint: it carries both of them, or is one of them."""
+        first, second = (self._chain(end) for end in _joined_bodies(cut))
         return next(name for name in first if name in second)
 
     def hinges(self, name: str) -> set[str]:
@@ -81,7 +81,7 @@ class SpanningTree:
         return turning & set(chain)
 
     def _chain(self, name: str) -> list[str]:
-        """A body and what carries it, down to the ground."""
+        """A body and those that carry it, down to the ground."""
         parents = {branch.body.name: branch.parent for branch in self.branches}
         chain = [name]
         while chain[-1] != GROUND:
@@ -101,18 +101,19 @@ def spanning_tree(scene: Scene) -> SpanningTree:
     left: list[PinJoint | SliderJoint] = [*scene.sliders, *scene.pins]
 
     def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, bool, int]:
-        ends = _ends(joint)
+        """Order in which joints become branches: smaller first."""
+        ends = _joined_bodies(joint)
         pinned = isinstance(joint, PinJoint)
         misplaced = pinned and scene.crank in ends and scene.crank not in depth and GROUND not in ends
         nearest = min(depth[end] for end in ends if end in depth)
         return misplaced, set(ends) != {scene.crank, GROUND}, pinned, nearest
 
     while len(branches) < len(bodies):
-        open_joints = [joint for joint in left if len(depth.keys() & _ends(joint)) == 1]
+        open_joints = [joint for joint in left if len(depth.keys() & _joined_bodies(joint)) == 1]
         if open_joints:
             joint = min(open_joints, key=rank)
             left.remove(joint)
-            first, second = _ends(joint)
+            first, second = _joined_bodies(joint)
             body, parent = (second, first) if first in depth else (first, second)
             branch = _branch(bodies[body], carried[parent], joint, reverse=parent == first)
         else:
@@ -134,7 +135,7 @@ def slots_as_blocks(scene: Scene, mass: float) -> Scene:
     pins, sliders = [*scene.pins], [*scene.sliders]
     for slot in scene.slots:
         body, host, name = bodies[slot.body], bodies[slot.host], f"block of {slot.name}"
-        place, velocity = _moving(body, slot.anchor)
+        place, velocity = _point_motion(body, slot.anchor)
         arm = complex(*slot.anchor) * cmath.rect(1.0, body.angle)
         bend = (1j * body.angular_acceleration - body.angular_velocity**2) * arm
         acceleration = complex(*body.acceleration) + bend
@@ -154,19 +155,20 @@ def slots_as_blocks(scene: Scene, mass: float) -> Scene:
 
 
 def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bool) -> Branch:
+    """The branch that hangs ``body`` on ``parent`` by a joint, with the joint's coordinate and rate at the start."""
     turn, rate = body.angle - parent.angle, body.angular_velocity - parent.angular_velocity
     if isinstance(joint, PinJoint):
         rigid = body.inertia is None
         return Branch(body, parent.name, joint, reverse, rigid, turn, rate, (turn, 0.0) if rigid else (0.0, 0.0))
     along = complex(*joint.along) * cmath.rect(1.0, (body if reverse else parent).angle)
     points = anchors(joint)[::-1] if reverse else anchors(joint)
-    ends = zip(_moving(body, points[0]), _moving(parent, points[1]), strict=True)
+    ends = zip(_point_motion(body, points[0]), _point_motion(parent, points[1]), strict=True)
     value, speed = (((own - other) * along.conjugate()).real / abs(along) for own, other in ends)
     tilts = cmath.phase(along) - parent.angle, cmath.phase(along) - body.angle
     return Branch(body, parent.name, joint, reverse, False, value, speed, tilts)
 
 
-def _moving(body: Body, anchor: Vector) -> tuple[complex, complex]:
+def _point_motion(body: Body, anchor: Vector) -> tuple[complex, complex]:
     """Position and velocity of a point of a body, as complex numbers."""
     arm = complex(*anchor) * cmath.rect(1.0, body.angle)
     return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
@@ -174,7 +176,7 @@ def _moving(body: Body, anchor: Vector) -> tuple[complex, complex]:
 
 def ends(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[tuple[str, Vector], tuple[str, Vector]]:
     """A joint's first and second body, each with the joint's point on it."""
-    (first, second), (on_first, on_second) = _ends(joint), anchors(joint)
+    (first, second), (on_first, on_second) = _joined_bodies(joint), anchors(joint)
     return (first, on_first), (second, on_second)
 
 
@@ -185,7 +187,7 @@ def anchors(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[Vector, Vector]:
     return joint.anchor, joint.through
 
 
-def _ends(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[str, str]:
+def _joined_bodies(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[str, str]:
     return (joint.first, joint.second) if isinstance(joint, PinJoint) else (joint.body, joint.host)
 
 

@@ -22,7 +22,7 @@ from engines.scene import Body, Free, Prescribed, Scene
 
 # Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.
 LEAST, LARGEST = 1e-60, 1e60
-ENDS = ("body", "host", "first", "second")  # what parts of a scene call the bodies they act on
+BODY_FIELDS = ("body", "host", "first", "second")  # what parts of a scene call the bodies they act on
 
 QUANTITIES = ("position", "velocity", "acceleration")
 UNITS = ("m", "m/s", "m/s²")
@@ -89,7 +89,7 @@ def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
 def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
     """The first part of a scene beyond an engine's abilities, in one sentence; None if it is within them."""
     if type(scene.drive) not in abilities.drives:
-        return f"it takes no {_words(scene.drive)} drive"
+        return f"it takes no {_type_in_words(scene.drive)} drive"
     if scene.driver_kind not in abilities.drivers:
         known = " or ".join(f"a {kind}" for kind in sorted(abilities.drivers))
         return f"it takes no {scene.driver_kind} as the driver, only {known}"
@@ -98,7 +98,7 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
     loads = (*scene.forces, *scene.torques, *scene.springs, *scene.dampers)
     for part in (*scene.guided, *loads):
         if type(part) not in abilities.joints | abilities.loads:
-            return f"it has no {_words(part)}, which {_label(part)} asks for"
+            return f"it has no {_type_in_words(part)}, which {_label(part)} asks for"
     laws: list[tuple[object, Law]] = [(load, load.force) for load in scene.forces]
     laws += [(load, load.torque) for load in scene.torques]
     for load, law in laws:
@@ -112,16 +112,17 @@ def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
 
     ``massless`` bodies, and such without a moment of inertia, are allowed for some engines.
     """
-    return next(_obstacles(scene, 0.0 if massless else LEAST), None) or start_misfit(scene)
+    return next(_data_faults(scene, 0.0 if massless else LEAST), None) or start_misfit(scene)
 
 
-def _obstacles(scene: Scene, least: float) -> Iterator[str]:
+def _data_faults(scene: Scene, least: float) -> Iterator[str]:
+    """Faults of a scene's data, each in a sentence; masses and inertias must be at least ``least``."""
     names = [body.name for body in scene.bodies]
     known = {GROUND, *names}
     if len(known) != len(names) + 1:
         yield f"the bodies' names are not distinct: {', '.join(names)}"
     for body in scene.bodies:
-        yield from _weight_obstacles(body, least)
+        yield from _weight_faults(body, least)
     turns = scene.driver_kind is DriverKind.CRANK
     if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
         yield f"the crank '{scene.crank}' has no inertia, so that it cannot turn"
@@ -129,11 +130,13 @@ def _obstacles(scene: Scene, least: float) -> Iterator[str]:
     parts: tuple[object, ...] = (*scene.bodies, *joints, *scene.forces, *scene.torques, *scene.springs)
     parts = (*parts, *scene.dampers, *([scene.cylinder] if scene.cylinder else []), scene.drive)
     for part in parts:
-        yield from (f"{_label(part)} names a body '{end}' that is not in the scene" for end in _ends(part) - known)
-        if not _bounded(part):
+        yield from (
+            f"{_label(part)} names a body '{end}' that is not in the scene" for end in _named_bodies(part) - known
+        )
+        if not _has_usable_numbers(part):
             yield f"{_label(part)} has a number that is not finite"
     pairs = (*joints, *([scene.cylinder] if scene.cylinder else []))
-    yield from (f"{_label(joint)} joins a body to itself" for joint in pairs if len(_ends(joint)) == 1)
+    yield from (f"{_label(joint)} joins a body to itself" for joint in pairs if len(_named_bodies(joint)) == 1)
     yield from (f"{_label(j)} has a line without a direction" for j in scene.guided if j.along == (0.0, 0.0))
     bodies = {body.name: body for body in scene.bodies}
     for slider in scene.sliders:
@@ -141,10 +144,11 @@ def _obstacles(scene: Scene, least: float) -> Iterator[str]:
             yield f"body '{slider.body}' turns with its host '{slider.host}' and so needs an inertia"
     if turns and not any({scene.crank, GROUND} == {pin.first, pin.second} for pin in scene.pins):
         yield f"the crank '{scene.crank}' is not pinned to the ground"
-    yield from _value_obstacles(scene)
+    yield from _value_faults(scene)
 
 
-def _weight_obstacles(body: Body, least: float) -> Iterator[str]:
+def _weight_faults(body: Body, least: float) -> Iterator[str]:
+    """Faults of the mass and the inertia of a body, each in a sentence."""
     for name, value, unit in (("mass", body.mass, "kg"), ("inertia", body.inertia, "kg m²")):
         if value is not None and not least <= value < LARGEST:
             if value == 0.0:
@@ -153,9 +157,9 @@ def _weight_obstacles(body: Body, least: float) -> Iterator[str]:
             yield f"body '{body.name}' has {name} {value:g} {unit}; expected a finite {needed} one"
 
 
-def _value_obstacles(scene: Scene) -> Iterator[str]:
-    """Numbers that are finite and still not to be run with."""
-    if not _bounded(scene.gravity):
+def _value_faults(scene: Scene) -> Iterator[str]:
+    """Finite numbers that an engine cannot run with, each in a sentence."""
+    if not _has_usable_numbers(scene.gravity):
         yield "gravity is not finite"
     for spring in scene.springs:
         if min(spring.stiffness, spring.length, spring.damping) < 0.0:
@@ -168,28 +172,28 @@ def _value_obstacles(scene: Scene) -> Iterator[str]:
         yield "the drive has a duration that is not positive"
 
 
-def _bounded(value: object) -> bool:
+def _has_usable_numbers(value: object) -> bool:
     """Whether every number of a part of a scene is finite and of a size that can be reckoned with."""
     if isinstance(value, float | np.ndarray):
         return bool(np.all(np.abs(value) < LARGEST))  # false for nan
     if is_dataclass(value):
-        return all(_bounded(getattr(value, field.name)) for field in fields(value))
-    return not isinstance(value, tuple) or all(map(_bounded, value))
+        return all(_has_usable_numbers(getattr(value, field.name)) for field in fields(value))
+    return not isinstance(value, tuple) or all(map(_has_usable_numbers, value))
 
 
-def _ends(part: object) -> set[str]:
-    return {getattr(part, name) for name in ENDS if hasattr(part, name)}
+def _named_bodies(part: object) -> set[str]:
+    return {getattr(part, name) for name in BODY_FIELDS if hasattr(part, name)}
 
 
 def _label(part: object) -> str:
     """A part of a scene in words: "pin joint 'A'", "applied force on 'rod'"."""
-    words = _words(part)
+    words = _type_in_words(part)
     if hasattr(part, "name"):
         return f"{words} '{part.name}'"
-    ends = " and ".join(f"'{end}'" for end in sorted(_ends(part)))
+    ends = " and ".join(f"'{end}'" for end in sorted(_named_bodies(part)))
     return f"{words} on {ends}" if ends else f"{words} drive"
 
 
-def _words(part: object) -> str:
+def _type_in_words(part: object) -> str:
     """The type of a part in words: "pin joint"."""
     return "".join(f" {c.lower()}" if c.isupper() else c for c in type(part).__name__).strip()

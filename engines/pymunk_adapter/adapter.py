@@ -22,7 +22,7 @@ from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import Pose, body_masses
 from engines.pymunk_adapter.layout import PartLayout, exact_layout, plain_layout
-from engines.pymunk_adapter.space import described
+from engines.pymunk_adapter.space import space_data
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.intervals import UnsupportedError
 from engines.stepping.loop_engine import LoopEngine
@@ -53,7 +53,7 @@ def iterations_for(layout: PartLayout, remaining: float) -> int:
     return int(np.clip(max(min(enough, ENOUGH), needed), FEWEST, MOST))
 
 
-def way(scene: Scene) -> float:
+def driver_travel(scene: Scene) -> float:
     """Travel of the driver from its start, rad or m, to its farther side; a crank's is a full turn at most."""
     if isinstance(scene.drive, Free):
         return FULL_TURN
@@ -66,7 +66,7 @@ def poses_of(equations: JointEquations) -> list[Pose]:
     pose = equations.start()
     start = equations.driven(pose, equations.arms(pose))
     poses = [pose]
-    for travel in way(equations.scene) / equations.driver.scale * np.arange(1, POSES + 1) / POSES:
+    for travel in driver_travel(equations.scene) / equations.driver.scale * np.arange(1, POSES + 1) / POSES:
         for _ in range(CORRECTIONS):
             arms = equations.arms(pose)
             residual = equations.residual(pose, arms)
@@ -199,4 +199,4 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
         elif recipe.centred:
             iterations = iterations_for(layout, recipe.remaining)
         lead = min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios))) if recipe.centred else 1
-        return described(scene, layout, centred=recipe.centred) | {"iterations": iterations, "lead": lead}
+        return space_data(scene, layout, centred=recipe.centred) | {"iterations": iterations, "lead": lead}

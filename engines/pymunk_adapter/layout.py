@@ -89,7 +89,7 @@ class PartLayout:
         return velocity.tolist(), owners[:, 2].tolist()
 
 
-def without_point(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]:
+def split_point_mass(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]:
     """Cut a point mass off at ``point``; the rest keeps at least half the inertia. Returns the rest and the point."""
     assert part.inertia is not None
     away = _minus(part.offset, point)
@@ -101,7 +101,7 @@ def without_point(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]:
     return rest, BodyPart(part.owner, cut, None, point)
 
 
-def on_pivot(part: BodyPart, pivot: Vector, resting: float) -> tuple[BodyPart, BodyPart | None]:
+def split_on_pivot(part: BodyPart, pivot: Vector, resting: float) -> tuple[BodyPart, BodyPart | None]:
     """A body by its moments about a pivot: a part with that mass at the pivot and, unless balanced, a point mass."""
     assert part.inertia is not None
     away = _minus(part.offset, pivot)
@@ -114,22 +114,22 @@ def on_pivot(part: BodyPart, pivot: Vector, resting: float) -> tuple[BodyPart, B
     return replace(part, mass=resting, inertia=(1.0 - POINT) * whole, offset=pivot), point
 
 
-def without_rail(part: BodyPart, centre: Vector) -> tuple[BodyPart, BodyPart]:
+def split_rail(part: BodyPart, centre: Vector) -> tuple[BodyPart, BodyPart]:
     """Cut off a part that can turn, its centre at ``centre``. Returns the rest and the rail."""
     assert part.inertia is not None
     share = part.inertia / 4.0
-    rest, point = without_point(replace(part, inertia=part.inertia - share), centre)
+    rest, point = split_point_mass(replace(part, inertia=part.inertia - share), centre)
     return rest, replace(point, inertia=share)
 
 
 def plain_layout(scene: Scene) -> PartLayout:
     """One part per body and one constraint per joint, as a newcomer would write it."""
-    return _placed(scene, _carriers(scene))
+    return _layout_of_parts(scene, _uncut_parts(scene))
 
 
 def exact_layout(scene: Scene) -> PartLayout:
     """The scene cut so that every groove is exact."""
-    parts, shoes, rails = _carriers(scene), dict[str, str](), dict[str, str]()
+    parts, shoes, rails = _uncut_parts(scene), dict[str, str](), dict[str, str]()
     lifts, resting = list[AppliedForce](), RESTING * sum(body.mass for body in scene.bodies)
     for pin in scene.pins:
         if GROUND not in (pin.first, pin.second):
@@ -138,7 +138,7 @@ def exact_layout(scene: Scene) -> PartLayout:
         if parts[name].inertia is None or any(lift.body == name for lift in lifts):
             continue
         before = parts[name].mass
-        parts[name], point = on_pivot(parts[name], pivot, resting)
+        parts[name], point = split_on_pivot(parts[name], pivot, resting)
         if point is not None:
             parts[f"point of {name}"] = point
         surplus = resting + (point.mass if point else 0.0) - before
@@ -146,24 +146,25 @@ def exact_layout(scene: Scene) -> PartLayout:
     for joint in scene.guided:
         if joint.body != GROUND and parts[joint.body].inertia is not None:
             shoes[joint.name] = name = f"shoe of {joint.name}"
-            parts[joint.body], parts[name] = without_point(parts[joint.body], joint.anchor)
+            parts[joint.body], parts[name] = split_point_mass(parts[joint.body], joint.anchor)
     for joint in scene.guided:
         if joint.host != GROUND and parts[joint.host].inertia is not None:
             rails[joint.name] = name = f"rail of {joint.name}"
             foot = _foot(joint, parts[joint.host].offset)
-            parts[joint.host], parts[name] = without_rail(parts[joint.host], foot)
+            parts[joint.host], parts[name] = split_rail(parts[joint.host], foot)
     loaded = replace(scene, forces=(*scene.forces, *lifts)) if any(scene.gravity) else scene
-    return _placed(loaded, parts, shoes, rails)
+    return _layout_of_parts(loaded, parts, shoes, rails)
 
 
-def _carriers(scene: Scene) -> dict[str, BodyPart]:
+def _uncut_parts(scene: Scene) -> dict[str, BodyPart]:
+    """One part for every body, by its name."""
     return {
         body.name: BodyPart(body.name, body.mass, body.inertia if scene.can_turn(body) else None)
         for body in scene.bodies
     }
 
 
-def _placed(
+def _layout_of_parts(
     scene: Scene, parts: dict[str, BodyPart], shoes: Mapping[str, str] = {}, rails: Mapping[str, str] = {}
 ) -> PartLayout:
     """The parts as a scene, in the positions their owners start in, with anchors from the parts' own centres."""

@@ -34,7 +34,7 @@ STATE |= batch.BodyFields.ANGULAR_VELOCITY
 BUFFER = batch.Buffer()  # pymunk never frees one
 
 
-def at(law: Any, angle: float) -> Any:  # noqa: ANN401
+def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
     """A load's components at an angle or a travel: constants, or cubics between knots."""
     if isinstance(law, list):
         return law
@@ -103,7 +103,7 @@ class PymunkWorld:
         self.loads: list[Load] = [self.load(*load) for load in given["loads"] if load[0] >= 0]
         torque, over_time = given["push"]
         if torque + given["offset"] or over_time:
-            self.loads.append(self.driving(torque + given["offset"], over_time))
+            self.loads.append(self.driver_load(torque + given["offset"], over_time))
         if centred:
             self.loads += [self.damper(ends[a], ends[b], each) for a, b, each in given["dampers"]]
             self.loads += [self.dashpot(spring) for spring in springs if spring.damping]
@@ -126,7 +126,7 @@ class PymunkWorld:
         body = self.ends[number]
 
         def add(ahead: float) -> None:
-            values = at(law, self.travel(ahead))
+            values = law_values(law, self.travel(ahead))
             if len(values) == 1:
                 body.torque += values[0]
             else:
@@ -134,7 +134,7 @@ class PymunkWorld:
 
         return add
 
-    def driving(self, size: float, over_time: tuple[Sequence[float], Sequence[float]] | None) -> Load:
+    def driver_load(self, size: float, over_time: tuple[Sequence[float], Sequence[float]] | None) -> Load:
         """The load on a free driver, or against a motor: a torque on a crank, a force along a linear driver."""
         crank, line = self.crank, self.line
 
@@ -177,7 +177,9 @@ class PymunkWorld:
         return add
 
 
-def speeds(motion: Sequence[tuple[float, Sequence[float]]] | None, centred: bool, step: float, count: int) -> Array:
+def driver_speeds(
+    motion: Sequence[tuple[float, Sequence[float]]] | None, centred: bool, step: float, count: int
+) -> Array:
     """Speed of the driver in so many steps, rad/s or m/s; zeros for a free one.
 
     It is the mean over the step by Gauss's quadrature, or a newcomer's: that at the step's start.
@@ -206,15 +208,17 @@ def follow(world: PymunkWorld, course: Data) -> Data:
     step = part["end"] / int(samples[-1])
     middles, loaded = samples[1:-1] + (ratio - 1) // 2, samples[given["lead"] :]
     for time, apart in given["kinks"] if centred else ():  # a step across one is not smooth
-        middles, loaded = (at[np.abs(step * at - time) > apart * ratio * step] for at in (middles, loaded))
-    rates = speeds(given["motion"], centred, step, samples[-1] + 1)
-    set_off(world, float(rates[0]), step)
+        middles, loaded = (
+            law_values[np.abs(step * law_values - time) > apart * ratio * step] for law_values in (middles, loaded)
+        )
+    rates = driver_speeds(given["motion"], centred, step, samples[-1] + 1)
+    set_start_velocities(world, float(rates[0]), step)
     read = {name: world.constraints[number] for name, number in given["joints"].items() if "joint_force" in channels}
     if world.motor is not None and "torque" in channels:
         read[MOTOR] = world.motor
     moving = {"position", "velocity", "acceleration"} & {*channels}
     looks = np.unique(np.concatenate([samples, middles, loaded - 1])) if moving else samples[:0]
-    seen, impulses = stepped(world, step, rates, (looks, loaded if read else samples[:0]), [*read.values()])
+    seen, impulses = take_steps(world, step, rates, (looks, loaded if read else samples[:0]), [*read.values()])
     course["details"]["iterations"] = int(world.space.iterations)
     course["solver_work"] += int(samples[-1]) * world.space.iterations * len(world.constraints)
     forces = {name: (step * loaded, values) for name, values in zip(read, impulses.T / step, strict=True)}
@@ -226,7 +230,7 @@ def follow(world: PymunkWorld, course: Data) -> Data:
 
     def state(steps: Any, ahead: float = 0.0, rates_of: Any = None) -> tuple[Array, Array]:  # noqa: ANN401
         of, rate = (np.searchsorted(looks, each) for each in (steps, steps if rates_of is None else rates_of))
-        return at_centres(given["offsets"], seen[of, :, 0], seen[rate, :, 1], ahead)
+        return centre_motion(given["offsets"], seen[of, :, 0], seen[rate, :, 1], ahead)
 
     if "position" in moving:
         places = samples if centred else samples[1:]
@@ -240,7 +244,7 @@ def follow(world: PymunkWorld, course: Data) -> Data:
     return result | {"joint_force": forces}
 
 
-def stepped(
+def take_steps(
     world: PymunkWorld, step: float, rates: Array, marks: tuple[Array, Array], read: list[pymunk.Constraint]
 ) -> tuple[Array, Array]:
     """Take all steps; ``marks`` are those after which states and those after which impulses are read.
@@ -259,7 +263,7 @@ def stepped(
     is_seen, is_read = (np.isin(np.arange(len(rates)), steps).tolist() for steps in marks)
     seen, impulses = list[bytes](), list[float]()
     if is_seen[0]:
-        seen.append(look(space))
+        seen.append(body_states(space))
     usual = space.iterations if given["iterations"] is None else given["iterations"]
     for number, value in enumerate(coming.tolist(), start=1):
         if number <= COLD_STEPS + 1 and given["centred"]:
@@ -273,21 +277,21 @@ def stepped(
         space.step(step)
         world.time += step
         if is_seen[number]:
-            seen.append(look(space))
+            seen.append(body_states(space))
         if is_read[number]:
             impulses.extend([constraint.impulse for constraint in read])
     states = np.frombuffer(b"".join(seen)).reshape(len(seen), len(world.ends), 2, 3)  # the static body comes last
     return states, np.array(impulses).reshape(len(marks[1]), len(read))
 
 
-def look(space: pymunk.Space) -> bytes:
+def body_states(space: pymunk.Space) -> bytes:
     """Places, angles and velocities of all bodies, as bytes."""
     BUFFER.clear()
     batch.get_space_bodies(space, STATE, BUFFER)
     return bytes(BUFFER.float_buf())
 
 
-def at_centres(offsets: list[complex], place: Array, rate: Array, ahead: float) -> tuple[Array, Array]:
+def centre_motion(offsets: list[complex], place: Array, rate: Array, ahead: float) -> tuple[Array, Array]:
     """Positions of mass centres from those of the parts that carry the bodies, and velocities ``ahead`` s later."""
     place, rate = place[:, : len(offsets)].copy(), rate[:, : len(offsets)].copy()
     for values, arms in (
@@ -299,7 +303,7 @@ def at_centres(offsets: list[complex], place: Array, rate: Array, ahead: float) 
     return place, rate
 
 
-def set_off(world: PymunkWorld, rate: float, step: float) -> None:
+def set_start_velocities(world: PymunkWorld, rate: float, step: float) -> None:
     """Give the parts their velocities: those that bring them through the first step, or a newcomer's.
 
     The latter are those of the start. The former are the motion's tangent there, at the speed of the middle of the

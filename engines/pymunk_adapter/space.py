@@ -23,7 +23,7 @@ JUMP, KINK = 1.5, 0.5
 BEHIND: Final = 4.0  # of the reach: how far behind a slider's line its far end begins
 
 
-def described(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, Any]:
+def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, Any]:
     """The space of a layout of a scene, without the iterations of its solver."""
     parts, size = layout.scene, reach(scene)
     numbers = {GROUND: -1, **{body.name: number for number, body in enumerate(parts.bodies)}}

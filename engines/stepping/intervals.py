@@ -164,11 +164,11 @@ def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
     return [
         interval
         for segment in motion.segments
-        for interval in _of_segment(segment, segment is not first and segment.start in motion.jumps, motion, pace)
+        for interval in _cut_segment(segment, segment is not first and segment.start in motion.jumps, motion, pace)
     ]
 
 
-def _of_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: Pace) -> Iterator[Interval]:
+def _cut_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: Pace) -> Iterator[Interval]:
     """A segment in parts of about one speed, in steps of as many per turn of a part's fastest, cut every few turns.
 
     Loads by inertia grow with the square of the speed, so a slow part's error is small beside the peak of a fast one.

@@ -47,7 +47,7 @@ class LoopEngine(SteppedEngine[Any, R]):
         try:
             return import_module(self.loop).build(model)
         except ArithmeticError as error:
-            raise _ended(error, UnsupportedError) from error
+            raise _run_error(error, UnsupportedError) from error
 
     def follow(self, world: Any, course: Course[R]) -> History:  # noqa: ANN401
         """The loop's samples of a pass as a history."""
@@ -55,7 +55,7 @@ class LoopEngine(SteppedEngine[Any, R]):
         try:
             samples = import_module(self.loop).follow(world, given)
         except ArithmeticError as error:
-            raise _ended(error, DivergedError) from error
+            raise _run_error(error, DivergedError) from error
         finally:
             course.cost.solver_work += given["solver_work"]
             course.cost.details.update(given["details"])
@@ -63,7 +63,8 @@ class LoopEngine(SteppedEngine[Any, R]):
         return History(**{name: _signal(pair) for name, pair in samples.items()}, joint_force=forces)
 
 
-def _ended(error: ArithmeticError, kind: type[Exception]) -> Exception:
+def _run_error(error: ArithmeticError, kind: type[Exception]) -> Exception:
+    """The error by which a run ends, for a reason that a loop raises; any other error stays what it is."""
     return kind(str(error)) if type(error) is ArithmeticError else error  # a division by zero is an error of the loop
 
 

@@ -89,6 +89,7 @@ def _with_length(scene: Scene, units: OwnUnits) -> Scene:
 
 
 def _scaled(value: Any, name: str, units: OwnUnits) -> Any:  # noqa: ANN401 - a scene, or anything in one
+    """A part of a scene, or a number by the ``name`` of its quantity, in the units given."""
     if name in POWERS and value is not None:
         unit = units.unit(name)
         if isinstance(value, Law):

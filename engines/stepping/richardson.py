@@ -28,30 +28,30 @@ from engines.contract import History, Origin, Signal, weakest
 CHANNELS = ("position", "velocity", "acceleration", "torque")  # of one signal each
 
 
-def combined(histories: Sequence[History], combine: Callable[[Sequence[Signal]], Signal]) -> History:
+def combine_histories(histories: Sequence[History], combine: Callable[[Sequence[Signal]], Signal]) -> History:
     """One history, each signal made of those of its channel; a channel is None where all histories lack it."""
 
-    def of_channel(name: str) -> Signal | None:
+    def combine_channel(name: str) -> Signal | None:
         present = [signal for history in histories if (signal := getattr(history, name)) is not None]
         return combine(present) if present else None
 
     forces = {name: combine([history.joint_force[name] for history in histories]) for name in histories[0].joint_force}
-    position, velocity, acceleration, torque = map(of_channel, CHANNELS)
+    position, velocity, acceleration, torque = map(combine_channel, CHANNELS)
     return History(position, velocity, acceleration, torque, forces)
 
 
-def joined(histories: Sequence[History]) -> History:
+def join_histories(histories: Sequence[History]) -> History:
     """Histories of consecutive parts of a run as one; a channel is None in all or in none."""
 
     def end_to_end(signals: Sequence[Signal]) -> Signal:
         time, values = (np.concatenate([getattr(signal, name) for signal in signals]) for name in ("time", "values"))
         return replace(signals[0], time=time, values=values)
 
-    return combined(histories, end_to_end)
+    return combine_histories(histories, end_to_end)
 
 
 def labelled(history: History) -> Iterator[tuple[str, Signal]]:
-    """Every signal of a history with its name in words."""
+    """Every signal of a history with a name for messages: its channel, or its joint."""
     for name in CHANNELS:
         signal = getattr(history, name)
         if signal is not None:
@@ -70,7 +70,7 @@ CLOCK_ROUNDING = 1e-9
 SAFETY = 2.0  # of an estimated error over that of the theory of evenly shrinking terms
 COARSE = 0.5  # relative error assumed of a step that is far too long
 # A component this much smaller than its neighbours is rounding and has no relative error.
-NOTHING = 1e-9
+NEGLIGIBLE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8), we
             origin = Origin.EXTRAPOLATED
         return Signal(time, values, origin)
 
-    return combined([each.history for each in passes], weighted)
+    return combine_histories([each.history for each in passes], weighted)
 
 
 def estimated_error(passes: Sequence[Pass], orders: Sequence[int]) -> float:
@@ -151,13 +151,13 @@ def change(history: History, other: History) -> float:
     for pairs in (hard, easy):
         present = [(a, b) for a, b in pairs if a is not None and b is not None]
         if present:
-            return max(_relative(a, b) for a, b in present)
+            return max(_relative_change(a, b) for a, b in present)
     return 0.0
 
 
-def _relative(signal: Signal, other: Signal) -> float:
+def _relative_change(signal: Signal, other: Signal) -> float:
     shape = (-1, other.values.shape[-1] if other.values.ndim > 1 else 1)
     peak = np.abs(other.values).reshape(shape).max(axis=0)
     difference = np.abs(signal.values - other.values).reshape(shape).max(axis=0)
-    moves = peak > NOTHING * peak.max()
+    moves = peak > NEGLIGIBLE * peak.max()
     return float(np.max(difference[moves] / peak[moves], initial=0.0))

@@ -66,17 +66,17 @@ class Recipe(Pace):
         drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
         pace = self if turns else replace(self, turn=scene_size(scene))
         if isinstance(drive, Free):
-            longest = pace._longest(drive.pace or _start_pace(scene))
+            longest = pace._longest_step(drive.pace or _start_pace(scene))
             if drive.over_time is not None and self.at_kinks:
                 return released_intervals(drive.duration, drive.over_time.times, longest)
             return [whole_interval(drive.duration, longest, self.least_steps)]
         motion = drive.motion
-        longest = pace._longest(motion.peak_speed)
+        longest = pace._longest_step(motion.peak_speed)
         if not self.restarted:
             return [whole_interval(motion.duration, longest, self.least_steps * min(len(motion.segments), MANY))]
         return intervals(motion, pace if self.graded else replace(pace, step=longest, steps_per_turn=0.0))
 
-    def _longest(self, speed: float) -> float:
+    def _longest_step(self, speed: float) -> float:
         turn = self.turn / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
         return min(self.step, turn)
 

@@ -45,7 +45,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
     looked_up = [hashable for hashable in listed.trace.inputs if isinstance(hashable, tuple)]
     if len(listed.trace.operations) > MOST_OPERATIONS or any(order for _, order, _ in looked_up):
         return "its formulas are too many to be computed while a number is pulled"
-    needed = set(listed.trace.leading_to(listed.lines))
+    needed = set(listed.trace.lines_needed(listed.lines))
     numbers = tuple(name for name in sorted(listed.varied) if listed.trace.inputs[name] in needed)
     lines = [listed.trace.inputs.get(entries, -1) for entries in (*ALWAYS, *looked_up)]
     source = javascript_source(listed.trace, [listed.trace.inputs[name] for name in numbers], lines, listed.lines)

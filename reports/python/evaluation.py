@@ -14,7 +14,7 @@ from analytic import signals
 from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
-from analytic.designs.samples import ASSEMBLED, evaluate_designs
+from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate as evaluate_signals
 from analytic.kinematics.mechanism import Mechanism

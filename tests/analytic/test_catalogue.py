@@ -71,20 +71,6 @@ def test_the_two_readings_of_rimoldis_table_differ_in_gravity_alone():
     assert not np.allclose(reduced.gravity_force(built), reduced.gravity_force(along), rtol=1e-3)
 
 
-def test_published_runs_of_the_take_ups_and_their_errata():
-    slotted, two_crank = load("slotted-takeup"), load("two-crank-takeup")
-    regimes = {regime.name: regime for regime in slotted.regimes}
-    assert regimes["driven"].torque == 0.025
-    assert (regimes["free"].duration, regimes["driven"].duration) == (10.0, 10.0)
-    starts = [np.degrees(regimes[name].start_angle) for name in ("free", "driven")]
-    assert starts == pytest.approx([280.0, 269.18])
-    assert [regime.name for regime in two_crank.regimes] == ["driven"]
-    assert (slotted.dampers[0].coefficient, two_crank.dampers[0].coefficient) == pytest.approx((2e-4, 1e-5))
-    assert [(e.half_slope, e.steps) for e in slotted.errata] == [("moduli", None), ("exact", 1000)]
-    assert [(e.variant, e.steps) for e in two_crank.errata] == [("as-printed", None), (None, 1000)]
-    assert {e.regime for e in (*slotted.errata, *two_crank.errata)} == {"driven"}
-
-
 def test_values_of_ours_are_marked_as_such():
     assert "representative values of ours" in load("fork-takeup").source
     assert any("representative value of ours" in note for note in load("slotted-takeup").notes)

@@ -12,7 +12,7 @@ from analytic.evaluation import evaluate
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.motion.farthest import top_of_turn
+from analytic.motion.unit_functions import top_of_turn
 from tests.analytic.chains import chain_of_dyads, nearly_parallelograms
 from tests.analytic.linkages import angles, from_text, mechanism
 from tests.counting import calls
@@ -63,24 +63,6 @@ def test_each_dyad_is_solved_once_and_no_further_than_the_quantities_need(solved
     assert solved() == expected
 
 
-def test_a_sweep_solves_each_dyad_once_when_a_point_needs_it(solved):
-    sample = mechanism(SIX_BAR)
-    first, second = sample.structure.dyads
-    early = {point for link in first.links for point in sample.structure.bodies[link].points}
-    late = {point for link in second.links for point in sample.structure.bodies[link].points} - early
-    sweep = sample.sweep(angles(5))
-    solved()
-    for point in early:
-        sweep.point(point, 2)
-    assert solved() == (1, 1, 1)
-    for point in late:
-        sweep.point(point, 2)
-    assert solved() == (1, 1, 1)
-    _torque(sweep)
-    joint_forces.reactions(sweep, 3.0, 2.0)
-    assert solved() == (0, 0, 0)
-
-
 @pytest.mark.parametrize("name", [SIX_BAR, SPRUNG])
 def test_a_crank_at_rest_needs_no_second_derivative(solved, name):
     sweep = mechanism(name).sweep(angles(5))
@@ -93,7 +75,7 @@ def test_a_crank_at_rest_needs_no_second_derivative(solved, name):
 def test_without_gravity_and_loads_nothing_of_them_is_computed(monkeypatch):
     floating = _changed(mechanism("moving-guides"), gravity=(0.0, 0.0))
     parts = ((Law, "__call__"), (reduced, "spring_length"), (reduced, "load_force"), (reduced, "damping_coefficient"))
-    parts += ((LoadedSweep, "_of_spring"), (LoadedSweep, "_of_damper"))
+    parts += ((LoadedSweep, "_spring_loads"), (LoadedSweep, "_damper_loads"))
     seen, centres = [calls(monkeypatch, *part) for part in parts], calls(monkeypatch, Sweep, "centre")
     sweep = floating.sweep(angles(5))
     assert not np.any(reduced.gravity_force(sweep))

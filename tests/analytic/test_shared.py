@@ -14,7 +14,7 @@ from analytic.description import crank_motion as crank_motions
 from analytic.description import units
 from analytic.description.law import Law
 from analytic.dynamics import reduced
-from analytic.motion import farthest, thread_feed, unit_functions
+from analytic.motion import thread_feed, unit_functions
 from comparisons.judging import quantities
 from comparisons.reference.case import Case
 from engines.scene import Channel
@@ -122,7 +122,7 @@ def _scaled(module, name, share):
 
 def _top(monkeypatch):
     true = unit_functions.bottom_dead_centre
-    monkeypatch.setattr(farthest, "top_dead_centre", true)
+    monkeypatch.setattr(unit_functions, "top_dead_centre", true)
 
 
 MUTANTS = {

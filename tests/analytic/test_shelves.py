@@ -65,6 +65,7 @@ def test_one_folder_announced_twice_is_no_clash(folder):
     assert installed() == ("ram",)
 
 
+@pytest.mark.nightly
 def test_commands_know_the_linkages_of_packages_and_of_the_project(folder):
     _package(folder, "mill", "ram")
     project = folder / "project"

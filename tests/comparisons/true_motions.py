@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from analytic.dynamics import reduced
-from analytic.dynamics.joint_forces import joint_forces
+from analytic.dynamics.joint_forces import reactions
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.stress.cell_result import Cell, blank_result
@@ -33,7 +33,7 @@ def true_history(case, count=1201, mechanism=None, lag=0.0, shift=0.0):
     torque = reduced.drive_torque(sweep, speed, acceleration)
     if isinstance(case.drive, Free):
         torque = np.full(count, case.drive.torque)
-    forces = joint_forces(sweep, speed, acceleration)
+    forces = reactions(sweep, speed, acceleration).forces
     return History(
         position=Signal(time, np.stack([_position(sweep, name, time) for name in names], axis=1)),
         velocity=Signal(later, np.stack([_rates(moving, name, case.motion.speed(later)) for name in names], axis=1)),

@@ -63,16 +63,16 @@ def _run_alone(text, folder):
 
 # Every engine with a load over φ or one over time, or with a linear driver; the rest nightly.
 USUAL = [
-    ("exudyn", "double-rocker", "switched", "tuned"),
     ("exudyn", "driven slider", "sample", "naive"),
     ("mujoco", "double-rocker", "switched", "tuned"),
-    ("ondsel", "cylinder", "sample", "tuned"),
+    ("ondsel", "slotted-takeup", "run-up", "tuned"),
     ("pymunk", "double-rocker", "switched", "naive"),
     ("simbody", "double-rocker", "switched", "tuned"),
 ]
 NIGHTLY = [
     *(("exudyn", *case) for case in (("spring-and-damper", "run-up", "naive"), ("slotted-takeup", "free", "tuned"))),
-    ("ondsel", "slotted-takeup", "run-up", "tuned"),
+    ("exudyn", "double-rocker", "switched", "tuned"),
+    ("ondsel", "cylinder", "sample", "tuned"),
     ("mujoco", "spring-and-damper", "run-up", "tuned"),
     ("pymunk", "slotted-takeup", "driven", "tuned"),
     *((name, "force-over-angle", "run-up", "tuned") for name in ("exudyn", "mujoco", "pymunk", "simbody")),

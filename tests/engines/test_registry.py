@@ -18,10 +18,10 @@ from engines.scene import Channel
 from tests.commands import linkproof, refused
 from tests.comparisons.faults import PATIENCE, announce
 
-ADAPTER = """from engines.registry import NOTHING
+ADAPTER = """from engines.registry import NO_ABILITIES
 class Adapter:
     name = "{name}"
-    abilities = NOTHING
+    abilities = NO_ABILITIES
     is_control = False
     def version(self):
         return "1.0"
@@ -65,7 +65,7 @@ def plugins(tmp_path, monkeypatch):
     announce(tmp_path, "some-engines", {name: f"{name}:Adapter" for name in [*names, "twin"]})
     announce(tmp_path, "other-engines", {"twin": "failing:Adapter"})
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(registry, "LOADING", PATIENCE)
+    monkeypatch.setattr(registry, "LONGEST_LOADING", PATIENCE)
     monkeypatch.setattr(registry, "_FAILED", {})
     yield tmp_path
     for name in names:
@@ -75,7 +75,7 @@ def plugins(tmp_path, monkeypatch):
 def test_an_error_of_a_plugin_is_raised_with_its_file_and_line_when_it_is_run(plugins, monkeypatch):
     reasons = {}
     for name in sorted(REASONS, key="hanging".__eq__):  # the one that is never done comes last
-        monkeypatch.setattr(registry, "LOADING", 0.3 if name == "hanging" else PATIENCE)
+        monkeypatch.setattr(registry, "LONGEST_LOADING", 0.3 if name == "hanging" else PATIENCE)
         for _ in range(2):  # the second time from what is known of the first
             with pytest.raises(AdapterError) as caught:
                 run_engine(registry.engine(name), CASE.scene([Channel.TORQUE]), Setting.TUNED)
@@ -95,6 +95,7 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
     assert {(record.outcome, record.detail) for record in other.records} == {("unavailable", reason)}
 
 
+@pytest.mark.nightly
 def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins, monkeypatch):
     (plugins / "hanging.py").write_text("")  # it would be waited for
     words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "-", "--jobs", "0")

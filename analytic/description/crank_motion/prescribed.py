@@ -17,7 +17,7 @@ RPM = np.pi / 30.0
 
 
 def degrees(angle: float) -> str:
-    """A crank angle, rad, for a reader: in [0°, 360°) as it is written."""
+    """A crank angle, rad, in words for a message: in degrees, 0° to 360°."""
     return f"{float(f'{math.degrees(angle) % 360.0:.4g}') % 360.0:g}°"
 
 
@@ -36,7 +36,7 @@ class Segment:
     coefficients: tuple[float, ...]
 
     def value(self, time: ArrayLike, order: int = 0) -> NDArray[np.float64]:
-        """The derivative of φ of the given order at ``time``; shape of ``time``."""
+        """φ or its derivative of the given order at ``time``, s, in rad and s; shape of ``time``."""
         x = np.asarray(time, dtype=float) - self.start
         highest, *lower = derivative(self.coefficients, order)
         total = x * 0.0 + highest
@@ -45,15 +45,9 @@ class Segment:
             total += coefficient
         return np.asarray(total)
 
-    @property
-    def turning_times(self) -> tuple[float, ...]:
-        """Start, end, and the times between at which the speed may be largest, s."""
-        return (self.start, self.end, *self._zeros(2))
-
-    @property
-    def standing_times(self) -> tuple[float, ...]:
-        """Start, end, and the times between at which the angle may be largest or smallest, s."""
-        return (self.start, self.end, *self._zeros(1))
+    def extreme_times(self, order: int) -> tuple[float, ...]:
+        """Start, end, and the times between at which the derivative of φ of an order may be largest or smallest, s."""
+        return (self.start, self.end, *self._zeros(order + 1))
 
     def _zeros(self, order: int) -> list[float]:
         """Times inside at which a derivative of φ is zero, s."""
@@ -94,12 +88,12 @@ class CrankMotion:
     @cached_property
     def peak_speed(self) -> float:
         """Largest |ω|, rad/s."""
-        return max(abs(float(s.value(t, 1))) for s in self.segments for t in s.turning_times)
+        return max(abs(float(s.value(t, 1))) for s in self.segments for t in s.extreme_times(1))
 
     @property
     def reach(self) -> tuple[float, float]:
         """Smallest and largest φ, rad."""
-        ends = [float(s.value(t)) for s in self.segments for t in s.standing_times]
+        ends = [float(s.value(t)) for s in self.segments for t in s.extreme_times(0)]
         return min(ends), max(ends)
 
     @cached_property
@@ -112,6 +106,7 @@ class CrankMotion:
         return tuple(s.start for s, left, right in pairs if abs(left - right) > ROUNDING * scale)
 
     def _evaluate(self, time: ArrayLike, order: int) -> NDArray[np.float64]:
+        """φ or a derivative of it at instants, s; shape of ``time``."""
         time = np.asarray(time, dtype=float)
         starts = [segment.start for segment in self.segments]
         index = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(starts) - 1)
@@ -191,7 +186,7 @@ def crank_motion(
 # A crank motion through a table of angles over time: a spline with continuous acceleration.
 
 JUMP: Final = 8.0  # times the speed of all other steps: what is faster is no motion but a jump
-FEWEST: Final = 4
+LEAST_POINTS: Final = 4
 
 Array = NDArray[np.float64]
 
@@ -213,19 +208,15 @@ def table_motion(regime: str, time: Sequence[float], angle: Sequence[float]) -> 
         )
     pieces = spline.c[::-1].T.tolist()
     starts = [float(t) for t in time]
-    return CrankMotion(regime, tuple(map(_segment, starts, starts[1:], pieces)))
-
-
-def _segment(start: float, end: float, coefficients: Sequence[float]) -> Segment:
-    return Segment(start, end, tuple(coefficients))
+    return CrankMotion(regime, tuple(map(Segment, starts, starts[1:], map(tuple, pieces))))
 
 
 def check_table(time: Sequence[float], angle: Sequence[float]) -> None:
     """Raise LinkproofError for a table that is no motion; names the point at fault, counted from 1."""
-    if len(time) != len(angle) or len(time) < FEWEST:
+    if len(time) != len(angle) or len(time) < LEAST_POINTS:
         raise LinkproofError(
-            f"expected as many angles as times and {FEWEST} or more of each, got {len(angle)} angles and {len(time)} "
-            "times; complete the shorter list"
+            f"expected as many angles as times and {LEAST_POINTS} or more of each, got {len(angle)} angles and "
+            f"{len(time)} times; complete the shorter list"
         )
     t, phi = np.asarray(time, dtype=float), np.asarray(angle, dtype=float)
     if not (np.all(np.isfinite(t)) and np.all(np.isfinite(phi))):

@@ -13,7 +13,7 @@ from analytic.description import schema as doc
 from analytic.description.crank_motion import LAWS, REGIMES, RPM, CrankMotion, Move, sequence, swing
 from analytic.description.crank_motion.prescribed import check_times, table_motion
 from analytic.description.law import Law, TimeLaw
-from analytic.description.linkage import OwnRegime, PrescribedRegime, ReleasedRegime
+from analytic.description.linkage import FileRegime, PrescribedRegime, ReleasedRegime
 from analytic.description.load_tables import law_over_angle
 from analytic.description.lookup import Reader
 from analytic.errors import LinkproofError, UnknownNameError, listed
@@ -30,16 +30,16 @@ KINDS: Final[Mapping[str, tuple[str, ...]]] = {
 
 def is_released(table: doc.RegimeTable) -> bool:
     """Whether the crank is released in a regime of a file."""
-    return _kind(_given(table)) == "released crank"
+    return _kind_of_regime(_written_keys(table)) == "released crank"
 
 
-def regime_of(reader: Reader, name: str) -> OwnRegime:
+def regime_of(reader: Reader, name: str) -> FileRegime:
     """The regime of this name in a linkage file; raises DescriptionError for the name of a prescribed motion."""
     table, where = reader.document.regimes[name], f"regimes.{name}"
     if name in (*REGIMES, *LAWS):
         raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
-    given = _given(table)
-    kind = _kind(given)
+    given = _written_keys(table)
+    kind = _kind_of_regime(given)
     for key in given:
         if key not in KINDS[kind]:
             raise reader.fail(
@@ -47,29 +47,30 @@ def regime_of(reader: Reader, name: str) -> OwnRegime:
                 "it out, or make it a regime of its own"
             )
     if kind == "released crank":
-        return _released(reader, name, table, where)
-    makers = {"segments": _of_segments, "swing": _of_swing, "table": _of_table}
-    with _placed(reader, where):
+        return _released_regime(reader, name, table, where)
+    makers = {"segments": _segments_motion, "swing": _swing_motion, "table": _table_motion}
+    with _errors_at(reader, where):
         motion, conditions = makers[kind](reader, name, table, where)
     return PrescribedRegime(name, motion, conditions)
 
 
-def _given(table: doc.RegimeTable) -> list[str]:
+def _written_keys(table: doc.RegimeTable) -> list[str]:
     """Keys of the regime in the file, as written there."""
     return [field.alias or name for name, field in type(table).model_fields.items() if name in table.model_fields_set]
 
 
-def _kind(given: Sequence[str]) -> str:
-    if "segments" in given:
+def _kind_of_regime(keys: Sequence[str]) -> str:
+    """What the keys of a regime describe, a key of ``KINDS``: a swing, segments, a table, or a released crank."""
+    if "segments" in keys:
         return "segments"
-    if "to" in given or "from" in given:
+    if "to" in keys or "from" in keys:
         return "swing"
-    return "table" if "angle" in given and "torque" not in given else "released crank"
+    return "table" if "angle" in keys and "torque" not in keys else "released crank"
 
 
 @contextmanager
-def _placed(reader: Reader, where: str) -> Iterator[None]:
-    """Errors of a motion, with their place in the file."""
+def _errors_at(reader: Reader, where: str) -> Iterator[None]:
+    """Put the place in the file before the message of an error that a motion raises in the block."""
     try:
         yield
     except LinkproofError as error:
@@ -78,63 +79,69 @@ def _placed(reader: Reader, where: str) -> Iterator[None]:
         raise
 
 
-def _need(reader: Reader, value: float | None, where: str, what: str) -> float:
+def _required(reader: Reader, value: float | None, where: str, meaning: str) -> float:
+    """A number that the regime needs; raises DescriptionError where it is missing."""
     if value is None:
-        raise reader.fail(f"{where} is missing: expected {what}; add it")
+        raise reader.fail(f"{where} is missing: expected {meaning}; add it")
     return value
 
 
-def _unit(reader: Reader) -> float:
+def _coordinate_unit(reader: Reader) -> float:
     """A unit of the file's crank angle in rad, or of a linear drive's travel in m."""
     return reader.scale[reader.coordinate]
 
 
-def _pace(reader: Reader) -> float:
+def _speed_unit(reader: Reader) -> float:
     """A unit of the file's speed: rpm of a crank, the file's length a second of a linear drive."""
     return reader.scale["length"] if reader.is_linear else RPM
 
 
-def _shown(reader: Reader, place: float) -> str:
+def _phi_text(reader: Reader, place: float) -> str:
+    """A value of φ, rad or m, for a reader, in the file's unit."""
     if reader.is_linear:
-        return f"{place / _unit(reader):.10g} {reader.document.units.length}"
+        return f"{place / _coordinate_unit(reader):.10g} {reader.document.units.length}"
     return f"{math.degrees(place):.10g}°"
 
 
-def _at_most(reader: Reader, motion: CrankMotion) -> str:
+def _peak_speed_text(reader: Reader, motion: CrankMotion) -> str:
+    """The motion's largest speed for a reader."""
     unit = f"{reader.document.units.length}/s" if reader.is_linear else "rpm"
-    return f"at most {motion.peak_speed / _pace(reader):.6g} {unit}"
+    return f"at most {motion.peak_speed / _speed_unit(reader):.6g} {unit}"
 
 
-def _of_swing(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
-    scale = _unit(reader)
-    start = _need(reader, table.begin, f"{where}.from", "the angle at which the swing begins") * scale
-    end = _need(reader, table.to, f"{where}.to", "the angle at which the swing ends") * scale
+def _swing_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
+    """The motion of a regime with ``from`` and ``to``, and its conditions in words."""
+    scale = _coordinate_unit(reader)
+    start = _required(reader, table.begin, f"{where}.from", "the angle at which the swing begins") * scale
+    end = _required(reader, table.to, f"{where}.to", "the angle at which the swing ends") * scale
     law, dwell, back = table.law or USUAL_LAW, table.dwell or 0.0, bool(table.back)
     if isinstance(table.time, list):
         raise reader.fail(f"{where}.time: expected the time of one way in s, got a list; give one number")
-    speed = None if table.speed is None else table.speed * _pace(reader)
+    speed = None if table.speed is None else table.speed * _speed_unit(reader)
     motion = swing(law, start, end, speed=speed, time=table.time, dwell=dwell, back=back, regime=name)
     pause = f", {dwell:g} s there" if dwell else ""
-    ways = f"from {_shown(reader, start)} to {_shown(reader, end)}{pause}{' and back' if back else ''}"
-    return motion, f"{law} {ways}, {_at_most(reader, motion)}"
+    ways = f"from {_phi_text(reader, start)} to {_phi_text(reader, end)}{pause}{' and back' if back else ''}"
+    return motion, f"{law} {ways}, {_peak_speed_text(reader, motion)}"
 
 
-def _of_segments(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
-    begin = (table.start_angle or 0.0) * _unit(reader)
+def _segments_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
+    """The motion of a regime with ``segments``, and its conditions in words."""
+    begin = (table.start_angle or 0.0) * _coordinate_unit(reader)
     moves: list[Move] = []
     angle = begin
     for number, segment in enumerate(table.segments or ()):
         place = f"{where}.segments.{number}"
-        with _placed(reader, place):
+        with _errors_at(reader, place):
             move = _move(reader, segment, angle, place)
         moves.append(move)
         angle = angle if move.to is None else move.to
     motion = sequence(name, begin, moves)
-    stops = " to ".join(_shown(reader, each) for each in (begin, *(m.to for m in moves if m.to is not None)))
-    return motion, f"{len(moves)} segments, {stops}, {motion.duration:.6g} s, {_at_most(reader, motion)}"
+    stops = " to ".join(_phi_text(reader, each) for each in (begin, *(m.to for m in moves if m.to is not None)))
+    return motion, f"{len(moves)} segments, {stops}, {motion.duration:.6g} s, {_peak_speed_text(reader, motion)}"
 
 
 def _move(reader: Reader, segment: doc.SegmentTable, angle: float, place: str) -> Move:
+    """A segment of a motion that is at ``angle``, rad or m: a move by a law, or a dwell."""
     if (segment.to is None) == (segment.dwell is None):
         raise reader.fail(f"{place}: expected either an angle to go to or a dwell, got both or none; give one of them")
     if segment.dwell is not None:
@@ -143,33 +150,35 @@ def _move(reader: Reader, segment: doc.SegmentTable, angle: float, place: str) -
             raise reader.fail(f"{place}: expected a dwell alone, got {listed(beside)} beside it; leave that out")
         return Move(segment.dwell)
     assert segment.to is not None
-    law, end = segment.law or USUAL_LAW, segment.to * _unit(reader)
-    speed = None if segment.speed is None else segment.speed * _pace(reader)
+    law, end = segment.law or USUAL_LAW, segment.to * _coordinate_unit(reader)
+    speed = None if segment.speed is None else segment.speed * _speed_unit(reader)
     return Move(swing(law, angle, end, speed=speed, time=segment.time).duration, end, law)
 
 
-def _of_table(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
+def _table_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
+    """The motion of a regime with ``angle`` over ``time``, and its conditions in words."""
     times = table.time if isinstance(table.time, list) else None
     if times is None:
         raise reader.fail(f"{where}.time: expected a list of times in s beside the angles, got none; add time = [...]")
-    angles = [angle * _unit(reader) for angle in table.angle or ()]
-    with _placed(reader, f"{where}.time"):
+    angles = [angle * _coordinate_unit(reader) for angle in table.angle or ()]
+    with _errors_at(reader, f"{where}.time"):
         check_times(np.array(times or [0.0]))
-    with _placed(reader, f"{where}.angle"):
+    with _errors_at(reader, f"{where}.angle"):
         motion = table_motion(name, times, angles)
     low, high = motion.reach
-    words = f"table of {len(times)} points between {_shown(reader, low)} and {_shown(reader, high)}"
-    return motion, f"{words}, {motion.duration:.6g} s, {_at_most(reader, motion)}"
+    words = f"table of {len(times)} points between {_phi_text(reader, low)} and {_phi_text(reader, high)}"
+    return motion, f"{words}, {motion.duration:.6g} s, {_peak_speed_text(reader, motion)}"
 
 
-def _released(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> ReleasedRegime:
+def _released_regime(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> ReleasedRegime:
+    """The regime of a released crank in SI units."""
     start = reader.number(
-        _need(reader, table.start_angle, f"{where}.start_angle", "a finite angle in the file's angle unit"),
+        _required(reader, table.start_angle, f"{where}.start_angle", "a finite angle in the file's angle unit"),
         reader.coordinate,
         f"{where}.start_angle",
     )
-    duration = _need(reader, table.duration, f"{where}.duration", "a positive finite time in s")
-    speed = (table.start_speed or 0.0) * (_unit(reader) if reader.is_linear else 1.0)
+    duration = _required(reader, table.duration, f"{where}.duration", "a positive finite time in s")
+    speed = (table.start_speed or 0.0) * (_coordinate_unit(reader) if reader.is_linear else 1.0)
     torque, over_angle, over_time = _torque(reader, table, where)
     return ReleasedRegime(name, torque, start, speed, duration, over_angle, over_time)
 
@@ -198,6 +207,7 @@ def _torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[float, 
 
 
 def _time_law(reader: Reader, values: list[float], times: float | list[float] | None, where: str) -> TimeLaw:
+    """The crank's torque over time, in SI units: straight lines between its values."""
     if not isinstance(times, list) or len(times) != len(values) or len(times) < 2:
         count = len(times) if isinstance(times, list) else 1
         raise reader.fail(

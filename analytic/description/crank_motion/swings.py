@@ -79,23 +79,25 @@ class MotionLaw:
     at_rest: bool = True
 
 
-def _single(peak: float, *coefficients: float, at_rest: bool = True) -> MotionLaw:
+def _polynomial_law(peak: float, *coefficients: float, at_rest: bool = True) -> MotionLaw:
+    """A law that is one polynomial over the whole move."""
     return MotionLaw((Piece(0.0, 1.0, coefficients),), peak, at_rest)
 
 
-def _waves(peak: float, *waves: Wave) -> MotionLaw:
+def _sine_law(peak: float, *waves: Wave) -> MotionLaw:
+    """A law made of sine waves end to end."""
     return MotionLaw(tuple(piece for wave in waves for piece in wave.pieces()), peak)
 
 
 _SUM: Final = math.pi + 4.0  # of the modified sine
 LAWS: Final[Mapping[str, MotionLaw]] = {
-    CONSTANT_SPEED: _single(1.0, 0.0, 1.0, at_rest=False),
-    "cubic": _single(1.5, 0.0, 0.0, 3.0, -2.0),
+    CONSTANT_SPEED: _polynomial_law(1.0, 0.0, 1.0, at_rest=False),
+    "cubic": _polynomial_law(1.5, 0.0, 0.0, 3.0, -2.0),
     "polynomial": MotionLaw(
         (Piece(0.0, 0.5, (0.0, 0.0, 0.0, 10.0, -15.0, 6.0)), Piece(0.5, 1.0, (0.5, 1.875, 0.0, -5.0, 0.0, 6.0))), 1.875
     ),
-    "cycloidal": _waves(2.0, Wave(0.0, 1.0, 0.0, 1.0, -0.5 / math.pi, 0, 8)),
-    "modified-sine": _waves(
+    "cycloidal": _sine_law(2.0, Wave(0.0, 1.0, 0.0, 1.0, -0.5 / math.pi, 0, 8)),
+    "modified-sine": _sine_law(
         4.0 * math.pi / _SUM,
         Wave(0.0, 0.125, 0.0, math.pi / _SUM, -0.25 / _SUM, 0, 2),
         Wave(0.125, 0.875, 2.0 / _SUM, math.pi / _SUM, -2.25 / _SUM, 2, 6),
@@ -135,6 +137,7 @@ def sequence(regime: str, start_angle: float, moves: Sequence[Move]) -> CrankMot
 
 
 def _segments(move: Move, begun: float, angle: float, target: float) -> list[Segment]:
+    """The pieces of one move from ``angle`` to ``target``, rad, begun at ``begun``, s; one for a dwell."""
     if move.law not in LAWS:
         raise UnknownNameError("law", move.law, LAWS)
     if target == angle:
@@ -148,6 +151,7 @@ def _segments(move: Move, begun: float, angle: float, target: float) -> list[Seg
 
 
 def _check_joins(motion: CrankMotion) -> None:
+    """Refuse a motion whose speed jumps between two moves."""
     for before, after in zip(motion.segments, motion.segments[1:], strict=False):
         left, right = float(before.value(before.end, 1)), float(after.value(after.start, 1))
         if abs(left - right) > SAME_SPEED * motion.peak_speed:

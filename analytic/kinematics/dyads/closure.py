@@ -11,13 +11,13 @@ differentiating the closure equations once and twice, which are linear in the un
     First derivatives over φ, and the ``Travel``.
 ``accelerations(k, hosts, links, closure, travel)``
     Second derivatives over φ.
-``least(k, closure)``
+``dead_determinant(k, closure)``
     The determinant up to which it stands in a dead position, so that its derivatives are undefined.
-``missing(k, near, closure)``
+``reach_margin(k, near, closure)``
     Length, m, by which the links reach beyond meeting, negative where they do not meet, and the lengths it comes from.
-``toggle(dyad, closure)``
+``dead_position_text(dyad, closure)``
     How its links stand in a dead position, for a reader.
-``shortfall(dyad, k, near, at, written)``
+``assembly_fault(dyad, k, near, at, written)``
     Why the links do not meet: which link misses by how much, and the remedy; ``at`` picks the value at one crank
     angle, ``written`` writes a length.
 """
@@ -88,7 +88,7 @@ def direction(vector: Pair, arm: Vector) -> Pair:
     return (vector[0] * a + vector[1] * b, vector[1] * a - vector[0] * b)
 
 
-def on_rail(rail: Prismatic, local: Vector) -> Vector:
+def point_on_rail(rail: Prismatic, local: Vector) -> Vector:
     """A point of the sliding body, in the frame it slides on, at zero travel."""
     c, s = rail.turn
     x, y = rail.origin
@@ -96,7 +96,7 @@ def on_rail(rail: Prismatic, local: Vector) -> Vector:
 
 
 def size(a: Pair, b: Pair) -> Scalar:
-    """Sum of the magnitudes of all components: the scale of rounding in a difference of two vectors."""
+    """Sum of the magnitudes of all components of two vectors: the scale of rounding in their difference."""
     return abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1])
 
 
@@ -107,27 +107,27 @@ def size(a: Pair, b: Pair) -> Scalar:
 Constants = tuple[Vector, ...]
 
 
-def slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
-    """Solve t e − u f = gap for (t, u): travels, or their derivatives; ``scale`` is 1 / e × f."""
+def solve_slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
+    """Solve t e − u f = gap for (t, u): travels along two slides, or their derivatives; ``scale`` is 1 / e × f."""
     return (cross(gap, f) * scale, cross(gap, e) * scale)
 
 
-def least(k: Constants, closure: Closure) -> Scalar:
-    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
+def dead_determinant(k: Constants, closure: Closure) -> Scalar:
+    """The determinant up to which the two lines count as parallel."""
     return LEAST_SINE
 
 
-def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def reach_margin(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """No length is missing, but parallel lines do not cross."""
     return np.sign(abs(closure.determinant) - LEAST_SINE), 0.0
 
 
-def toggle(dyad: Dyad, closure: Closure) -> str:
-    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
+def dead_position_text(dyad: Dyad, closure: Closure) -> str:
+    """The dead position in words: the lines are parallel."""
     return f"the guides of '{dyad.first}' and '{dyad.second}' parallel"
 
 
-def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At, written: Written) -> Shortfall:
+def assembly_fault(dyad: Dyad, k: Constants, near: Poses, at: At, written: Written) -> Shortfall:
     """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
     return UNDETERMINED, (
         f"the guides of '{dyad.first}' and '{dyad.second}' are parallel, so nothing holds the two in "

@@ -13,12 +13,12 @@ from analytic.kinematics.dyads.closure import (  # noqa: F401 - of both kinds
     Poses,
     Rates,
     Travel,
-    least,
-    missing,
-    on_rail,
-    shortfall,
-    slides,
-    toggle,
+    assembly_fault,
+    dead_determinant,
+    dead_position_text,
+    point_on_rail,
+    reach_margin,
+    solve_slides,
 )
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
 from analytic.kinematics.structure import Prismatic, Revolute
@@ -38,15 +38,15 @@ class PRPConstants(NamedTuple):
 
 
 def constants(first: Prismatic, inner: Revolute, second: Prismatic, sign: float) -> PRPConstants:
-    """Where C is at zero travel."""
+    """The dyad's constants from its joints; it has one assembly mode."""
     return PRPConstants(
         first.along,
         first.turn,
-        on_rail(first, inner.far_local),
+        point_on_rail(first, inner.far_local),
         inner.far_local,
         second.along,
         second.turn,
-        on_rail(second, inner.near_local),
+        point_on_rail(second, inner.near_local),
         inner.near_local,
     )
 
@@ -56,8 +56,8 @@ def poses(k: PRPConstants, near: Poses) -> tuple[Poses, Closure]:
     e, f = frames.arm(near[0], k.first_along), frames.arm(near[1], k.second_along)
     determinant = frames.cross(e, f)
     pair = frames.point(near[0], k.first_base)
-    slide, _ = slides(e, f, frames.minus(frames.point(near[1], k.second_base), pair), frames.inverse(determinant))
-    c = frames.ahead(pair, slide, e)
+    slide, _ = solve_slides(e, f, frames.minus(frames.point(near[1], k.second_base), pair), frames.inverse(determinant))
+    c = frames.point_along(pair, slide, e)
     first = frames.pose_through(c, frames.turned(near[0], k.first_turn), k.first_pin)
     second = frames.pose_through(c, frames.turned(near[1], k.second_turn), k.second_pin)
     return (first, second), Closure(e, f, determinant, c)
@@ -68,8 +68,8 @@ def rates(k: PRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
     a = frames.carried_rate(near[0], near_rates[0], closure.pin)
     b = frames.carried_rate(near[1], near_rates[1], closure.pin)
     scale = frames.inverse(closure.determinant)
-    first, two = slides(closure.u, closure.v, frames.minus(b, a), scale)
-    c = frames.ahead(a, first, closure.u)
+    first, two = solve_slides(closure.u, closure.v, frames.minus(b, a), scale)
+    c = frames.point_along(a, first, closure.u)
     pair = (
         frames.rate_through(link_poses[0], c, near_rates[0][2], k.first_pin),
         frames.rate_through(link_poses[1], c, near_rates[1][2], k.second_pin),
@@ -78,20 +78,20 @@ def rates(k: PRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
 
 
 def accelerations(k: PRPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
-    """The same once more, with the Coriolis term of each slide on its host."""
+    """Closure twice differentiated, with the Coriolis term of each slide on its host."""
     near, near_rates, near_seconds = hosts
     link_poses, _ = links
-    a = _on_host(near[0], near_rates[0], near_seconds[0], closure.pin, travel.first, closure.u)
-    b = _on_host(near[1], near_rates[1], near_seconds[1], closure.pin, travel.second, closure.v)
-    slide, _ = slides(closure.u, closure.v, frames.minus(b, a), travel.scale)
-    c = frames.ahead(a, slide, closure.u)
+    a = _pin_acceleration(near[0], near_rates[0], near_seconds[0], closure.pin, travel.first, closure.u)
+    b = _pin_acceleration(near[1], near_rates[1], near_seconds[1], closure.pin, travel.second, closure.v)
+    slide, _ = solve_slides(closure.u, closure.v, frames.minus(b, a), travel.scale)
+    c = frames.point_along(a, slide, closure.u)
     return (
         frames.acceleration_through(link_poses[0], c, near_rates[0][2], near_seconds[0][2], k.first_pin),
         frames.acceleration_through(link_poses[1], c, near_rates[1][2], near_seconds[1][2], k.second_pin),
     )
 
 
-def _on_host(host: Pose, rate: Rate, second: Rate, pin: Pair, travel: Scalar, along: Pair) -> Pair:
+def _pin_acceleration(host: Pose, rate: Rate, second: Rate, pin: Pair, travel: Scalar, along: Pair) -> Pair:
     """Second derivative of the pin, less that of the travel along its line."""
     carried = frames.carried_acceleration(host, rate, second, pin)
     return carried if frames.is_still(rate) else frames.plus(carried, frames.coriolis(rate[2], travel, along))

@@ -13,12 +13,12 @@ from analytic.kinematics.dyads.closure import (  # noqa: F401 - of both kinds
     Poses,
     Rates,
     Travel,
-    least,
-    missing,
-    on_rail,
-    shortfall,
-    slides,
-    toggle,
+    assembly_fault,
+    dead_determinant,
+    dead_position_text,
+    point_on_rail,
+    reach_margin,
+    solve_slides,
 )
 from analytic.kinematics.structure import Prismatic, Revolute
 
@@ -40,7 +40,7 @@ class RPPConstants(NamedTuple):
 
 
 def constants(first: Revolute, inner: Prismatic, second: Prismatic, sign: float) -> RPPConstants:
-    """Where A is at zero travel of both slides."""
+    """The dyad's constants from its joints; it has one assembly mode."""
     return RPPConstants(
         first.near_local,
         first.far_local,
@@ -49,7 +49,7 @@ def constants(first: Revolute, inner: Prismatic, second: Prismatic, sign: float)
         second.origin,
         inner.along,
         inner.turn,
-        on_rail(second, on_rail(inner, first.far_local)),
+        point_on_rail(second, point_on_rail(inner, first.far_local)),
     )
 
 
@@ -61,8 +61,8 @@ def poses(k: RPPConstants, near: Poses) -> tuple[Poses, Closure]:
     x, y = frames.rotated(c, s, k.inner_along)
     f = (-x, -y)
     determinant = frames.cross(e, f)
-    slide, _ = slides(e, f, frames.minus(a, frames.point(host, k.start)), frames.inverse(determinant))
-    x, y = frames.ahead(frames.point(host, k.origin), slide, e)
+    slide, _ = solve_slides(e, f, frames.minus(a, frames.point(host, k.start)), frames.inverse(determinant))
+    x, y = frames.point_along(frames.point(host, k.origin), slide, e)
     first = frames.pose_through(a, frames.rotated(c, s, k.inner_turn), k.pin_a)
     return (first, (x, y, c, s)), Closure(e, f, determinant, a)
 
@@ -72,13 +72,13 @@ def rates(k: RPPConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
     host, moves, e = near[1], near_rates[1], closure.u
     a = frames.point_rate(near[0], near_rates[0], k.a)
     scale = frames.inverse(closure.determinant)
-    first, two = slides(e, closure.v, frames.minus(a, frames.carried_rate(host, moves, closure.pin)), scale)
-    x, y = frames.ahead(frames.carried_rate(host, moves, (link_poses[1][0], link_poses[1][1])), first, e)
+    first, two = solve_slides(e, closure.v, frames.minus(a, frames.carried_rate(host, moves, closure.pin)), scale)
+    x, y = frames.point_along(frames.carried_rate(host, moves, (link_poses[1][0], link_poses[1][1])), first, e)
     return (frames.rate_through(link_poses[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, first, two)
 
 
 def accelerations(k: RPPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
-    """The same once more, with the Coriolis term of both slides on the turning host."""
+    """Closure twice differentiated, with the Coriolis term of both slides on the turning host."""
     near, near_rates, near_seconds = hosts
     link_poses, _ = links
     host, moves, seconds = near[1], near_rates[1], near_seconds[1]
@@ -87,7 +87,7 @@ def accelerations(k: RPPConstants, hosts: Hosts, links: Links, closure: Closure,
     under = frames.carried_acceleration(host, moves, seconds, closure.pin)
     first, two = frames.coriolis(moves[2], travel.first, e), frames.coriolis(moves[2], travel.second, f)
     gap = frames.minus(frames.minus(a, under), frames.minus(first, two))
-    slide, _ = slides(e, f, gap, travel.scale)
+    slide, _ = solve_slides(e, f, gap, travel.scale)
     home = frames.carried_acceleration(host, moves, seconds, (link_poses[1][0], link_poses[1][1]))
-    x, y = frames.plus(frames.ahead(home, slide, e), first)
+    x, y = frames.plus(frames.point_along(home, slide, e), first)
     return frames.acceleration_through(link_poses[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])

@@ -23,7 +23,7 @@ from analytic.kinematics.dyads.closure import (
     Travel,
     Written,
     direction,
-    on_rail,
+    point_on_rail,
     size,
 )
 from analytic.kinematics.frames import Pair, Scalar
@@ -43,8 +43,8 @@ class RPRConstants(NamedTuple):
 
 
 def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) -> RPRConstants:
-    """The line's offset."""
-    start = frames.minus(on_rail(inner, first.far_local), second.far_local)
+    """The dyad's constants from its joints and its assembly sign."""
+    start = frames.minus(point_on_rail(inner, first.far_local), second.far_local)
     return RPRConstants(
         first.near_local,
         second.near_local,
@@ -111,36 +111,39 @@ def accelerations(k: RPRConstants, hosts: Hosts, links: Links, closure: Closure,
     )
 
 
-def least(k: RPRConstants, closure: Closure) -> Scalar:
-    """A is at the foot of the perpendicular from B to the line."""
+def dead_determinant(k: RPRConstants, closure: Closure) -> Scalar:
+    """The determinant up to which A counts as at the foot of the perpendicular from B to the line."""
     return LEAST_SINE * (size(closure.pin, frames.minus(closure.pin, closure.v)) + abs(k.line[0]))
 
 
-def missing(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
-    """The distance AB less the line's offset from B; a line through B needs A away from it, to have a direction."""
+def reach_margin(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+    """Distance AB less the line's offset from B, m, and their sum, for its rounding.
+
+    A line through B needs A away from it, to have a direction.
+    """
     offset = abs(k.line[0])
     pins = size(frames.point(near[0], k.a), frames.point(near[1], k.b))
     needed = offset + (2.0 * ROUNDING) * pins * (offset == 0.0)
     return np.sqrt(frames.dot(closure.v, closure.v)) - needed, pins + offset
 
 
-def toggle(dyad: Dyad, closure: Closure) -> str:
-    """A is at the foot of the perpendicular from B to the line."""
+def dead_position_text(dyad: Dyad, closure: Closure) -> str:
+    """The dead position in words: A at the foot of the perpendicular."""
     return f"the slide square to the line of '{dyad.first_joint.name}' and '{dyad.second_joint.name}'"
 
 
 def gap(k: RPRConstants, near: Poses) -> Scalar:
-    """Distance of the outer pins."""
+    """Distance of the outer pins, m."""
     d = frames.minus(frames.point(near[0], k.a), frames.point(near[1], k.b))
     return np.sqrt(frames.dot(d, d))
 
 
-def touching(k: RPRConstants, margin: Scalar, gap: Scalar) -> RPRConstants:
-    """The line's offset is the distance of the pins."""
+def snapped_to_touch(k: RPRConstants, margin: Scalar, gap: Scalar) -> RPRConstants:
+    """Constants with the line's offset changed to the distance of the pins, so that the line just touches A."""
     return k._replace(line=(k.line[0] + np.sign(k.line[0]) * margin, k.line[1]))
 
 
-def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At, written: Written) -> Shortfall:
+def assembly_fault(dyad: Dyad, k: RPRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """Why the links do not meet, as a fault and a sentence: the offset is too large, or A is on B."""
     assert isinstance(dyad.first_joint, Revolute)
     assert isinstance(dyad.second_joint, Revolute)

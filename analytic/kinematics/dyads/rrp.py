@@ -20,8 +20,8 @@ from analytic.kinematics.dyads.closure import (
     Travel,
     Written,
     direction,
-    on_rail,
     over_square,
+    point_on_rail,
     size,
 )
 from analytic.kinematics.frames import Pair, Scalar
@@ -42,7 +42,7 @@ class RRPConstants(NamedTuple):
 
 
 def constants(first: Revolute, inner: Revolute, second: Prismatic, sign: float) -> RRPConstants:
-    """The arm and its length; where C is on the host at zero travel."""
+    """The dyad's constants from its joints and its assembly sign."""
     r = frames.minus(inner.far_local, first.far_local)
     length = frames.length(r)
     return RRPConstants(
@@ -51,7 +51,7 @@ def constants(first: Revolute, inner: Revolute, second: Prismatic, sign: float) 
         over_square(r, length * length),
         second.along,
         second.turn,
-        on_rail(second, inner.near_local),
+        point_on_rail(second, inner.near_local),
         inner.near_local,
         (length, sign),
     )
@@ -64,14 +64,14 @@ def poses(k: RRPConstants, near: Poses) -> tuple[Poses, Closure]:
     a, base, e = frames.point(near[0], k.a), frames.point(host, k.base), frames.arm(host, k.along)
     offset = frames.cross(e, frames.minus(base, a))
     along = sign * frames.root((length - offset) * (length + offset))
-    r = _beside(e, along, offset)
+    r = _vector_from_components(e, along, offset)
     c = frames.plus(a, r)
     first = frames.pose_through(a, direction(r, k.first), k.pin_a)
     second = frames.pose_through(c, frames.turned(host, k.turn), k.inner)
     return (first, second), Closure(r, e, along, c)
 
 
-def _beside(e: Pair, along: Scalar, offset: Scalar) -> Pair:
+def _vector_from_components(e: Pair, along: Scalar, offset: Scalar) -> Pair:
     """The vector with these components along e and square to it."""
     x, y = e
     if frames.is_zero(x):
@@ -90,7 +90,7 @@ def rates(k: RRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
     scale = frames.inverse(closure.determinant)
     w = frames.cross(e, apart) * scale
     slide = w * frames.cross(r, e) - frames.dot(apart, e)
-    c = frames.ahead(carried, slide, e)
+    c = frames.point_along(carried, slide, e)
     pair = (
         frames.rate_through(link_poses[0], a, w, k.pin_a),
         frames.rate_through(link_poses[1], c, near_rates[1][2], k.inner),
@@ -112,41 +112,41 @@ def accelerations(k: RRPConstants, hosts: Hosts, links: Links, closure: Closure,
     apart = (carried[0] - a[0] + square * r[0], carried[1] - a[1] + square * r[1])
     turn = frames.cross(e, apart) * travel.scale
     slide = turn * frames.cross(r, e) - frames.dot(apart, e)
-    c = frames.ahead(carried, slide, e)
+    c = frames.point_along(carried, slide, e)
     return (
         frames.acceleration_through(link_poses[0], a, w, turn, k.pin_a),
         frames.acceleration_through(link_poses[1], c, host[2], near_seconds[1][2], k.inner),
     )
 
 
-def least(k: RRPConstants, closure: Closure) -> Scalar:
-    """The arm is square to the line."""
+def dead_determinant(k: RRPConstants, closure: Closure) -> Scalar:
+    """The determinant up to which the arm counts as square to the line."""
     return LEAST_SINE * k.reach[0]
 
 
-def missing(k: RRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
-    """The arm less A's distance from the line."""
+def reach_margin(k: RRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+    """Length of the arm less A's distance from the line, m, and their sum, for its rounding."""
     length = k.reach[0]
     a, base = frames.point(near[0], k.a), frames.point(near[1], k.base)
     return length - abs(frames.cross(closure.v, frames.minus(base, a))), size(a, base) + length
 
 
-def toggle(dyad: Dyad, closure: Closure) -> str:
-    """The arm is square to the line."""
+def dead_position_text(dyad: Dyad, closure: Closure) -> str:
+    """The dead position in words: the arm square to the line."""
     return f"'{dyad.first}' square to the guide of '{dyad.second}'"
 
 
 def gap(k: RRPConstants, near: Poses) -> Scalar:
-    """There are no two outer pins to meet."""
+    """Infinite: there are no two outer pins that could meet."""
     return math.inf
 
 
-def touching(k: RRPConstants, margin: Scalar, gap: Scalar) -> RRPConstants:
-    """The arm reaches the line."""
+def snapped_to_touch(k: RRPConstants, margin: Scalar, gap: Scalar) -> RRPConstants:
+    """Constants with the arm's length changed so that it just reaches the line."""
     return k._replace(reach=(k.reach[0] - margin, k.reach[1]))
 
 
-def shortfall(dyad: Dyad, k: RRPConstants, near: Poses, at: At, written: Written) -> Shortfall:
+def assembly_fault(dyad: Dyad, k: RRPConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """Why the links do not meet, as a fault and a sentence: the arm does not reach the line."""
     assert isinstance(dyad.first_joint, Revolute)
     gap = frames.minus(frames.point(near[1], k.base), frames.point(near[0], k.a))

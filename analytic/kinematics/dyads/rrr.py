@@ -44,7 +44,7 @@ class RRRConstants(NamedTuple):
 
 
 def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -> RRRConstants:
-    """Arms and their lengths."""
+    """The dyad's constants from its joints and its assembly sign."""
     r, q = frames.minus(inner.far_local, first.far_local), frames.minus(inner.near_local, second.far_local)
     length_r, length_q = frames.length(r), frames.length(q)
     return RRRConstants(
@@ -109,13 +109,16 @@ def accelerations(k: RRRConstants, hosts: Hosts, links: Links, closure: Closure,
     )
 
 
-def least(k: RRRConstants, closure: Closure) -> Scalar:
-    """A, B and C are in one line."""
+def dead_determinant(k: RRRConstants, closure: Closure) -> Scalar:
+    """The determinant up to which A, B and C count as in one line."""
     return LEAST_SINE * k.lengths[0] * k.lengths[1]
 
 
-def missing(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
-    """The sum of the arms less the gap AB, or the gap less their difference."""
+def reach_margin(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+    """By how much the arms reach each other, m, negative where they do not; and the sum of the lengths, for rounding.
+
+    It is the smaller of the arms' sum less AB, and AB less their difference.
+    """
     a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
     first, two = k.lengths
     d = frames.minus(b, a)
@@ -123,19 +126,19 @@ def missing(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     return np.minimum(first + two - gap, gap - abs(first - two)), size(a, b) + first + two
 
 
-def toggle(dyad: Dyad, closure: Closure) -> str:
-    """A, B and C are in one line."""
+def dead_position_text(dyad: Dyad, closure: Closure) -> str:
+    """How the arms lie in a dead position, in words: stretched or folded."""
     return "stretched in one line" if np.all(frames.dot(closure.u, closure.v) < 0.0) else "folded in one line"
 
 
 def gap(k: RRRConstants, near: Poses) -> Scalar:
-    """Distance of the outer pins."""
+    """Distance of the outer pins, m."""
     d = frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))
     return np.sqrt(frames.dot(d, d))
 
 
-def touching(k: RRRConstants, margin: Scalar, gap: Scalar) -> RRRConstants:
-    """The sum of the arms is the gap, or their difference is."""
+def snapped_to_touch(k: RRRConstants, margin: Scalar, gap: Scalar) -> RRRConstants:
+    """Constants with arm lengths that just touch: their sum, or their difference, becomes the gap."""
     total, difference = k.lengths[0] + k.lengths[1], k.lengths[0] - k.lengths[1]
     if abs(total - gap) < abs(gap - abs(difference)):
         total = gap
@@ -146,7 +149,7 @@ def touching(k: RRRConstants, margin: Scalar, gap: Scalar) -> RRRConstants:
     return k._replace(lengths=(0.5 * (total + difference), 0.5 * (total - difference)))
 
 
-def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:
+def assembly_fault(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """Why the links do not meet, as a fault and a sentence: the arms are too short for the gap, or one is too long."""
     gap = at(np.hypot(*frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))))
     first, second = k.lengths

@@ -22,27 +22,30 @@ Motion = tuple[Pose, Rate, Rate]
 Motions = Mapping[str, Motion]
 
 
-def values(joints: Sequence[GroupJoint], motions: Motions, order: int, coordinate: Scalar) -> list[Scalar]:
-    """Every equation of an order, 0 where it is met: lengths in m, angles by their sine."""
+def residuals(joints: Sequence[GroupJoint], motions: Motions, order: int, coordinate: Scalar) -> list[Scalar]:
+    """Every equation of an order, 0 where it is met, at n values of φ: lengths in m, angles by their sine."""
     rows: list[Scalar] = []
     for joint in joints:
         near, far = motions[joint.near], motions[joint.far]
         if isinstance(joint, Revolute):
-            rows += frames.minus(located(far, joint.far_local, order), located(near, joint.near_local, order))
+            rows += frames.minus(
+                point_derivative(far, joint.far_local, order), point_derivative(near, joint.near_local, order)
+            )
         elif isinstance(joint, DrivenDistance):
-            rows.append(_length(joint, near, far, order, coordinate))
+            rows.append(_length_equation(joint, near, far, order, coordinate))
         else:
             offsets = [
-                frames.minus(located(far, (0.0, 0.0), k), located(near, joint.origin, k)) for k in range(order + 1)
+                frames.minus(point_derivative(far, (0.0, 0.0), k), point_derivative(near, joint.origin, k))
+                for k in range(order + 1)
             ]
-            lines = _line(near, joint.along, order)
+            lines = _direction_derivatives(near, joint.along, order)
             across = [frames.cross(lines[k], offsets[order - k]) for k in range(order + 1)]
             rows.append(sum(across) if order < 2 else across[0] + 2.0 * across[1] + across[2])
-            rows.append(_turn(near, far, joint.turn, order))
+            rows.append(_angle_equation(near, far, joint.turn, order))
     return rows
 
 
-def located(motion: Motion, local: Pair, order: int) -> Pair:
+def point_derivative(motion: Motion, local: Pair, order: int) -> Pair:
     """A point of a body, or its derivative of an order."""
     if order == 0:
         return frames.point(motion[0], local)
@@ -51,12 +54,15 @@ def located(motion: Motion, local: Pair, order: int) -> Pair:
     return frames.point_acceleration(motion[0], motion[1], motion[2], local)
 
 
-def _spans(far: Motion, far_point: Pair, near: Motion, near_point: Pair, order: int) -> list[Pair]:
+def _span_derivatives(far: Motion, far_point: Pair, near: Motion, near_point: Pair, order: int) -> list[Pair]:
     """From a point of the near body to one of the far body, and the derivatives up to an order."""
-    return [frames.minus(located(far, far_point, k), located(near, near_point, k)) for k in range(order + 1)]
+    return [
+        frames.minus(point_derivative(far, far_point, k), point_derivative(near, near_point, k))
+        for k in range(order + 1)
+    ]
 
 
-def _line(near: Motion, along: Pair, order: int) -> list[Pair]:
+def _direction_derivatives(near: Motion, along: Pair, order: int) -> list[Pair]:
     """A direction fixed in a body, and its derivatives up to an order."""
     e = frames.arm(near[0], along)
     lines = [e]
@@ -69,7 +75,7 @@ def _line(near: Motion, along: Pair, order: int) -> list[Pair]:
     return lines
 
 
-def _turn(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar:
+def _angle_equation(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar:
     """The far frame's angle less the near one's and a constant: its sine, then its derivatives."""
     if order:
         return far[order][2] - near[order][2]
@@ -77,9 +83,9 @@ def _turn(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar:
     return far[0][3] * c - far[0][2] * s
 
 
-def _length(joint: DrivenDistance, near: Motion, far: Motion, order: int, coordinate: Scalar) -> Scalar:
+def _length_equation(joint: DrivenDistance, near: Motion, far: Motion, order: int, coordinate: Scalar) -> Scalar:
     """The distance of the cylinder's ends less φ, and its derivatives."""
-    spans = _spans(far, joint.far_local, near, joint.near_local, order)
+    spans = _span_derivatives(far, joint.far_local, near, joint.near_local, order)
     length = np.sqrt(frames.dot(spans[0], spans[0]))
     if order == 0:
         return length - coordinate
@@ -98,12 +104,14 @@ def jacobian(joints: Sequence[GroupJoint], links: Sequence[str], poses: Mapping[
     for joint, size in zip(joints, sizes, strict=True):
         for body, sign in ((joint.near, -1.0), (joint.far, 1.0)):
             if body in columns:
-                _enter(entries[:, top : top + size, columns[body] : columns[body] + 3], joint, body, sign, poses)
+                _enter_jacobian(
+                    entries[:, top : top + size, columns[body] : columns[body] + 3], joint, body, sign, poses
+                )
         top += size
     return entries
 
 
-def _enter(block: Array, joint: GroupJoint, body: str, sign: float, poses: Mapping[str, Pose]) -> None:
+def _enter_jacobian(block: Array, joint: GroupJoint, body: str, sign: float, poses: Mapping[str, Pose]) -> None:
     """A joint's rows for one of its bodies."""
     if isinstance(joint, Revolute):
         x, y = frames.arm(poses[body], joint.near_local if body == joint.near else joint.far_local)
@@ -136,7 +144,7 @@ def rates_of(coordinates: Array) -> list[Rate]:
 
 
 def _scales(joint: GroupJoint, unit: float) -> tuple[float, ...]:
-    """Factors that bring a joint's equations into the unit."""
+    """Factors for a joint's equations: 1/unit for those of length, 1 for those of angle, so that both weigh alike."""
     if isinstance(joint, DrivenDistance):
         return (1.0 / unit,)
     return (1.0 / unit, 1.0 / unit) if isinstance(joint, Revolute) else (1.0 / unit, 1.0)
@@ -165,7 +173,7 @@ class GroupSystem:
 
     def residual(self, motions: Motions, order: int) -> Array:
         """The equations of an order in the system's unit, (n, equations)."""
-        rows = values(self.joints, motions, order, self.coordinate)
+        rows = residuals(self.joints, motions, order, self.coordinate)
         return np.asarray(np.stack([np.broadcast_to(row, (self.count,)) for row in rows], axis=1) * self.rows)
 
     def matrix(self, motions: Motions) -> Array:
@@ -175,7 +183,7 @@ class GroupSystem:
 
     def step(self, matrix: Array, residual: Array) -> Array:
         """Newton's step of the unknowns, (n, links, 3), m and rad; nan where the matrix is singular."""
-        solution = _solved(matrix, -residual) * self.columns
+        solution = _solve_all(matrix, -residual) * self.columns
         return np.asarray(solution.reshape(self.count, -1, 3))
 
     def derivatives(self, coordinates: Array) -> tuple[Array, Array]:
@@ -185,14 +193,16 @@ class GroupSystem:
         return first, self.step(matrix, self.residual(self.motions(coordinates, first), 2))
 
 
-def _solved(matrix: Array, right: Array) -> Array:
+def _solve_all(matrix: Array, right: Array) -> Array:
+    """Solutions of many linear systems; nan for those whose matrix is singular."""
     try:
         return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
     except np.linalg.LinAlgError:
-        return np.stack([_alone(entry, side) for entry, side in zip(matrix, right, strict=True)])
+        return np.stack([_solve_one(entry, side) for entry, side in zip(matrix, right, strict=True)])
 
 
-def _alone(matrix: Array, right: Array) -> Any:  # noqa: ANN401 - an array of the right side's shape
+def _solve_one(matrix: Array, right: Array) -> Any:  # noqa: ANN401 - an array of the right side's shape
+    """Solution of one linear system; nan if its matrix is singular."""
     try:
         return np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:

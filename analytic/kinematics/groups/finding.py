@@ -30,23 +30,24 @@ def find_group(
     ``holders`` are placed bodies of pins; a slot's pin is a slider of the linkage.
     """
     left = sorted(set(linkage.links) - placed)
-    sizes = {**dict.fromkeys(left, 3), **{_node(p): 2 for p in linkage.pins if p.point not in holders}}
+    sizes = {**dict.fromkeys(left, 3), **{_pin_node(p): 2 for p in linkage.pins if p.point not in holders}}
     edges = [*_edges(linkage, placed, holders), *_cylinder_edge(cylinder, placed)]
     components = _components(sizes, edges)
     if components is None:
         return None
     links = min(tuple(sorted(set(names) & {*left})) for names in components)
     joints = tuple(_joints(linkage, links, placed, holders, cylinder))
-    return Group(links, joints, _grade(links, joints))
+    return Group(links, joints, _class_of_group(links, joints))
 
 
-def _node(pin: Pin) -> str:
+def _pin_node(pin: Pin) -> str:
     return f"pin {pin.point}\0"  # no body can be called so
 
 
 def _edges(linkage: Linkage, placed: set[str], holders: dict[str, str]) -> Iterable[Edge]:
+    """Joints as edges between the unplaced bodies and pins, each with the number of coordinates that it fixes."""
     for pin in linkage.pins:
-        node = () if pin.point in holders else (_node(pin),)
+        node = () if pin.point in holders else (_pin_node(pin),)
         yield from ((2, (body, *node)) for body in pin.links if body not in placed)
     for slider in linkage.sliders:
         ends = tuple(body for body in (slider.link, slider.guide.host) if body not in placed)
@@ -55,6 +56,7 @@ def _edges(linkage: Linkage, placed: set[str], holders: dict[str, str]) -> Itera
 
 
 def _cylinder_edge(cylinder: DrivenDistance | None, placed: set[str]) -> Iterable[Edge]:
+    """The driving cylinder as an edge, if one of its bodies is not placed."""
     if cylinder is not None:
         yield 1, tuple(body for body in (cylinder.near, cylinder.far) if body not in placed)
 
@@ -96,12 +98,13 @@ def _joints(
         near = holders.get(pin.point) or (members[0] if members else GROUND)
         yield from (revolute_joint(linkage, pin.point, near, body) for body in members if body != near)
     for slider in linkage.sliders:
-        yield from _slide(linkage, slider, links, placed)
+        yield from _slider_joint(linkage, slider, links, placed)
     if cylinder is not None and {cylinder.near, cylinder.far} & {*links}:
         yield cylinder
 
 
-def _slide(linkage: Linkage, slider: Slider, links: Sequence[str], placed: set[str]) -> Iterable[GroupJoint]:
+def _slider_joint(linkage: Linkage, slider: Slider, links: Sequence[str], placed: set[str]) -> Iterable[GroupJoint]:
+    """A slider's joint if it is in the group or between the group and a placed body."""
     ends = (slider.link, slider.guide.host)
     known = {*links} | placed
     if {*ends} & {*links} and {*ends} <= known:
@@ -109,13 +112,13 @@ def _slide(linkage: Linkage, slider: Slider, links: Sequence[str], placed: set[s
         yield prismatic_joint(slider, linkage.local(slider.point, slider.link), near)
 
 
-def _grade(links: Sequence[str], joints: Sequence[GroupJoint]) -> int:
+def _class_of_group(links: Sequence[str], joints: Sequence[GroupJoint]) -> int:
     """The sides of the largest of the shortest closed contours through each joint between links of the group, or 3."""
     pairs = {(j.near, j.far) for j in joints if j.near in links and j.far in links}
-    return max([3, *(_round_trip(pair, pairs) for pair in pairs)])
+    return max([3, *(_contour_length(pair, pairs) for pair in pairs)])
 
 
-def _round_trip(pair: tuple[str, str], pairs: set[tuple[str, str]]) -> int:
+def _contour_length(pair: tuple[str, str], pairs: set[tuple[str, str]]) -> int:
     """Links in the shortest closed contour with a joint; 0 if there is none."""
     start, end = pair
     steps, queue = {start: 1}, deque([start])

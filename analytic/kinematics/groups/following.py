@@ -27,12 +27,14 @@ Hosts = Callable[[Array], Motions]
 
 LARGEST_STEP: Final = FULL_TURN / 24.0  # rad, or units of length, between two nodes
 LEAST_STEP: Final = 1e-9  # a branch that has to go slower has come to its end
-FARTHEST: Final = 1e-3  # units and rad that a predicted node may be off; farther, another branch may be nearer
+FARTHEST_CORRECTION: Final = (
+    1e-3  # units and rad that a predicted node may be off; farther, another branch may be nearer
+)
 NEAR: Final = 1e-4  # the same of a guess between two nodes
 LEVELS: Final = 8  # times that an interval between two nodes is halved
-PASSES: Final = 12
+MOST_ITERATIONS: Final = 12
 SETTLED: Final = 1e-9  # a correction that no longer shrinks is rounding if it is smaller, failure if not
-SHUT: Final = 1e-9  # units and rad between the two ends of a turn
+CLOSED: Final = 1e-9  # units and rad between the two ends of a turn
 SPAN: Final = 16.0  # units that the branch of a driver that does not turn is followed to either side
 
 
@@ -48,7 +50,7 @@ class Problem:
 
     @property
     def radian(self) -> float:
-        """The unit of φ: 1 rad, or the unit of length."""
+        """How much of φ counts as a radian: 1 rad, or of a linear driver the unit of length, m."""
         return self.unit if self.is_linear else 1.0
 
     def system(self, coordinate: Array) -> GroupSystem:
@@ -65,13 +67,13 @@ class BranchNode:
     side: float
 
 
-def corrected(system: GroupSystem, guess: Array, farthest: float = math.inf) -> Array:
-    """Newton's method from guesses (n, links, 3); nan where it fails or has farther to go, in units and rad."""
+def newton(system: GroupSystem, guess: Array, farthest: float = math.inf) -> Array:
+    """Newton's method from guesses (n, links, 3), m and rad; nan where it fails or goes farther than ``farthest``."""
     here, before = guess, np.full(system.count, np.inf)
     scale = np.array([system.columns[0], system.columns[0], 1.0])
     done = np.zeros(system.count, dtype=bool)
     with np.errstate(all="ignore"):
-        for number in range(PASSES):
+        for number in range(MOST_ITERATIONS):
             motions = system.motions(here)
             step = system.step(system.matrix(motions), system.residual(motions, 0))
             size = np.max(np.abs(step / scale), axis=(1, 2))
@@ -85,7 +87,7 @@ def corrected(system: GroupSystem, guess: Array, farthest: float = math.inf) -> 
     return np.where(done[:, None, None], here, np.nan)
 
 
-def followed(problem: Problem, start: Array, coordinate: float) -> GroupBranch:
+def follow_branch(problem: Problem, start: Array, coordinate: float) -> GroupBranch:
     """The branch of the configuration ``start`` (links, 3) at φ = ``coordinate``; raises AssemblyError."""
     first = _node(problem, start[None], coordinate, math.inf)
     if first is None:
@@ -103,7 +105,7 @@ def followed(problem: Problem, start: Array, coordinate: float) -> GroupBranch:
         above, _ = _follow(problem, first, coordinate + SPAN * problem.unit)
         below, _ = _follow(problem, first, coordinate - SPAN * problem.unit)
         branch = _branch(problem, [*below[:0:-1], *above], None)
-    return _refined(problem, branch, first.side)
+    return _refine(problem, branch, first.side)
 
 
 def _branch(problem: Problem, nodes: Sequence[BranchNode], turns: Array | None, *, strays: bool = False) -> GroupBranch:
@@ -112,12 +114,12 @@ def _branch(problem: Problem, nodes: Sequence[BranchNode], turns: Array | None, 
 
 
 def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) -> BranchNode | None:
-    """The node nearest to a guess (1, links, 3), if it is near enough."""
+    """The node of the configuration nearest to a guess (1, links, 3) at φ; None if it is farther than ``farthest``."""
     try:
         system = problem.system(np.array([coordinate]))
     except AssemblyError:
         return None
-    place = corrected(system, guess, farthest)
+    place = newton(system, guess, farthest)
     if not np.all(np.isfinite(place)):
         return None
     with np.errstate(all="ignore"):
@@ -137,7 +139,7 @@ def _follow(problem: Problem, start: BranchNode, end: float) -> tuple[list[Branc
         aim = here.coordinate + direction * step
         if (end - aim) * direction < 0.3 * step:  # no sliver is left over
             aim = end
-        node = _node(problem, _predicted(nodes, aim)[None], aim, FARTHEST)
+        node = _node(problem, _predict(nodes, aim)[None], aim, FARTHEST_CORRECTION)
         if node is not None and node.side == here.side:
             nodes.append(node)
             step = min(2.0 * step, largest)
@@ -148,7 +150,7 @@ def _follow(problem: Problem, start: BranchNode, end: float) -> tuple[list[Branc
     return nodes, True
 
 
-def _predicted(nodes: list[BranchNode], coordinate: float) -> Array:
+def _predict(nodes: list[BranchNode], coordinate: float) -> Array:
     """Taylor's series to the third order from the last node, the third derivative by difference."""
     here = nodes[-1]
     step = coordinate - here.coordinate
@@ -163,10 +165,10 @@ def _turns(nodes: list[BranchNode], unit: float) -> Array | None:
     gained = (nodes[-1].state[0] - nodes[0].state[0]) / np.array([unit, unit, 1.0])
     turns = FULL_TURN * np.round(gained[:, 2] / FULL_TURN)
     gained[:, 2] -= turns
-    return np.asarray(turns) if float(np.max(np.abs(gained))) <= SHUT else None
+    return np.asarray(turns) if float(np.max(np.abs(gained))) <= CLOSED else None
 
 
-def _refined(problem: Problem, branch: GroupBranch, side: float) -> GroupBranch:
+def _refine(problem: Problem, branch: GroupBranch, side: float) -> GroupBranch:
     """The branch with nodes added in the middle of intervals whose quintic is not near there."""
     places, state = branch.coordinate, branch.state
     left = np.arange(len(places) - 1)
@@ -176,7 +178,7 @@ def _refined(problem: Problem, branch: GroupBranch, side: float) -> GroupBranch:
             break
         middle = 0.5 * (places[wide] + places[wide + 1])
         guess, system = quintic(places, state, middle), problem.system(middle)
-        exact = corrected(system, guess)
+        exact = newton(system, guess)
         with np.errstate(all="ignore"):
             sides = np.linalg.slogdet(system.matrix(system.motions(exact)))[0]
             first, second = system.derivatives(exact)

@@ -15,8 +15,8 @@ from analytic.kinematics import frames
 from analytic.kinematics.branch import GroupBranch
 from analytic.kinematics.frames import STILL, Pose, Rate, Scalar
 from analytic.kinematics.groups.equations import GroupSystem, Motions, poses_of, rates_of
-from analytic.kinematics.groups.following import Problem, corrected
-from analytic.kinematics.sketch import Points, meant, named_places
+from analytic.kinematics.groups.following import Problem, newton
+from analytic.kinematics.sketch import Points, named_places, nearest_to_sketch
 from analytic.kinematics.structure import Group, Revolute, Structure
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ class GroupSolver:
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, ...]:
         """Poses of the links; nan where they do not meet in this configuration."""
         self.known = [poses, {}, {}]
-        self.place = corrected(self._system(), self.branch.guess(self.coordinate))
+        self.place = newton(self._system(), self.branch.guess(self.coordinate))
         outside = self.branch.margin(self.coordinate) < 0.0
         self.place[outside] = np.nan
         self.moves: Scalar = np.isfinite(self.place[:, 0, 0]).reshape(self.shape)
@@ -84,8 +84,8 @@ class GroupSolver:
         low, high = self.branch.ends
         return self.branch.margin(self.coordinate).reshape(self.shape) / (high - low or 1.0)
 
-    def why(self, linkage: Linkage) -> str:
-        """Why the links do not meet somewhere."""
+    def assembly_fault(self, linkage: Linkage) -> str:
+        """The reason, in a sentence, why the links do not meet at some φ."""
         names = ", ".join(f"'{name}'" for name in self.dyad.links)
         s = "" if len(self.dyad.links) > 1 else "s"
         low, high = (linkage.place(end) for end in self.branch.ends)
@@ -108,29 +108,31 @@ def problem_of(group: Group, linkage: Linkage, hosts: Any) -> Problem:  # noqa: 
 # The configuration of a group that the sketch means: of the solutions from many starts the nearest to the sketch.
 
 STARTS: Final = 96  # configurations to start from: the sketch, more and more disturbed
-DAMPED: Final = 60  # steps of Levenberg and Marquardt
-MET: Final = 1e-6  # of the unit: from here on Newton's method settles
+MOST_ITERATIONS: Final = 60  # steps of Levenberg and Marquardt
+CONVERGED: Final = 1e-6  # of the unit: from here on Newton's method settles
 SAME: Final = 1e-6  # units and rad between two configurations that are one
 
 
-def nearest(linkage: Linkage, structure: Structure, group: Group, problem: Problem) -> Array:
+def configuration_at_sketch(linkage: Linkage, structure: Structure, group: Group, problem: Problem) -> Array:
     """The group's configuration (links, 3), x, y and θ, at the sketch.
 
     Raises AssemblyError without any solution, StructureError where the sketch leaves open which is meant.
     """
     at = linkage.sketch_angle
     points = {name: structure.bodies[name].points for name in group.links}
-    known = _known(linkage, group, problem.hosts(np.array([at])))
+    known = _known_points(linkage, group, problem.hosts(np.array([at])))
     guesses = _guesses(points, known, problem.unit)
     system = problem.system(np.full(len(guesses), at))
-    groups = _distinct(corrected(system, _damped(system, guesses)), problem.unit)
+    groups = _distinct(newton(system, _levenberg_marquardt(system, guesses)), problem.unit)
     names = ", ".join(f"'{name}'" for name in group.links)
     if not len(groups):
         raise AssemblyError(
             f"'{linkage.name}': {names} cannot be assembled at {linkage.place(at)} from the sketch; check the "
             f"lengths, or place {', '.join(sorted(_names(points)))} under [sketch.points], nearer to where they belong"
         )
-    nearest_root, telling = meant(linkage, [named_places(points, poses_of(values[None])) for values in groups])
+    nearest_root, telling = nearest_to_sketch(
+        linkage, [named_places(points, poses_of(values[None])) for values in groups]
+    )
     if telling is not None:
         telling = [point for point in telling if point not in linkage.sketch] or telling
         raise StructureError(
@@ -145,7 +147,7 @@ def _names(points: Points) -> set[str]:
     return {f"'{point}'" for places in points.values() for point in places}
 
 
-def _known(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, Vector]:
+def _known_points(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, Vector]:
     """Positions of points: of placed bodies, and of the sketch."""
     known = dict(linkage.sketch)
     for joint in group.joints:
@@ -163,7 +165,7 @@ def _guesses(points: Points, known: Mapping[str, Vector], unit: float) -> Array:
     rows = []
     for places in points.values():
         here = [point for point in places if point in known]
-        angle = _fitted([places[p] for p in here], [known[p] for p in here]) if len(here) > 1 else None
+        angle = _fitted_angle([places[p] for p in here], [known[p] for p in here]) if len(here) > 1 else None
         spread = disturbance if angle is not None else np.ones(STARTS)
         theta = (angle or 0.0) + np.pi * spread * random.uniform(-1.0, 1.0, STARTS)
         local = np.mean([places[p] for p in here], axis=0) if here else np.zeros(2)
@@ -177,19 +179,19 @@ def _guesses(points: Points, known: Mapping[str, Vector], unit: float) -> Array:
     return np.moveaxis(np.array(rows), -1, 0)
 
 
-def _fitted(local: list[Vector], world: list[Vector]) -> float:
+def _fitted_angle(local: list[Vector], world: list[Vector]) -> float:
     """The angle of a link whose points lie nearest to given places."""
     a, b = np.array(local) - np.mean(local, axis=0), np.array(world) - np.mean(world, axis=0)
     sine = float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
     return math.atan2(sine, float(np.sum(a * b)))
 
 
-def _damped(system: GroupSystem, guess: Array) -> Array:
+def _levenberg_marquardt(system: GroupSystem, guess: Array) -> Array:
     """Levenberg and Marquardt's method from every guess; those that do not get near are nan."""
     here, factor = guess, np.full(len(guess), 1e-2)
     identity = np.eye(guess.shape[1] * 3)
     residual = system.residual(system.motions(here), 0)
-    for _ in range(DAMPED):
+    for _ in range(MOST_ITERATIONS):
         matrix = system.matrix(system.motions(here))
         normal = matrix.swapaxes(1, 2) @ matrix + factor[:, None, None] * identity
         slope = (matrix.swapaxes(1, 2) @ residual[..., None])[..., 0]
@@ -200,9 +202,9 @@ def _damped(system: GroupSystem, guess: Array) -> Array:
         here = np.where(better[:, None, None], moved, here)
         residual = np.where(better[:, None], after, residual)
         factor = np.clip(np.where(better, factor * 0.2, factor * 4.0), 1e-15, 1e6)
-        if np.all(np.max(np.abs(residual), axis=1) < MET):
+        if np.all(np.max(np.abs(residual), axis=1) < CONVERGED):
             break
-    met = np.max(np.abs(residual), axis=1) < 1e3 * MET
+    met = np.max(np.abs(residual), axis=1) < 1e3 * CONVERGED
     return np.where(met[:, None, None], here, np.nan)
 
 
@@ -210,11 +212,11 @@ def _distinct(values: Array, unit: float) -> list[Array]:
     """The different configurations among all solutions, in the order of their starts."""
     result: list[Array] = []
     for root in values[np.all(np.isfinite(values), axis=(1, 2))]:
-        if not any(_same(root, other, unit) for other in result):
+        if not any(_are_same(root, other, unit) for other in result):
             result.append(root)
     return result
 
 
-def _same(values: Array, other: Array, unit: float) -> bool:
+def _are_same(values: Array, other: Array, unit: float) -> bool:
     turned = np.abs(np.exp(1j * values[:, 2]) - np.exp(1j * other[:, 2]))
     return bool(np.max(np.abs(values[:, :2] - other[:, :2])) < SAME * unit and np.max(turned) < SAME)

@@ -8,7 +8,7 @@ import pytest
 from analytic.description.loading import catalogue, find, literature, load, parse, read
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
 from tests.analytic.faults import JUKI
-from tests.analytic.linkages import CATALOGUE, FOLDER
+from tests.analytic.linkages import FOLDER
 
 
 @pytest.mark.parametrize(
@@ -53,13 +53,6 @@ def test_a_file_name_that_is_not_utf_8(tmp_path):
     str(error.value).encode()
     path.write_text(JUKI, encoding="utf-8")
     assert load(str(path)).name == r"caf\udce9"
-
-
-@pytest.mark.parametrize(("name", "variant"), CATALOGUE)
-def test_the_catalogue_loads(name, variant):
-    linkage = load(name, variant)
-    assert (linkage.name, linkage.variant) == (name, variant)
-    assert find(name).is_file()
 
 
 def test_a_variant_overrides_some_keys_and_the_first_one_is_the_file_itself():

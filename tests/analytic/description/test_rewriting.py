@@ -33,7 +33,7 @@ def expected(text, variant, numbers):
     linkage = changes.changed(
         parse(text, "sample", "sample.toml", variant), lambda name, _, old: numbers.get(name, old)
     )
-    loads = {kind: tuple(sorted(getattr(linkage, kind), key=load_tables.order)) for kind in changes.LOADS}
+    loads = {kind: tuple(sorted(getattr(linkage, kind), key=load_tables.sort_key)) for kind in changes.LOADS}
     return changes.numbers(changes.replace(linkage, **loads))
 
 

@@ -11,7 +11,7 @@ from analytic import signals
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.description.loading import literature
-from analytic.designs import sampling
+from analytic.designs import sampled_figures
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
@@ -147,8 +147,8 @@ def test_blocks_and_threads_change_nothing(monkeypatch):
         settings = {"speed": SPEED, "refine": refine, "path": "numpy"}
         whole = design_figures(sample, parameters, figures, TURN, cores=1, **settings)
         assert 0 < np.count_nonzero(np.isnan(whole[0])) < 30
-        monkeypatch.setattr(sampling, "BLOCK", 24 * 21)
-        monkeypatch.setattr(sampling, "CHUNK", 11)
+        monkeypatch.setattr(sampled_figures, "BLOCK", 24 * 21)
+        monkeypatch.setattr(sampled_figures, "CHUNK", 11)
         parts = design_figures(sample, parameters, figures, TURN, cores=3, **settings)
         assert np.array_equal(parts, whole, equal_nan=True)
         monkeypatch.undo()

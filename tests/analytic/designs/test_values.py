@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from analytic.designs.samples import ASSEMBLED, evaluate_designs
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
+from analytic.errors import LinkproofError
 from analytic.machine_code import compiling
 from analytic.signals import table
 from tests.analytic.designs.one_by_one import built, signals_of, varied
@@ -176,15 +176,6 @@ NO_DIRECTION = {"needle_bar.along.x": [1.0, 0.0], "needle_bar.along.y": [0.0, 0.
 def test_bad_arguments_are_named(parameters, angle, message):
     with pytest.raises(LinkproofError, match=message):
         evaluate_designs(mechanism("juki-mf7923d"), parameters, angle, ["Jeq"])
-
-
-def test_unknown_signals_and_a_missing_output_are_named():
-    sample, masses = mechanism("centric-slider-crank"), {"crank.mass": ONE}
-    with pytest.raises(UnknownNameError, match="quantity 'Jqe'"):
-        evaluate_designs(sample, masses, [0.0], ["Jqe"])
-    bare = from_text(text_of("centric-slider-crank").replace('output  = { point = "D" }\n', ""))
-    with pytest.raises(LinkproofError, match="names no output"):
-        evaluate_designs(bare, masses, [0.0], ["S"])
 
 
 def test_a_direction_is_scaled_to_unit_length_and_a_point_of_that_name_is_none():

@@ -100,7 +100,7 @@ def test_motion_through_change_points_is_that_of_a_hundred_digits(name):
         errors[2, number] = abs((around[1] - 2 * psi + around[0]) / h**2 - second[number])
     peaks = [1.0, max(1.0, np.max(np.abs(first))), max(1.0, np.max(np.abs(second)))]
     assert np.all(errors.max(axis=1) / peaks <= EXACT), errors.max(axis=1) / peaks
-    (_, _, *turned), first_rate, second_rate = ErrorBounds(sweep).motion("rocker")
+    (_, _, *turned), first_rate, second_rate = ErrorBounds(sweep).motion_with_errors("rocker")
     bound = np.array([np.hypot(*(part.bound for part in turned)), first_rate[2].bound, second_rate[2].bound])
     assert np.all(errors <= 2.0 * bound + 1e-30)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from analytic.errors import AssemblyError
-from tests.analytic.linkages import FOLDER, from_text, mechanism, text_of
+from tests.analytic.linkages import FOLDER, from_text, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 from tests.analytic.tolerances import EPS
 
@@ -115,12 +115,6 @@ def test_guides_that_become_parallel():
     result = from_text(TANGENT).crank_range()
     assert result.limits == pytest.approx([-math.pi / 2, math.pi / 2], rel=0, abs=4 * EPS)
     assert "parallel" in result.high.sentence
-
-
-def test_a_parallelogram_turns_through_two_change_points():
-    result = mechanism("parallelogram").crank_range()
-    assert result.is_full_turn
-    assert [toggle.angle for toggle in result.change_points] == pytest.approx([math.pi, 2 * math.pi], abs=2e-9)
 
 
 def test_a_parallelogram_that_is_pushed_ends_at_its_change_point():

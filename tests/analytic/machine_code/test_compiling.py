@@ -39,7 +39,7 @@ def test_every_operation_in_any_number_of_lanes(count):
     x, y = draw.uniform(-3.0, 3.0, (2, count))
     given = dict(zip([*lanes, *rows], [x, y, 0.7], strict=True))
     result = StraightFunction(trace, lanes, rows, [Result(line) for line in outputs])([x, y], np.array([[0.7]]), count)
-    for one, expected in zip(result, trace.computed(outputs, given), strict=True):
+    for one, expected in zip(result, trace.evaluate(outputs, given), strict=True):
         np.testing.assert_allclose(one, np.broadcast_to(expected, count), rtol=SAME, atol=0.0)
 
 
@@ -61,7 +61,7 @@ def test_a_source_is_made_of_numbers_and_operations():
     hostile = '"\'); import os; os.abort()"'
     sample = from_text(text_of("centric-slider-crank").replace("coupler", hostile))
     of = linkage_trace(sample, (), names(sample))
-    source = python_source(of.trace, of.borders(of.lines)[1], (), [Result(line) for line in of.lines])
+    source = python_source(of.trace, of.split_inputs(of.lines)[1], (), [Result(line) for line in of.lines])
     assert "import" not in source
     assert '"' not in source
     assert source.startswith(f"def {FUNCTION}(lanes, rows, results):")
@@ -81,7 +81,7 @@ def test_signals_of_one_linkage_are_numpy_s(name):
 
 @numba
 def test_threads_make_up_the_whole_and_leave_nothing_to_numpy(monkeypatch):
-    monkeypatch.setattr(OperationList, "computed", lambda *_: pytest.fail("NumPy computes what machine code should"))
+    monkeypatch.setattr(OperationList, "evaluate", lambda *_: pytest.fail("NumPy computes what machine code should"))
     sample, angle = mechanism("juki-mf7923d"), np.linspace(0.0, 40.0, 70_001)
     whole, parts = (evaluate(sample, angle, ["Mkr"], speed=2.0, cores=cores, path="compiled") for cores in (1, 3))
     np.testing.assert_array_equal(whole["Mkr"], parts["Mkr"])
@@ -112,7 +112,7 @@ def test_it_is_compiled_where_that_saves_time(monkeypatch):
 def test_small_evaluations_do_not_import_numba():
     code = (
         "import sys, numpy as np\n"
-        "from analytic.designs.samples import evaluate_designs\n"
+        "from analytic.designs.sampled_signals import evaluate_designs\n"
         "from analytic.evaluation import evaluate\n"
         "from analytic.description.loading import load\n"
         "from analytic.kinematics.mechanism import Mechanism\n"

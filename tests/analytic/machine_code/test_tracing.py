@@ -18,7 +18,7 @@ def traced(formula, *values):
     numbers = [trace.input(name) for name in range(len(values))]
     line = trace.line(formula(*numbers))
     given = {number.line: value for number, value in zip(numbers, values, strict=True)}
-    return trace.computed([line], given)[0], len(trace.leading_to([line]))
+    return trace.evaluate([line], given)[0], len(trace.lines_needed([line]))
 
 
 FORMULAS = {
@@ -57,10 +57,10 @@ def test_only_what_leads_to_a_result_is_computed():
     x, y = trace.input("x"), trace.input("y")
     assert trace.input("x").line == x.line
     result, other = x * x + 1.0, np.sin(y)
-    assert other.line not in trace.leading_to([result.line])
-    assert y.line not in trace.leading_to([result.line])
-    assert trace.computed([result.line], {x.line: 3.0}) == [10.0]
-    assert trace.leading_to([result.line], known=[result.line]) == [result.line]
+    assert other.line not in trace.lines_needed([result.line])
+    assert y.line not in trace.lines_needed([result.line])
+    assert trace.evaluate([result.line], {x.line: 3.0}) == [10.0]
+    assert trace.lines_needed([result.line], known=[result.line]) == [result.line]
 
 
 @pytest.mark.parametrize("slip", [bool, float, math.sqrt, np.asarray, lambda x: x if x > 0.0 else -x, np.cumsum])

@@ -135,10 +135,9 @@ def test_a_dead_position_ends_the_motion_with_one_sentence():
         free_motion(from_text(DOUBLE_ROCKER), start_angle=math.radians(60), start_speed=25.0, duration=3.0)
 
 
-@pytest.mark.parametrize("speed", [0.0, 40.0])
-def test_energy_is_constant_and_the_way_back_leads_to_the_start(speed):
+def test_energy_is_constant_and_the_way_back_leads_to_the_start():
     sample = _undamped(mechanism("slotted-takeup"))
-    there = free_motion(sample, start_angle=4.9, start_speed=speed, duration=2.0)
+    there = free_motion(sample, start_angle=4.9, start_speed=40.0, duration=2.0)
     assert energy_imbalance(there) < BALANCE
     end, rate = float(there.angle(2.0)), float(there.speed(2.0))
     back = free_motion(sample, start_angle=end, start_speed=-rate, duration=2.0)

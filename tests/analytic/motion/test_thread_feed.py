@@ -13,7 +13,6 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.motion.thread_feed import (
     RequiredFeed,
     compare_feed,
-    contour,
     contour_length,
     eye_travel,
     feed,
@@ -122,17 +121,6 @@ def test_feed_of_the_slotted_takeup_as_article_004_writes_it():
     assert float(feed(sample, SLOTTED, travel.bottom_angle)) == pytest.approx(6 * MM, abs=LENGTH)
     highest = ThreadPath(SLOTTED.stops, SLOTTED.stretch, SLOTTED.feed, EyeReference(eye="P7", extreme="highest"))
     assert reference_angle(sample, highest) == travel.top_angle
-
-
-def test_corners_of_the_contour_for_a_picture_and_a_stretch_whose_ends_meet():
-    corners = contour(mechanism("fork-takeup").sweep(np.zeros((2, 5))), FORK)
-    assert corners.shape == (5, 3, 2, 5)
-    assert corners[1, 2] == pytest.approx(4 * MM)
-    assert corners[0, :, 0, 0] == pytest.approx(FORK.stops[0].position)
-    path = ThreadPath((ThreadEye("P5"), ThreadEye("P5"), ThreadGuide("N", (0.0, 0.0, 0.0))), 0.0, "lengthening", 0.0)
-    alone = ThreadPath(path.stops[1:], 0.0, "lengthening", 0.0)
-    sweep = mechanism("fork-takeup").sweep(angles(3))
-    assert contour_length(sweep, path) == pytest.approx(contour_length(sweep, alone))
 
 
 def test_an_eye_that_does_not_move_or_does_not_exist_is_refused():

@@ -6,14 +6,14 @@ import pickle
 import numpy as np
 import pytest
 
+from analytic import moving
 from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.loading import load
 from analytic.description.schema import Erratum
 from analytic.dynamics import joint_forces, reduced
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.farthest import top_of_turn
-from analytic.motion.unit_functions import top_dead_centre
+from analytic.motion.unit_functions import top_dead_centre, top_of_turn
 from comparisons.datasheet.building import usual_case
 from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import chosen_quantities
@@ -55,7 +55,7 @@ def test_jeq_alone_is_judged_without_second_derivatives_forces_or_torques(monkey
     solved, asked = (
         _solved(monkeypatch),
         [
-            calls(monkeypatch, joint_forces, "reactions"),
+            calls(monkeypatch, moving, "reactions"),
             calls(monkeypatch, reduced, "half_inertia_derivative"),
             calls(monkeypatch, reduced, "generalised_force"),
         ],
@@ -72,7 +72,7 @@ def test_the_truth_on_a_clock_is_the_closed_form():
     sweep, speed, acceleration = sample.sweep(MOTION.angle(TIMES)), MOTION.speed(TIMES), MOTION.acceleration(TIMES)
     assert np.array_equal(at.inertia, reduced.reduced_inertia(sweep))
     assert np.array_equal(at.torque, reduced.drive_torque(sweep, speed, acceleration))
-    forces = joint_forces.joint_forces(sweep, speed, acceleration)
+    forces = joint_forces.reactions(sweep, speed, acceleration).forces
     assert all(np.array_equal(at.joint_forces[name], force) for name, force in forces.items())
 
 
@@ -91,7 +91,7 @@ def test_a_case_keeps_the_truth_of_its_latest_clocks_alone_and_travels_without_i
 
 def test_joints_are_named_without_solving_anything(monkeypatch):
     sample = mechanism(SIX_BAR)
-    named = tuple(joint_forces.joint_forces(sample.sweep(np.array([0.7])), 0.0, 0.0))
+    named = tuple(joint_forces.reactions(sample.sweep(np.array([0.7])), 0.0, 0.0).forces)
     solved = _solved(monkeypatch)
     assert Case(sample, MOTION).joint_names() == named
     assert not any(solved.values())

@@ -11,7 +11,7 @@ from analytic.description import changes
 from analytic.description.linkage import ReleasedRegime
 from analytic.description.loading import catalogue, load
 from analytic.dynamics import reduced
-from analytic.dynamics.joint_forces import joint_forces
+from analytic.dynamics.joint_forces import reactions
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import FreeMotion
@@ -95,8 +95,8 @@ def test_the_closed_form_does_not_notice_units(name, length, mass, time):
     torque = reduced.drive_torque(found, speed, acceleration)
     moved = reduced.drive_torque(there, speed / time, acceleration / time**2) * time**2 / (mass * length**2)
     assert np.max(np.abs(torque - moved)) < 1e-10 * np.max(np.abs(torque))
-    forces = joint_forces(found, speed, acceleration)
-    others = joint_forces(there, speed / time, acceleration / time**2)
+    forces = reactions(found, speed, acceleration).forces
+    others = reactions(there, speed / time, acceleration / time**2).forces
     peak = max(np.max(np.abs(force)) for force in forces.values())
     for joint, force in forces.items():
         assert np.max(np.abs(force - others[joint] * time**2 / (mass * length))) < 1e-10 * peak

@@ -11,7 +11,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from comparisons.reference.start_state import scene
 from engines.mechanics.states import with_ground
-from engines.pymunk_adapter.layout import BodyPart, exact_layout, plain_layout, without_point, without_rail
+from engines.pymunk_adapter.layout import BodyPart, exact_layout, plain_layout, split_point_mass, split_rail
 from engines.scene import Prescribed
 from tests.analytic.linkages import MADE_UP, mechanism
 
@@ -32,7 +32,7 @@ def _sums(parts):
     return mass, *centre, inertia
 
 
-@given(PARTS, st.tuples(LENGTHS, LENGTHS), st.sampled_from([without_point, without_rail]))
+@given(PARTS, st.tuples(LENGTHS, LENGTHS), st.sampled_from([split_point_mass, split_rail]))
 def test_the_pieces_together_are_the_body(part, place, cut):
     if math.dist(place, part.offset) < 1e-6:
         return

@@ -30,7 +30,7 @@ def test_the_solver_converges_as_foreseen(name, monkeypatch):
     for iterations in (60, 80):
         world = PymunkEngine().build(_scene(name), dataclasses.replace(TUNED, effort=iterations))
         monkeypatch.setattr(loop, "COLD", 1)
-        (seen,), _ = loop.stepped(world, 1e-3, np.full(2, 60.0), (np.array([1]), np.array([])), [])
+        (seen,), _ = loop.take_steps(world, 1e-3, np.full(2, 60.0), (np.array([1]), np.array([])), [])
         seen = seen[:-1]
         equations = layout.equations
         state, rate = (with_ground(seen[None, :, order]) / equations.metres for order in (0, 1))
@@ -43,7 +43,7 @@ def test_the_solver_converges_as_foreseen(name, monkeypatch):
 
 @pytest.mark.parametrize("name", [name for name in MADE_UP if name not in {"parallelogram", "near-toggle"}])
 def test_the_linkage_is_looked_at_along_its_motion_with_closed_joints(name):
-    for motion, way in (
+    for motion, driver_travel in (
         (crank_motion(clockwise=True), -2.0 * np.pi),
         (crank_motion(ramp_time=0.01, hold_time=0.01), None),
     ):
@@ -51,7 +51,7 @@ def test_the_linkage_is_looked_at_along_its_motion_with_closed_joints(name):
         equations = exact_layout(model).equations
         poses = poses_of(equations)
         angles = np.array([pose.angle[0, equations.crank] for pose in poses])
-        end = motion.angle(motion.duration) if way is None else way
+        end = motion.angle(motion.duration) if driver_travel is None else driver_travel
         assert angles[[0, -1]] == pytest.approx([0.0, float(end)], abs=1e-9)
         assert np.abs(np.diff(angles)).max() < 0.1
         for pose in poses:

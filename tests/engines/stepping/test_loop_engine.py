@@ -26,7 +26,7 @@ LAWS = {
 @pytest.mark.parametrize("loop", ["pymunk_adapter.loop", "exudyn_adapter.loop", "mujoco_loop", "simbody_loop"])
 @pytest.mark.parametrize("name", LAWS)
 def test_a_load_at_an_angle_is_the_splines(loop, name):
-    at = pytest.importorskip(f"engines.{loop}").at
+    at = pytest.importorskip(f"engines.{loop}").law_values
     law, true = LAWS[name]
     plain = plain_law(law)
     for angle in (*np.linspace(-9.0, 9.0, 37).tolist(), *KNOTS.tolist()):

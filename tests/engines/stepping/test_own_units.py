@@ -30,8 +30,9 @@ def test_own_units_make_size_and_masses_what_they_promise(name):
     assert start_misfit(own) is None
 
 
-@pytest.mark.parametrize("units", [OwnUnits(1e-3, 1.0), OwnUnits(40.0, 1e-4)])
-@pytest.mark.parametrize("name", ["spring-and-damper", "force-over-angle"])
+@pytest.mark.parametrize(
+    ("name", "units"), [("spring-and-damper", OwnUnits(1e-3, 1.0)), ("force-over-angle", OwnUnits(40.0, 1e-4))]
+)
 def test_an_engine_that_is_exact_returns_the_same_in_any_units(name, units):
     model = _scene(name)
     plain, other = (DirectEngine().run(each, Setting.TUNED) for each in (model, scaled(model, units)))

@@ -47,7 +47,7 @@ class Designs:
 
     def setup(self):
         lacking.module("numba")
-        self.evaluate = lacking.module("analytic.designs.samples").evaluate_designs
+        self.evaluate = lacking.module("analytic.designs.sampled_signals").evaluate_designs
         self.mechanism = lacking.mechanism("rimoldi-164")
         self.rods = {"rod.B.x": np.linspace(0.174, 0.176, DESIGNS)}
         self.angle = np.linspace(0.0, 6.0, ANGLES)

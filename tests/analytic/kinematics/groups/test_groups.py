@@ -12,7 +12,7 @@ from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import ErrorBounds
-from analytic.kinematics.groups.following import Problem, corrected, followed
+from analytic.kinematics.groups.following import Problem, follow_branch, newton
 from analytic.kinematics.groups.solver import GroupSolver
 from analytic.kinematics.structure import Group, Revolute
 from tests.analytic.drives import driven, path_of
@@ -162,11 +162,13 @@ def test_a_turn_that_ends_in_another_configuration_is_refused():
         return {GROUND: ((none, none, one, none), still, still), "half": half}
 
     problem = Problem(joints, ("one", "two"), hosts, 1.0, is_linear=False)
-    start = corrected(problem.system(np.zeros(1)), np.array([[[0.3, 0.0, 0.9], [1.0, 0.1, 1.6]]]))[0]
-    branch = followed(problem, start, 0.0)
+    start = newton(problem.system(np.zeros(1)), np.array([[[0.3, 0.0, 0.9], [1.0, 0.1, 1.6]]]))[0]
+    branch = follow_branch(problem, start, 0.0)
     assert branch.strays
     assert branch.turns is None
     assert branch.ends == pytest.approx((-2.0 * np.pi, 2.0 * np.pi))
     solver = GroupSolver(Group(("one", "two"), joints, 2, branch), np.array([7.0]))
     assert solver.margin()[0] < 0.0
-    assert "a turn of the driver takes 'one', 'two' into another configuration" in solver.why(driven("boom").linkage)
+    assert "a turn of the driver takes 'one', 'two' into another configuration" in solver.assembly_fault(
+        driven("boom").linkage
+    )

@@ -4,23 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
-from analytic.designs.means import edges_of, is_settled, on_branch
-from analytic.designs.samples import BLOCK, Booleans, Designs, Integers, Sampler, are_steep, beside, divided, stuck
+from analytic.designs.sampled_signals import (
+    BLOCK,
+    Booleans,
+    Designs,
+    Integers,
+    Sampler,
+    are_steep,
+    designs_stuck,
+    divided_steps,
+    with_neighbours,
+)
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.averages import averages
+from analytic.numerics.averages import SAME, averages
+from analytic.numerics.dual import Dual
 from analytic.numerics.refine import Tops, summits, tops
 from analytic.signals import OUTPUT_COORDINATE, is_angle
 
 Array = NDArray[np.float64]
 Curves = Mapping[str, Array]
 
+CELLS: Final = 12  # of the motion, from which a mean is integrated
 CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
 TOP: Final = Figure(OUTPUT_COORDINATE, Reduction.MAX)
 # Between two crank angles a dyad's determinant changes by no more than this share of itself, or the step is divided in
@@ -31,7 +42,7 @@ TOGETHER: Final = 64  # designs whose means are integrated in one go
 
 @dataclass(frozen=True)
 class FigureRequest:
-    """Figures of every design at ``places`` (angles,) of the driver, ascending, which moves at a steady ``speed``.
+    """Figures of every design at ``crank_angles`` (angles,), ascending, of a driver that moves at a steady ``speed``.
 
     Extremes are true ones with ``refine``; over a ``period``, rad, curves close, else their ends count. Means are
     integrals from the first place to the end of the period, or to the last place.
@@ -39,7 +50,7 @@ class FigureRequest:
 
     mechanism: Mechanism
     figures: tuple[Figure, ...]
-    places: Array
+    crank_angles: Array
     speed: float
     period: float | None
     refine: bool
@@ -48,38 +59,42 @@ class FigureRequest:
     @property
     def grid(self) -> Array:
         """The crank angles with the end of the period."""
-        return self.places if self.period is None else np.append(self.places, self.places[0] + self.period)
+        return (
+            self.crank_angles
+            if self.period is None
+            else np.append(self.crank_angles, self.crank_angles[0] + self.period)
+        )
 
     @property
     def signals(self) -> tuple[str, ...]:
         """Sampled signals, each once; the output's coordinate in place of S."""
-        return tuple(dict.fromkeys(sampled(figure.signal) for figure in self.figures))
+        return tuple(dict.fromkeys(sampled_source(figure.signal) for figure in self.figures))
 
     def designs(self, arrays: Mapping[str, Array]) -> Designs:
         """The designs that differ in ``arrays`` (designs,) of numbers by name."""
-        poses = len(next(iter(arrays.values()))) * len(self.places)
+        poses = len(next(iter(arrays.values()))) * len(self.crank_angles)
         return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
     def may_sample(self, figure: Figure) -> bool:
         """Whether a mean may be that of the samples: these divide a turn evenly, and no sample is the signal's zero."""
         has_zero_at_sample = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
-        return self.period is not None and len(self.places) % 2 == 0 and not has_zero_at_sample
+        return self.period is not None and len(self.crank_angles) % 2 == 0 and not has_zero_at_sample
 
-    def of(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
+    def values_for(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
         """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers by name.
 
-        They are nan where a design has no motion at one of the places; numbers are taken as they are.
+        They are nan where a design has no motion at one of the crank angles; numbers are not checked.
         """
         values = np.full((len(self.figures), len(next(iter(arrays.values())))), np.nan)
 
         def work(rows: Integers, sampler: Sampler) -> None:
-            values[:, rows] = _Chunk(self, sampler, rows).all(self.figures)
+            values[:, rows] = _Chunk(self, sampler, rows).figures(self.figures)
 
         self.designs(arrays).in_blocks(CHUNK, work, cores)
         return values
 
 
-def sampled(name: str) -> str:
+def sampled_source(name: str) -> str:
     """The signal that is sampled for a signal: the output's coordinate for S, else the signal itself."""
     return OUTPUT_COORDINATE if name == "S" else name
 
@@ -103,54 +118,57 @@ class _Chunk:
         self.farthest = np.zeros(len(rows))
         self.known: dict[SignalExtreme, Array] = {}  # the highest samples
 
-    def all(self, figures: Sequence[Figure]) -> Array:
-        """The figures, (figures, rows)."""
+    def figures(self, figures: Sequence[Figure]) -> Array:
+        """The figures, (figures, rows), of the chunk's designs; nan where a design cannot be assembled or moved."""
         if self.request.refine and any(figure.signal == "S" for figure in figures):
-            self.farthest = self._tops()
-        result = self._figures(figures)
+            self.farthest = self._highest_output()
+        result = self._figures_of_samples(figures)
         means = {row: figure for row, figure in enumerate(figures) if figure.is_mean}
         if means:
             self._integrate(means, result)
         doubtful = np.flatnonzero(self.doubtful & ~self.faulty)
-        self.faulty[doubtful] = stuck(self.sampler, self.rows[doubtful], self.request.grid)
+        self.faulty[doubtful] = designs_stuck(self.sampler, self.rows[doubtful], self.request.grid)
         result[:, self.faulty] = np.nan
         return result
 
-    def _figures(self, figures: Sequence[Figure]) -> Array:
+    def _figures_of_samples(self, figures: Sequence[Figure]) -> Array:
+        """Extremes, values at angles and means of the samples, (figures, rows); means that are not settled are nan."""
         result = np.full((len(figures), len(self.rows)), np.nan)
-        groups: MarkedExtremes = (
+        extremes: MarkedExtremes = (
             {end: [] for quantity in figures for end in quantity.extremes} if self.request.refine else {}
         )
-        places = self.request.places
-        size = max(1, BLOCK // len(places))
+        crank_angles = self.request.crank_angles
+        size = max(1, BLOCK // len(crank_angles))
         for start in range(0, len(self.rows), size):
             here = np.arange(start, min(start + size, len(self.rows)))
-            phi = np.broadcast_to(places, (len(here), len(places)))
+            phi = np.broadcast_to(crank_angles, (len(here), len(crank_angles)))
             sampled, coarse = self._sampled(here, phi, dict.fromkeys(quantity.signal for quantity in figures))
             for row, figure in enumerate(figures):
                 if figure.reduction is Reduction.AT:
-                    result[row, here] = sampled[figure.signal][:, np.argmin(np.abs(places - figure.angle))]
+                    result[row, here] = sampled[figure.signal][:, np.argmin(np.abs(crank_angles - figure.angle))]
                 elif figure.is_mean:
                     result[row, here] = self._mean(figure, sampled[figure.signal])
-                elif not groups:
-                    result[row, here] = _reduced(figure, sampled[figure.signal])
-            if groups:
-                grid, sampled = self._closed(sampled, len(here))
-                self._mark(groups, sampled, here, grid)
-                self._look_closer(groups, here, grid, coarse)
-        heights = {extreme: self._highest(extreme, parts) for extreme, parts in groups.items()}
+                elif not extremes:
+                    result[row, here] = _reduce_samples(figure, sampled[figure.signal])
+            if extremes:
+                grid, sampled = self._with_period_end(sampled, len(here))
+                self._enter_tops(extremes, sampled, here, grid)
+                self._refine_coarse_steps(extremes, here, grid, coarse)
+        heights = {extreme: self._true_extreme(extreme, parts) for extreme, parts in extremes.items()}
         every = np.arange(len(self.rows))
         for row, figure in enumerate(figures):
             if figure.reduction is Reduction.AT:
                 angle = np.full((len(every), 1), figure.angle)
-                result[row] = self._seen(figure.signal, every, angle, result[row])[:, 0]
-            elif groups and figure.extremes:
+                result[row] = self._signal_at(figure.signal, every, angle, result[row])[:, 0]
+            elif extremes and figure.extremes:
                 result[row] = figure.of([heights[end] for end in figure.extremes])
         return result
 
-    def _tops(self) -> Array:
+    def _highest_output(self) -> Array:
         """The output's highest coordinate, between the samples too."""
-        return np.asarray(_Chunk(replace(self.request, refine=True), self.sampler, self.rows)._figures([TOP])[0])
+        return np.asarray(
+            _Chunk(replace(self.request, refine=True), self.sampler, self.rows)._figures_of_samples([TOP])[0]
+        )
 
     def _mean(self, figure: Figure, values: Array) -> Array:
         """A mean of samples (designs, angles), nan where they are too few for it."""
@@ -169,17 +187,17 @@ class _Chunk:
         few = np.isnan(result[[*figures]]).any(axis=0) | self.doubtful
         left, names = np.flatnonzero(few & ~self.faulty), {quantity.signal for quantity in figures.values()}
         if len(left) and "S" in names and not self.request.refine:
-            self.farthest = self._tops()
-        places = self.request.places
+            self.farthest = self._highest_output()
+        crank_angles = self.request.crank_angles
         for start in range(0, len(left), TOGETHER):
             here = left[start : start + TOGETHER]
-            grid = np.broadcast_to(places, (len(here), len(places)))
+            grid = np.broadcast_to(crank_angles, (len(here), len(crank_angles)))
             near = {name: curve for name, curve in self._curves(here, grid, names)[0].items() if is_angle(name)}
 
             def integrands(design: Integers, phi: Array, here: Integers = here, near: Curves = near) -> Array:
                 curves, determinants = self._curves(here[design], phi, names)
                 for name, values in near.items():
-                    curves[name] = on_branch(curves[name], phi, places, values[design])
+                    curves[name] = unwrapped_near(curves[name], phi, crank_angles, values[design])
                 return np.stack(
                     [
                         *(quantity.integrand(curves[quantity.signal]) for quantity in figures.values()),
@@ -188,7 +206,7 @@ class _Chunk:
                 )
 
             for (row, figure), mean in zip(
-                figures.items(), averages(integrands, edges_of(self.request.grid), len(here)), strict=False
+                figures.items(), averages(integrands, mean_cells(self.request.grid), len(here)), strict=False
             ):
                 result[row, here] = figure.of_mean(mean)
 
@@ -203,10 +221,10 @@ class _Chunk:
         self.doubtful[here[are_steep(determinants).any(axis=1)]] = True
         change = np.abs(np.diff(determinants, axis=2))
         coarse = np.any(change > CHANGE * np.minimum(determinants[..., 1:], determinants[..., :-1]), axis=0)
-        return curves, beside(coarse)
+        return curves, with_neighbours(coarse)
 
-    def _closed(self, sampled: dict[str, Array], count: int) -> tuple[Array, dict[str, Array]]:
-        """Crank angles and signals with the end of the period, where they are as they began."""
+    def _with_period_end(self, sampled: dict[str, Array], count: int) -> tuple[Array, dict[str, Array]]:
+        """Crank angles, rad, and signals with the end of the period: as at first, angles of links plus whole turns."""
         grid, period = self.request.grid, self.request.period
         if period is not None:
             for name, values in sampled.items():
@@ -214,29 +232,29 @@ class _Chunk:
                 sampled[name] = np.concatenate([values, values[:, :1] + period * turns], axis=1)
         return np.broadcast_to(grid, (count, len(grid))), sampled
 
-    def _look_closer(self, groups: MarkedExtremes, here: Integers, phi: Array, coarse: Booleans) -> None:
-        """Sample the steps of crank angles (designs, angles) that are too long, as next to dead positions.
+    def _refine_coarse_steps(self, extremes: MarkedExtremes, here: Integers, phi: Array, coarse: Booleans) -> None:
+        """Divide the marked steps of crank angle, up to LEVELS times, sample there and enter the tops in ``extremes``.
 
-        Not for the angles of links, which know no forces.
+        Angles of links are left out: only forces grow steeply next to a dead position.
         """
-        groups = {extreme: parts for extreme, parts in groups.items() if not is_angle(extreme.signal)}
-        names = dict.fromkeys(extreme.signal for extreme in groups)
+        extremes = {extreme: parts for extreme, parts in extremes.items() if not is_angle(extreme.signal)}
+        names = dict.fromkeys(extreme.signal for extreme in extremes)
         if coarse.shape[1] < phi.shape[1] - 1:  # the step that ends the period is like those beside it
             coarse = np.concatenate([coarse, coarse[:, :1] | coarse[:, -1:]], axis=1)
         for _ in range(LEVELS if names else 0):
             row, step = np.nonzero(coarse & ~self.faulty[here, None])
             if not len(row):
                 return
-            here, phi = here[row], divided(phi, row, step, PARTS)
+            here, phi = here[row], divided_steps(phi, row, step, PARTS)
             coarse = np.zeros((len(row), PARTS), dtype=bool)
             for start in range(0, len(row), BLOCK // PARTS):
                 some = slice(start, start + BLOCK // PARTS)
                 sampled, coarse[some] = self._sampled(here[some], phi[some], names)
-                self._mark(groups, sampled, here[some], phi[some])
+                self._enter_tops(extremes, sampled, here[some], phi[some])
 
     def _curves(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Array]:
         """Signals of some of the designs at crank angles, (designs, angles), and determinants; faults are noted."""
-        sources = {name: sampled(name) for name in names}
+        sources = {name: sampled_source(name) for name in names}
         samples = self.sampler(self.rows[here], phi, tuple(dict.fromkeys(sources.values())))
         if list(sources) != [OUTPUT_COORDINATE]:
             self.faulty[here[~samples.moves.all(axis=1)]] = True
@@ -245,7 +263,7 @@ class _Chunk:
             curves["S"] = self.farthest[here, None] - curves["S"]
         return curves, samples.determinants
 
-    def _seen(self, name: str, designs: Integers, phi: Array, near: Array) -> Array:
+    def _signal_at(self, name: str, designs: Integers, phi: Array, near: Array) -> Array:
         """A signal of designs (n,), each at its own crank angles (n, m); links' angles on the branch ``near`` (n,)."""
         values: Array = np.empty(phi.shape)
         size = max(1, BLOCK // phi.shape[1])
@@ -256,9 +274,9 @@ class _Chunk:
             values += FULL_TURN * np.round((near[:, None] - values) / FULL_TURN)
         return values
 
-    def _mark(self, groups: MarkedExtremes, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
+    def _enter_tops(self, extremes: MarkedExtremes, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
         """Enter the sampled tops of some designs that may exceed their largest values so far."""
-        for extreme, parts in groups.items():
+        for extreme, parts in extremes.items():
             values = sampled[extreme.signal]
             all_heights = extreme.height(values)
             known = self.known.setdefault(extreme, np.full(len(self.rows), -np.inf))
@@ -268,21 +286,47 @@ class _Chunk:
             heights = extreme.height(values[top.curve[:, None], top.near], side[:, None])
             parts.append(_Marked(Tops(here[top.curve], phi[top.curve[:, None], top.near], heights), side))
 
-    def _highest(self, extreme: SignalExtreme, parts: Sequence[_Marked]) -> Array:
+    def _true_extreme(self, extreme: SignalExtreme, parts: Sequence[_Marked]) -> Array:
         """The true extreme of a signal of every design, (designs,)."""
         result = Tops(*(np.concatenate(columns) for columns in zip(*(part.tops for part in parts), strict=True)))
         sides = np.concatenate([part.sides for part in parts])
         near = extreme.value(np.max(result.heights, axis=1), sides)
 
         def heights(top: Integers, phi: Array) -> Array:
-            seen = self._seen(extreme.signal, result.curve[top], phi, near[top])
+            seen = self._signal_at(extreme.signal, result.curve[top], phi, near[top])
             return extreme.height(seen, sides[top, None])
 
         highest = extreme.value(*summits(result, sides, heights, len(self.rows)))
         return np.where(extreme.is_kink(highest), SQUARE, highest)
 
 
-def _reduced(figure: Figure, values: Array) -> Array:
+def _reduce_samples(figure: Figure, values: Array) -> Array:
     """A signal (designs, angles) brought down to a number for each design."""
     best = (np.argmax(end.height(values), axis=1)[:, None] for end in figure.extremes)
     return figure.of([np.take_along_axis(values, place, 1)[:, 0] for place in best])
+
+
+def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
+    """Where means of evenly spaced samples of a turn are right: every second sample gives the same mean.
+
+    The tolerance is a share of the signal's RMS, its ``size``; the error for smooth signals is the gap squared.
+    """
+    return np.abs(whole - half) <= SAME * size
+
+
+def mean_cells(grid: Array) -> Array:
+    """The ends, rad, of the cells from which means over a grid's whole length are integrated."""
+    return np.linspace(grid[0], grid[-1], CELLS + 1)
+
+
+def unwrapped_near(values: Any, phi: Array, places: Array, samples: Array | None) -> Any:  # noqa: ANN401 - plain or dual
+    """Values at ``phi`` (..., n) with whole turns added, as the unwrapped ``samples`` at ``places`` have them.
+
+    Without ``samples``, for signals that are no angles of links, the values as they are.
+    """
+    if samples is None:
+        return values
+    here = np.searchsorted(places, phi, "right") - 1
+    known = samples[here] if samples.ndim == 1 else np.take_along_axis(samples, here, 1)
+    plain = values.value if isinstance(values, Dual) else values
+    return values + FULL_TURN * np.round((known - plain) / FULL_TURN)

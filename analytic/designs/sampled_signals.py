@@ -15,9 +15,9 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.changes import with_numbers
-from analytic.designs.checking import checked, speed_of
-from analytic.errors import AssemblyError, LinkproofError, StructureError
+from analytic.description.changes import SPEED, design_numbers, with_numbers
+from analytic.description.linkage import Linkage
+from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.machine_code.compiling import Result, StraightFunction, in_threads, is_worthwhile
@@ -75,8 +75,8 @@ class Designs:
         return len(next(iter(self.arrays.values())))
 
     @cached_property
-    def listed(self) -> LinkageTrace | None:
-        """The signals as a list of operations, None where the designs have none."""
+    def trace(self) -> LinkageTrace | None:
+        """The signals as a list of operations; None where the designs have none, as with groups of a higher class."""
         if not is_traceable(self.mechanism):
             return None
         return linkage_trace(
@@ -96,26 +96,26 @@ class Designs:
 
         def part(start: int) -> None:
             with np.errstate(all="ignore"):
-                if self.listed is not None:
-                    work(np.arange(start, min(start + size, self.count)), self._listed_samples)
-                elif (design := self._alone(start)) is not None:
+                if self.trace is not None:
+                    work(np.arange(start, min(start + size, self.count)), self._traced_samples)
+                elif (design := self._single_design(start)) is not None:
                     work(np.array([start]), lambda rows, phi, names: self._swept_samples(design, rows, phi, names))
 
-        in_threads(part, range(0, self.count, size if self.listed else 1), cores)
+        in_threads(part, range(0, self.count, size if self.trace else 1), cores)
 
-    def _listed_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
-        """Samples by the list."""
-        of = self.listed
-        assert of is not None
+    def _traced_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
+        """Samples of some designs, computed from the list of operations."""
+        trace = self.trace
+        assert trace is not None
         places = phi[:1] if phi.strides[0] == 0 else phi  # every design's own
         numbers = {name: values[rows, None] for name, values in self.arrays.items()}
-        known = of.values(numbers, places, speed_of(numbers, self.speed), self.acceleration)
-        function = self._function
+        known = trace.values(numbers, places, speed_of(numbers, self.speed), self.acceleration)
+        function = self._machine_code
         if function is None:
-            lines = [of.signals[self.signals.index(name)] for name in names]
-            *values, moves = of.trace.computed([*lines, *of.determinants, of.moves], known)
+            lines = [trace.signals[self.signals.index(name)] for name in names]
+            *values, moves = trace.trace.evaluate([*lines, *trace.determinants, trace.moves], known)
         else:
-            given = of.trace.computed(function.lanes, known)
+            given = trace.trace.evaluate(function.lanes, known)
             lanes = [np.broadcast_to(entry, phi.shape).reshape(-1) for entry in given]
             computed = function(lanes, ONE_ROW, phi.size).reshape(-1, *phi.shape)
             count = len(self.signals)
@@ -131,25 +131,26 @@ class Designs:
         )
 
     def _unwrapped(self, name: str, values: Array) -> Array:
+        """An angle of a link unwrapped along the crank angles; any other signal as it is."""
         return np.unwrap(values) if is_wrapped(name, self.mechanism.linkage) else values
 
     @property
     def is_compiled(self) -> bool:
         """Whether the list is compiled; raises for a wrong path as ``is_worthwhile`` does."""
-        operations = len(self.listed.trace.leading_to(self.listed.lines)) if self.listed else 0
-        return is_worthwhile(self.path, operations, self.poses) and self.listed is not None
+        operations = len(self.trace.trace.lines_needed(self.trace.lines)) if self.trace else 0
+        return is_worthwhile(self.path, operations, self.poses) and self.trace is not None
 
     @cached_property
-    def _function(self) -> StraightFunction | None:
-        """The list as machine code, None where NumPy serves."""
-        assert self.listed is not None
-        trace, lines = self.listed.trace, self.listed.lines
+    def _machine_code(self) -> StraightFunction | None:
+        """The list of operations as machine code; None where NumPy computes it."""
+        assert self.trace is not None
+        trace, lines = self.trace.trace, self.trace.lines
         if not self.is_compiled:
             return None
-        given = sorted(line for border in self.listed.borders(lines) for line in border)
+        given = sorted(line for border in self.trace.split_inputs(lines) for line in border)
         return StraightFunction(trace, given, (), [Result(line) for line in lines])
 
-    def _alone(self, row: int) -> Mechanism | None:
+    def _single_design(self, row: int) -> Mechanism | None:
         """One design by itself, None where it cannot be assembled as its sketch shows it."""
         numbers = {name: float(values[row]) for name, values in self.arrays.items()}
         try:
@@ -203,7 +204,7 @@ def evaluate_designs(
             "angle: expected a flat list of finite crank angles in rad, got "
             f"{'nan or infinity' if places.ndim == 1 else f'shape {places.shape}'}; pass such a list"
         )
-    arrays = checked(mechanism.linkage, parameters)
+    arrays = checked_parameters(mechanism.linkage, parameters)
     chosen = check_signals(mechanism, names, has_speed=speed is not None)
     count = len(next(iter(arrays.values())))
     designs = Designs(
@@ -242,21 +243,21 @@ def are_steep(determinants: Array) -> Booleans:
     return np.asarray(np.any(~(np.minimum(first, two) >= LEAST_RATIO * np.maximum(first, two)), axis=0))
 
 
-def beside(steps: Booleans) -> Booleans:
-    """Steps (designs, steps) and their neighbours."""
+def with_neighbours(steps: Booleans) -> Booleans:
+    """Mark the neighbours of marked steps (designs, steps) as well."""
     near = steps.copy()
     near[:, 1:] |= steps[:, :-1]
     near[:, :-1] |= steps[:, 1:]
     return near
 
 
-def divided(phi: Array, row: Integers, step: Integers, parts: int) -> Array:
-    """Crank angles (n, parts + 1) that divide some steps of those of designs (designs, angles)."""
+def divided_steps(phi: Array, row: Integers, step: Integers, parts: int) -> Array:
+    """Crank angles (n, parts + 1), rad, that divide some steps of the designs' angles (designs, angles) evenly."""
     low, high = phi[row, step, None], phi[row, step + 1, None]
     return np.asarray(low + (high - low) * np.linspace(0.0, 1.0, parts + 1))
 
 
-def stuck(sampler: Sampler, rows: Integers, angles: Array) -> Booleans:
+def designs_stuck(sampler: Sampler, rows: Integers, angles: Array) -> Booleans:
     """Which designs of some rows (n,) cannot move from one of the crank angles (angles,) to the next.
 
     Also those that pass a change point, at which two assembly modes meet, unless the linkage as described does.
@@ -274,6 +275,67 @@ def stuck(sampler: Sampler, rows: Integers, angles: Array) -> Booleans:
             if phi[0, 1] - phi[0, 0] < finest:
                 result[designs[steep.any(axis=1)]] = True
                 break
-            row, step = np.nonzero(beside(steep))
-            designs, phi = designs[row], divided(phi, row, step, PARTS)
+            row, step = np.nonzero(with_neighbours(steep))
+            designs, phi = designs[row], divided_steps(phi, row, step, PARTS)
     return result
+
+
+# Parameters of designs: known names, equal lengths, possible values.
+
+
+def speed_of(numbers: Mapping[str, Any], speed: ArrayLike) -> Any:  # noqa: ANN401 - plain or dual
+    """The driver's signed speed, rad/s or m/s: the designs' own, with the sign of ``speed``, or ``speed`` itself."""
+    return numbers[SPEED] * np.sign(speed) if SPEED in numbers else np.asarray(speed)
+
+
+def checked_parameters(
+    linkage: Linkage, parameters: Mapping[str, ArrayLike], *, has_speed: bool = False
+) -> dict[str, Array]:
+    """The parameters as arrays (designs,) by name: numbers of a description but the sketch's; ``SPEED`` if it has one.
+
+    Raises UnknownNameError for another name, LinkproofError for arrays that are not of one length or not flat, numbers
+    that are not finite, negative masses, directions of no length and speeds of zero.
+    """
+    numbers = design_numbers(linkage)
+    kinds: dict[str, str] = {name: kind for name, (kind, _) in numbers.items()} | ({SPEED: SPEED} if has_speed else {})
+    for name in parameters:
+        if name not in kinds:
+            raise UnknownNameError(f"parameter of '{linkage.name}'", name, kinds)
+    arrays = {name: np.asarray(values, dtype=float) for name, values in parameters.items()}
+    shapes = {values.shape for values in arrays.values()}
+    if len(shapes) != 1 or len(next(iter(shapes))) != 1 or next(iter(shapes)) == (0,):
+        raise LinkproofError(
+            "parameters: expected one or more flat arrays of one length, a value per design, got "
+            f"{', '.join(f'{name} of shape {values.shape}' for name, values in arrays.items()) or 'none'}; "
+            "give every parameter a value per design"
+        )
+    for name, values in arrays.items():
+        _check(name, kinds[name], values)
+    directions = [name for name, (kind, _) in numbers.items() if kind == "direction"]
+    for x, y in zip(directions[::2], directions[1::2], strict=True):
+        if x in arrays or y in arrays:
+            _check_direction(x.removesuffix(".x"), *(arrays.get(name, np.asarray(numbers[name][1])) for name in (x, y)))
+    return arrays
+
+
+def _check(name: str, kind: str, values: Array) -> None:
+    """Finite numbers, no negative masses, and a speed."""
+    wrong = ~np.isfinite(values)
+    expected = "finite numbers"
+    if kind in ("mass", "inertia"):
+        wrong |= values < 0.0
+        expected = "finite numbers, none negative"
+    if kind == SPEED:
+        wrong |= values == 0.0
+        expected = "finite numbers other than 0"
+    if np.any(wrong):
+        first = int(np.argmax(wrong))
+        raise LinkproofError(f"{name}: expected {expected}, got {values[first]:g} in design {first}; correct it")
+
+
+def _check_direction(name: str, x: Array, y: Array) -> None:
+    """A direction needs a length."""
+    size = np.hypot(x, y)
+    if not np.all(size):
+        first = int(np.argmin(size != 0.0))
+        raise LinkproofError(f"{name}: expected a direction, got (0, 0) in design {first}; correct it")
