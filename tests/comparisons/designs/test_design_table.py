@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.designs import design_table as table
+from comparisons.designs import space as spaces
 from comparisons.designs.space import read_table
 from tests.comparisons.designs.sweeps import SIX_BAR
 
@@ -15,7 +15,7 @@ def test_a_long_table_is_read_in_blocks(tmp_path, monkeypatch):
     rows.insert(50, "")  # lines without a design count for nothing
     file = tmp_path / "designs.csv"
     file.write_text("\ufeffrod.B.x [cm], rod.mass \n" + "\n".join(rows), encoding="utf-8")
-    monkeypatch.setattr(table, "ROWS", 10)
+    monkeypatch.setattr(spaces, "ROWS", 10)
     space = read_table(file, SIX_BAR)
     truth = values * np.array([[10.0], [1.0]])
     assert (space.count, space.shape, space.dimensions) == (103, (103,), ("design",))

@@ -10,11 +10,11 @@ import pytest
 import xarray
 
 from analytic.errors import LinkproofError
+from comparisons.designs import sweep as sweeps
 from comparisons.designs.parameters import parameter
 from comparisons.designs.saved_sweep import SavedSweep
 from comparisons.designs.space import Listed
 from comparisons.designs.sweep import sweep
-from comparisons.designs.sweep import sweep as sweeps
 from comparisons.runs.study import Journal
 from tests.comparisons.designs.sweeps import GRID, SIX_BAR, grid, request
 
@@ -22,7 +22,7 @@ from tests.comparisons.designs.sweeps import GRID, SIX_BAR, grid, request
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from comparisons.designs.sweep import sweep as sweeps
+from comparisons.designs import sweep as sweeps
 from comparisons.designs.saved_sweep import SavedSweep
 from comparisons.runs.study import Journal
 from tests.comparisons.designs.sweeps import request

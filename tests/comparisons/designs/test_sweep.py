@@ -9,10 +9,10 @@ from analytic.description.crank_motion import RPM
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import sheet, usual_case
+from comparisons.designs import sweep as sweeps
 from comparisons.designs.parameters import named_figures, steady_motion
 from comparisons.designs.space import Grid, steps
 from comparisons.designs.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
-from comparisons.designs.sweep import sweep as sweeps
 from comparisons.runs.workers import LocalPool
 from tests.analytic.loaded_linkages import on_trial
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
