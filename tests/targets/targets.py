@@ -28,7 +28,7 @@ from analytic.motion.released import free_motion
 from analytic.motion.steady_rotation import steady_state
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.judging.records import Record, RunRecord
-from comparisons.reference.case import own_motion
+from comparisons.reference.case import motion_of_file_regime
 from comparisons.reference.start_state import scene
 from engines.contract import Setting
 from engines.registry import engine, engine_names
@@ -149,7 +149,7 @@ def _error(record: Record, *, absolute: bool) -> float:
 def _reference(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
     """The closed form's own bound on the error of a released crank's angle, rad."""
     for mechanism, own in _named(target, linkages):
-        yield Figure(target, mechanism.linkage.name, own_motion(mechanism, own).error_bound)
+        yield Figure(target, mechanism.linkage.name, motion_of_file_regime(mechanism, own).error_bound)
 
 
 def _steady_state(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
