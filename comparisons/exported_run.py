@@ -14,7 +14,7 @@ from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError
 from comparisons.invariants.inspection import FAINT_FORCE
 from comparisons.judging.deviations import near_jumps
-from comparisons.reference.case import Case, truth
+from comparisons.reference.case import Case, channel_truth
 from comparisons.runs.run_engine import blamed_on
 from comparisons.stress.cell_result import Cell
 from comparisons.stress.cells import SETTINGS, axes
@@ -134,11 +134,11 @@ def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> It
     if signal is None:
         return
     if channel is Channel.TORQUE:
-        true, words = truth(case, channel, "", signal.time), DRIVES[scene.driver_kind is DriverKind.CRANK]
+        true, words = channel_truth(case, channel, "", signal.time), DRIVES[scene.driver_kind is DriverKind.CRANK]
         figure = ScriptFigure(*words, (channel.value,))
         yield [_Curve(figure, signal.time, signal.values, true, float(np.abs(true).max()))]
         return
-    true = np.stack([truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
+    true = np.stack([channel_truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
     for columns, unit in zip(((0, 1), (2,)), UNITS[channel], strict=True):
         peak = float(np.abs(true[..., columns]).max())
         yield [
@@ -153,7 +153,7 @@ def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> It
 
 def _forces(case: Case, history: History) -> Iterator[_Curve]:
     signals = history.joint_force
-    true = {joint: truth(case, Channel.JOINT_FORCE, joint, signal.time) for joint, signal in signals.items()}
+    true = {joint: channel_truth(case, Channel.JOINT_FORCE, joint, signal.time) for joint, signal in signals.items()}
     sizes = {joint: np.hypot(*values.T) for joint, values in true.items()}
     faint = FAINT_FORCE * max(float(size.max()) for size in sizes.values())
     for joint, signal in signals.items():

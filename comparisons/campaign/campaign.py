@@ -19,7 +19,7 @@ from comparisons.judging.limits import judge
 from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, run_record
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, own_case, unpickled
+from comparisons.reference.case import Case, case_of_file_regime, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost, blamed_on, run_engine
 from comparisons.runs.study import Announce, Journal, Study, Task
@@ -108,7 +108,7 @@ def each_case(request: CampaignRequest) -> Iterator[Case]:
             yield _checked(Case(mechanism, motion, conditions=conditions))
         for regime in linkage.regimes:
             if regime.name in request.own_regimes:
-                yield _checked(own_case(mechanism, regime))
+                yield _checked(case_of_file_regime(mechanism, regime))
 
 
 def _checked(case: Case) -> Case:
@@ -159,7 +159,7 @@ def compare(
 
 def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunRecord:
     """The records of a run whose process gave no result."""
-    case = unpickled(pickled)
+    case = unpickle_case(pickled)
     blank = blank_record(case, setting, name, engine(name).version() or "", failure.host)
     return _all_alike(chosen_quantities(case, names), blank, failure.outcome, failure.reason)
 
@@ -171,7 +171,7 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
 
 def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> RunRecord:
     """One run of a pickled case, judged by the quantities of these names."""
-    case, adapter = unpickled(pickled), engine(name)
+    case, adapter = unpickle_case(pickled), engine(name)
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
         version, absent = adapter.version(), why_unavailable(adapter)

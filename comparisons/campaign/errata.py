@@ -18,9 +18,9 @@ from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import judged, lost, run_key
 from comparisons.judging.records import RunRecord
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, case_of_file_regime
 from comparisons.reference.motion import Spin
-from comparisons.reference.printed_models import printed_motion
+from comparisons.reference.printed_models import erratum_motion
 from comparisons.runs.study import Journal, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting, Signal
@@ -95,7 +95,7 @@ def judge_errata(
         for erratum, case in trials:
             printed = None
             for name, run in zip(engines, runs, strict=False):
-                printed = printed or printed_motion(case.mechanism.linkage, erratum)  # while the workers are busy
+                printed = printed or erratum_motion(case.mechanism.linkage, erratum)  # while the workers are busy
                 yield _record((erratum, case), name, printed, run)
 
 
@@ -113,7 +113,7 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
         mechanism = Mechanism(linkage)
         regimes = linkage.released
         names = dict.fromkeys(erratum.regime for erratum in linkage.errata)
-        cases = {name: own_case(mechanism, regimes[name]) for name in names}
+        cases = {name: case_of_file_regime(mechanism, regimes[name]) for name in names}
         yield from ((erratum, cases[erratum.regime]) for erratum in linkage.errata)
 
 

@@ -18,7 +18,7 @@ from analytic.motion.thread_feed import contour_length
 from analytic.signals import moving_points
 from analytic.written import change
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import MechanismFigure, case_figures, figure_unit, named
+from comparisons.datasheet.figures import MechanismFigure, case_figures, figure_unit, figures_by_name
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
@@ -82,11 +82,11 @@ def key_figures(case: Case, names: Iterable[str] = ()) -> dict[str, float]:
     usual: dict[str, Figure | MechanismFigure] = {}
     for name in (*KEY, *points):
         with suppress(LinkproofError):
-            usual |= named(mechanism, name)
+            usual |= figures_by_name(mechanism, name)
     values = case_figures(curves, usual) | dict(_parts_of_the_description(case))
     for name in (name for name in names if name not in values):
         with suppress(LinkproofError):
-            values |= case_figures(curves, named(mechanism, name))
+            values |= case_figures(curves, figures_by_name(mechanism, name))
     return {name: value for name, value in values.items() if math.isfinite(value)}
 
 
@@ -119,7 +119,7 @@ def check_figures(names: Sequence[str], linkages: Iterable[Linkage]) -> None:
         mechanism = Mechanism(linkage)
         for name in [*lacking]:
             try:
-                named(mechanism, name)
+                figures_by_name(mechanism, name)
             except LinkproofError as error:
                 lacking[name] = lacking[name] or error
             else:

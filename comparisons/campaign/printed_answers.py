@@ -20,19 +20,19 @@ from analytic.description.schema import Published
 from analytic.designs.figures import Figure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import COMPONENTS, ORDERS, table
-from comparisons.datasheet.figures import named
+from comparisons.datasheet.figures import figures_by_name
 from comparisons.datasheet.published import (
     PrintedMotion,
     PublishedRecord,
-    applying,
-    beside,
-    case_of,
-    motion_of,
-    of_signal,
+    case_of_motion,
+    motion_of_figure,
+    published_figures,
+    record_fields,
+    rename_signal,
 )
 from comparisons.observation.interpolation import resample
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, unpickled
+from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Lost, run_engine
 from comparisons.runs.study import Announce, Study, Task
@@ -92,16 +92,16 @@ def _printed_runs(linkage: Linkage) -> Iterator[PrintedRun]:
     """One run for each regime, and for each speed and crank angle that figures are printed for."""
     mechanism = Mechanism(linkage)
     groups: dict[PrintedMotion, list[tuple[Published, tuple[Figure, ...]]]] = {}
-    for entry in applying(linkage):
+    for entry in published_figures(linkage):
         if "@" in entry.quantity and entry.relative_to is None and (not entry.less or entry.less in table(mechanism)):
-            names = [entry.quantity, *([of_signal(entry.quantity, entry.less)] if entry.less else [])]
+            names = [entry.quantity, *([rename_signal(entry.quantity, entry.less)] if entry.less else [])]
             figures = tuple(
-                item for name in names for item in named(mechanism, name).values() if isinstance(item, Figure)
+                item for name in names for item in figures_by_name(mechanism, name).values() if isinstance(item, Figure)
             )
-            groups.setdefault(motion_of(mechanism, entry), []).append((entry, figures))
+            groups.setdefault(motion_of_figure(mechanism, entry), []).append((entry, figures))
     for printed, group in groups.items():
         entries, terms = zip(*group, strict=True)
-        yield PrintedRun(case_of(mechanism, printed), entries, terms)
+        yield PrintedRun(case_of_motion(mechanism, printed), entries, terms)
 
 
 def _task(number: int, printed_run: PrintedRun, name: str) -> Task:
@@ -112,7 +112,7 @@ def _task(number: int, printed_run: PrintedRun, name: str) -> Task:
 
 def read_out(pickled: bytes, name: str, terms: Terms) -> Answers:
     """One run of a pickled case, and the figures as its history has them."""
-    case = unpickled(pickled)
+    case = unpickle_case(pickled)
     model = case.scene(frozenset(Channel))
     run = run_engine(engine(name), model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:
@@ -168,7 +168,7 @@ def _point(linkage: Linkage, motion: ObservedMotion, name: str, component: str, 
 def _answers(printed_run: PrintedRun, name: str, run: Answers) -> Iterator[EngineAnswer]:
     for entry, value in zip(printed_run.entries, run["values"], strict=True):
         yield EngineAnswer(
-            **beside(printed_run.case.mechanism.linkage, entry, value),
+            **record_fields(printed_run.case.mechanism.linkage, entry, value),
             engine=name,
             uncertainty=max(entry.half_digit, entry.accuracy),
             reason=run["reason"] if value is None else "",

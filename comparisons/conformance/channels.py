@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from comparisons.conformance.samples import case
 from comparisons.conformance.trial import Check, EngineTrial, NotTestedError
-from comparisons.faults.misreadings import Reading, likeliest, readings, true_history
+from comparisons.faults.misreadings import Reading, likeliest_misreading, readings, true_history
 from comparisons.judging.limits import limit
 from comparisons.observation.observed_motion import DENSE
 from comparisons.reference.case import Case
@@ -45,7 +45,7 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
         bound = limit(LIKE[channel], Setting.TUNED, case(sample).motion.regime).value
         error, reading, right = max(errors, key=lambda each: each[0])
         if not error <= bound:
-            cause = likeliest(right, reading.values) or "a mass, a load, a geometry, or too long a step"
+            cause = likeliest_misreading(right, reading.values) or "a mass, a load, a geometry, or too long a step"
             raise AssertionError(
                 f"{reading.words}, sample '{sample}': expected the closed form within {bound:.0e} of the peak, got "
                 f"{error:.2g} off; {cause}"

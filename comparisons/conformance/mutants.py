@@ -20,7 +20,7 @@ from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.conformance.samples import PLAIN, case
 from comparisons.conformance.trial import Check, EngineTrial, NotTestedError, judged_rows, scene_of
-from comparisons.faults.misreadings import MISREADINGS, Misreading, planted
+from comparisons.faults.misreadings import MISREADINGS, Misreading, plant_misreading
 from comparisons.faults.ranking import model_faults
 from comparisons.faults.settings import motion_settings
 from comparisons.faults.simulation import ChangedMotion, Simulation
@@ -138,7 +138,7 @@ def _rows_misread(channel: Channel, misreading: Misreading, number: float | None
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
     right = trial.finished_history(PLAIN)
-    wrong = planted(right, scene_of(PLAIN), channel, misreading, number)
+    wrong = plant_misreading(right, scene_of(PLAIN), channel, misreading, number)
     if wrong is right:
         raise NotTestedError(f"{trial.engine.name} provides only magnitudes of joint forces")
     return judged_rows(PLAIN, Setting.TUNED, trial.engine.name, wrong)

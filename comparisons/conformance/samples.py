@@ -16,7 +16,7 @@ from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce, ReleasedRegime, RotaryDamper, Spring
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, case_of_file_regime
 
 LINKAGES = Path(__file__).with_name("linkages")
 PLAIN: Final = "four-bar"  # what every engine has to take: pins, gravity and a prescribed crank
@@ -42,9 +42,9 @@ class Sample:
         """The case of it."""
         mechanism = Mechanism(self.added(load(str(LINKAGES / f"{self.linkage}.toml"))))
         if self.released:
-            return own_case(mechanism, ReleasedRegime("released", 1.5, self.start, 6.0, 0.8))
+            return case_of_file_regime(mechanism, ReleasedRegime("released", 1.5, self.start, 6.0, 0.8))
         if mechanism.linkage.regimes:
-            return own_case(mechanism, mechanism.linkage.regimes[0])
+            return case_of_file_regime(mechanism, mechanism.linkage.regimes[0])
         return Case(mechanism, crank_motion(
             "run-up-quintic", speed=SPEED, ramp_time=RAMP, hold_time=HOLD, clockwise=self.clockwise,
             start_angle=self.start,

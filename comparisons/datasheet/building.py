@@ -20,54 +20,55 @@ from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.unit_functions import top_of_turn
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import tables
-from comparisons.datasheet.instants import Instants, needed
+from comparisons.datasheet.figures import figure_tables
+from comparisons.datasheet.instants import Instants, choose_samples
 from comparisons.datasheet.mechanism_summary import (
-    described,
+    file_facts,
     inertia_shares,
     portrait,
     thread_sheet,
     unit_function_curves,
 )
 from comparisons.datasheet.published import compare_published
-from comparisons.datasheet.released import printed, released
+from comparisons.datasheet.released import describe_release, errata_motions
 from comparisons.datasheet.sheet import Positions, Sheet
-from comparisons.reference.case import Case, own_motion
+from comparisons.reference.case import Case, motion_of_file_regime
 
 # Where a linkage's bodies are over a turn of its crank, or over the range that its driver reaches.
 
 
-COUNT: Final = 121
-WHOLE: Final = 1e-9  # of a turn: what is missing of a whole one for rounding
+POSITIONS_SHOWN: Final = 121  # of a turn, a range or a motion
+TURN_ROUNDING: Final = 1e-9  # of a turn: what is missing of a whole one for rounding
 INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
 
 
-def over_reach(mechanism: Mechanism) -> Positions:
-    """The positions from φ = 0 over a turn, or between the ends of the range."""
+def positions_over_range(mechanism: Mechanism) -> Positions:
+    """Where a linkage's bodies are over a turn of its crank from φ = 0, or over the range that its driver reaches."""
     reach = mechanism.crank_range()
     if reach.is_full_turn:
-        return at(mechanism, np.linspace(0.0, FULL_TURN, COUNT), closed=True)
+        return positions_at(mechanism, np.linspace(0.0, FULL_TURN, POSITIONS_SHOWN), closed=True)
     low, high = reach.limits
     inset = INSET * (high - low)
-    return at(mechanism, np.linspace(low + inset, high - inset, COUNT), closed=False)
+    return positions_at(mechanism, np.linspace(low + inset, high - inset, POSITIONS_SHOWN), closed=False)
 
 
-def over_motion(curves: Curves) -> Positions:
-    """The positions over a turn of a motion that makes one, else over its time."""
+def positions_over_motion(curves: Curves) -> Positions:
+    """Where the bodies of a case are: over one turn where its motion makes a turn, else over the motion's time."""
     case = curves.case
     mechanism, (low, high) = case.mechanism, case.reach
-    if not mechanism.linkage.is_linear and high - low >= FULL_TURN * (1.0 - WHOLE):
-        return at(mechanism, np.linspace(0.0, mechanism.period, COUNT), closed=True)
-    truth = curves.at(np.linspace(0.0, case.motion.duration, COUNT))
-    positions = at(mechanism, truth.sweep.angle, closed=False)
+    if not mechanism.linkage.is_linear and high - low >= FULL_TURN * (1.0 - TURN_ROUNDING):
+        return positions_at(mechanism, np.linspace(0.0, mechanism.period, POSITIONS_SHOWN), closed=True)
+    truth = curves.truth_at(np.linspace(0.0, case.motion.duration, POSITIONS_SHOWN))
+    positions = positions_at(mechanism, truth.sweep.angle, closed=False)
     bodies = {
-        name: np.array([x, y, curves.of(truth, f"link:{name}:angle")]) for name, (x, y, _) in positions.bodies.items()
+        name: np.array([x, y, curves.signal_values(truth, f"link:{name}:angle")])
+        for name, (x, y, _) in positions.bodies.items()
     }
     return replace(positions, over="time", axis=truth.time, bodies=bodies)
 
 
-def at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Positions:
-    """The positions at these values of φ, rad, or of the travel, m."""
+def positions_at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Positions:
+    """Where the bodies are at values of φ (n,), rad, or of the travel, m; ``closed`` for a whole turn."""
     sweep, linkage = mechanism.sweep(angle), mechanism.linkage
     bodies = {name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], sweep.angles(name))) for name in linkage.links}
     carriers = {slot.point: sweep.carrier(slot.point) for slot in linkage.slots}
@@ -88,7 +89,9 @@ MOST_NUMBERS: Final = 40_000  # of all its signals
 
 
 def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Case:
-    """A turn at the speed at which the first motion ends, else at 1000 rpm; the motion or a swing where none is made.
+    """The case of a linkage's page: a turn at the speed at which the first motion ends, else at 1000 rpm.
+
+    A crank that makes no turn follows the first motion, or swings over its range.
 
     Motions of the linkage's own count by the names of their ``regimes``, after those ``prescribed``.
     """
@@ -106,20 +109,20 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
 
 def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bool = False) -> CrankMotion:
     """A swing over a range, short of its limits, at ``speed``, rad/s; of a drive along a line, in a second."""
-    first, last = within(reach, backwards=backwards)
+    first, last = inset_ends(reach, backwards=backwards)
     fastest = abs(last - first) if reach.is_linear else speed
     return replace(swing(STEADY, first, last, speed=fastest), regime=OVER_RANGE)
 
 
-def within(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
-    """The ends of a range, short of its limits, in the order in which the drive passes them."""
+def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
+    """Start and end of a motion over a range, rad or m: short of its limits, where forces grow beyond all bounds."""
     low, high = reach.limits
     margin = MARGIN * (high - low)
     return (high - margin, low + margin) if backwards else (low + margin, high - margin)
 
 
 def conditions(case: Case) -> str:
-    """Mechanism, motion and gravity in words."""
+    """The conditions of a case as a sheet states them: mechanism, motion and gravity in words."""
     linkage, motion = case.mechanism.linkage, case.motion
     name = f"{linkage.name} ({linkage.variant})"
     if case.conditions:
@@ -143,14 +146,14 @@ def sheet(case: Case, chosen: Array | None = None, *, every_peak: bool = False) 
     """
     case.check_motion()
     curves = Curves(case)
-    tabled = [name for name in _besides_parts(curves) if not name.endswith((":x", ":y"))]
-    return _sheet(curves, curves.names if every_peak else tabled, chosen)
+    tabled = [name for name in _signals_besides_bodies(curves) if not name.endswith((":x", ":y"))]
+    return _build_sheet(curves, curves.names if every_peak else tabled, chosen)
 
 
-def _sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) -> Sheet:
-    """The sheet with the peaks of these signals."""
+def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) -> Sheet:
+    """The sheet of curves, with the peaks of the signals ``names``."""
     peaks = curves.peaks(names)
-    figures = tables(curves, peaks)
+    figures = figure_tables(curves, peaks)
     return Sheet(
         linkage=curves.linkage,
         facts={},
@@ -160,19 +163,19 @@ def _sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) ->
         values=curves.table(curves.on_grid),
         peaks=peaks,
         figures=figures,
-        remarks=tuple(_remarks(curves, any(figure.value is None for figure in figures["forces"]))),
-        chosen=None if chosen is None else curves.table(curves.at(chosen)),
-        positions=over_motion(curves),
+        remarks=tuple(_write_remarks(curves, any(figure.value is None for figure in figures["forces"]))),
+        chosen=None if chosen is None else curves.table(curves.truth_at(chosen)),
+        positions=positions_over_motion(curves),
         motion=curves.case.motion if isinstance(curves.case.motion, CrankMotion) else None,
     )
 
 
-def _besides_parts(curves: Curves) -> list[str]:
+def _signals_besides_bodies(curves: Curves) -> list[str]:
     """Signals without those of points and links, which follow from the positions."""
     return [name for name in curves.names if not name.startswith(("point:", "link:"))]
 
 
-def _remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
+def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
     """Signs, zeros and gravity; what the file does not give and so has no row."""
     linkage, mechanism = curves.linkage, curves.case.mechanism
     if "Mkr" in curves.names:
@@ -209,7 +212,7 @@ def usual_sheet(linkage: Linkage, prescribed: Sequence[CrankMotion] = (), regime
 
 def bare_sheet(linkage: Linkage, reason: str) -> Sheet:
     """The sheet of a linkage of which nothing can be derived, with the reason."""
-    return Sheet(linkage, described(linkage), missing={"values": reason})
+    return Sheet(linkage, file_facts(linkage), missing={"values": reason})
 
 
 def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
@@ -221,45 +224,47 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     case.check_motion()
     curves, mechanism, linkage = Curves(case), case.mechanism, case.mechanism.linkage
     missing: dict[str, str] = {}
-    names = _besides_parts(curves)
-    whole, part = _sheet(curves, names), partial(_part, missing)
-    values = _thinned(curves, names, [whole.peaks[name].time or 0.0 for name in names])
+    names = _signals_besides_bodies(curves)
+    whole, part = _build_sheet(curves, names), partial(_try_part, missing)
+    values = _thin_signals(curves, names, [whole.peaks[name].time or 0.0 for name in names])
     chosen = {name: regime for name, regime in linkage.released.items() if name in regimes}
     tried = {
-        name: part(f"released.{name}", partial(own_motion, mechanism, regime), None) for name, regime in chosen.items()
+        name: part(f"released.{name}", partial(motion_of_file_regime, mechanism, regime), None)
+        for name, regime in chosen.items()
     }
     motions = {name: motion for name, motion in tried.items() if motion is not None}
     releases = {
-        n: part(f"released.{n}", partial(released, mechanism, chosen[n], motion), None) for n, motion in motions.items()
+        n: part(f"released.{n}", partial(describe_release, mechanism, chosen[n], motion), None)
+        for n, motion in motions.items()
     }
     return replace(
         whole,
         units={name: whole.units[name] for name in names},
         values=values,
-        facts=part("facts", lambda: portrait(linkage), described(linkage)),
+        facts=part("facts", lambda: portrait(linkage), file_facts(linkage)),
         shares=inertia_shares(mechanism, values["phi"]),
         normalised=part("normalised", lambda: unit_function_curves(case), None),
         thread=part("thread", lambda: thread_sheet(mechanism, FEW - 1), None),
-        published=part("published", lambda: _published(linkage), ()),
+        published=part("published", lambda: _published_records(linkage), ()),
         released={name: motion for name, motion in releases.items() if motion is not None},
-        printed=part("printed", lambda: printed(linkage, motions), {}),
+        printed=part("printed", lambda: errata_motions(linkage, motions), {}),
         missing=missing,
     )
 
 
-def _thinned(curves: Curves, names: Sequence[str], peaks: Sequence[float]) -> dict[str, Array]:
+def _thin_signals(curves: Curves, names: Sequence[str], peaks: Sequence[float]) -> dict[str, Array]:
     """Signals over the axis, at as many instants as they need, those of their peaks among them."""
-    truth = curves.at(np.union1d(curves.grid, peaks))
+    truth = curves.truth_at(np.union1d(curves.grid, peaks))
     groups = curves.table(truth, names)
     most = min(MOST, MOST_NUMBERS // len(groups))
-    few = needed(truth.time, np.array(list(groups.values())), min(FEW, most), most)
+    few = choose_samples(truth.time, np.array(list(groups.values())), min(FEW, most), most)
     places = np.union1d(few, np.searchsorted(truth.time, peaks))
     if curves.instants.axis == "phi" and groups["phi"][-1] < groups["phi"][0]:
         places = places[::-1]
     return {name: values[places] for name, values in groups.items()}
 
 
-def _published(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
+def _published_records(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
     """The printed figures in every variant of the file."""
     if not linkage.published:
         return ()
@@ -267,10 +272,10 @@ def _published(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
     return tuple(vars(record) for record in compare_published(readings))
 
 
-def _part(missing: dict[str, str], name: str, make: Callable[[], T], instead: T) -> T:
-    """A part of a sheet; of one that cannot be derived why, and what stands in its place."""
+def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallback: T) -> T:
+    """A part of a sheet, or ``fallback`` where it cannot be derived: the reason is then noted in ``missing``."""
     try:
         return make()
     except LinkproofError as error:
         missing[name] = str(error)
-        return instead
+        return fallback

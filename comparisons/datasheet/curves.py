@@ -16,7 +16,7 @@ from analytic.description.linkage import Linkage
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
 from analytic.written import finite
-from comparisons.datasheet.instants import Instants, with_near_toggles
+from comparisons.datasheet.instants import Instants, refine_near_toggles
 from comparisons.reference.case import Case, Truth
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ class Curves:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Every name, the time first, a magnitude after the components of its vector."""
+        """Names of all signals, the time first, a magnitude after the components of its vector."""
         return (TIME, *signals.names_with_magnitudes(self.case.mechanism))
 
     def unit(self, name: str) -> str:
@@ -79,32 +79,32 @@ class Curves:
     @cached_property
     def grid(self) -> Array:
         """Instants over the whole motion, s, closer to each other near dead positions."""
-        return with_near_toggles(self.case, self.instants.grid)
+        return refine_near_toggles(self.case, self.instants.grid)
 
     @cached_property
     def on_grid(self) -> Truth:
         """The closed form over the whole motion."""
-        return self.at(self.grid)
+        return self.truth_at(self.grid)
 
-    def at(self, time: Array) -> Truth:
-        """The closed form at instants (n,), s."""
+    def truth_at(self, time: Array) -> Truth:
+        """The closed form of the case at instants (n,), s."""
         return Truth(self.case.mechanism, self.case.motion, time)
 
     def values(self, names: Iterable[str], time: float) -> tuple[float, ...]:
-        """Signals at one instant, s."""
-        truth = self.at(np.array([time]))
-        return tuple(float(self.of(truth, name)[0]) for name in names)
+        """Values, SI, of the signals ``names`` at one instant, s."""
+        truth = self.truth_at(np.array([time]))
+        return tuple(float(self.signal_values(truth, name)[0]) for name in names)
 
-    def of(self, truth: Truth, name: str) -> Array:
-        """A signal of the closed form at some instants."""
+    def signal_values(self, truth: Truth, name: str) -> Array:
+        """A signal (n,), SI, of the closed form at n instants; a link's angle on its branch of the motion."""
         if name == TIME:
             return truth.time
         values = signals.signal(truth, name)
         return self._unwrapped(name, truth, values) if signals.is_angle(name) and name != "phi" else values
 
     def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
-        """Signals of the closed form at some instants by name, all by default."""
-        return {name: self.of(truth, name) for name in names or self.names}
+        """Signals (n,), SI, of the closed form at n instants by name, all by default."""
+        return {name: self.signal_values(truth, name) for name in names or self.names}
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
         """The angle of a link on the branch that it has along the whole motion, whatever the order of the instants."""
@@ -118,16 +118,17 @@ class Curves:
         return SignalFigure(what, name, finite(value), unit, on, time, phi)
 
     def peaks(self, names: Iterable[str]) -> dict[str, SignalFigure]:
-        """Of each signal the value of the largest magnitude; of a transmission angle the least."""
+        """The peak of each signal, between instants too: the largest magnitude, of a transmission angle the least."""
         places = self.places({name: self._severity(name) for name in names})
-        truth = self.at(np.array([*places.values()]))
-        values = [float(self.of(truth, name)[row]) for row, name in enumerate(places)]
+        truth = self.truth_at(np.array([*places.values()]))
+        values = [float(self.signal_values(truth, name)[row]) for row, name in enumerate(places)]
         return {n: self.figure("peak", n, value, places[n]) for n, value in zip(places, values, strict=True)}
 
     def _severity(self, name: str) -> Measure:
+        """The measure that is highest at a signal's peak."""
         if name.startswith(TRANSMISSION):
-            return lambda at: -self.of(at, name)
-        return lambda at: np.abs(self.of(at, name))
+            return lambda at: -self.signal_values(at, name)
+        return lambda at: np.abs(self.signal_values(at, name))
 
     def places(self, measures: Mapping[Key, Measure]) -> dict[Key, float]:
         """The instant, s, at which each measure of the closed form is highest, refined beyond the grid."""
@@ -136,7 +137,7 @@ class Curves:
             chosen = [measures[key] for key in keys]
 
             def curves(time: Array, chosen: Iterable[Measure] = chosen) -> Array:
-                truth = self.at(time)
+                truth = self.truth_at(time)
                 return np.stack([measure(truth) for measure in chosen])
 
             sampled = np.stack([measure(self.on_grid) for measure in chosen])
@@ -149,7 +150,7 @@ class Curves:
         jumps = [jump for jump in self.case.motion.jumps if 0.0 < jump < self.grid[-1]]
 
         def integrands(_: object, time: Array) -> Array:
-            truth = self.at(time.ravel())
+            truth = self.truth_at(time.ravel())
             return np.stack([measure(truth).reshape(time.shape) for measure in measures])
 
         edges = np.unique(np.concatenate([self.grid[::CELL], jumps, self.grid[-1:]]))

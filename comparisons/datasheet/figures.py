@@ -42,21 +42,27 @@ LOAD: Final = ("Mkr", "omega", "Peq")  # of the drive, side by side
 Peaks = Mapping[str, SignalFigure]  # of every signal
 
 
-def tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure, ...]]:
+def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure, ...]]:
     """The key figures of curves, table by table."""
     groups = {name: name.removeprefix(TRANSMISSION) for name in curves.names if name.startswith(TRANSMISSION)}
     pivot = curves.case.mechanism.structure.pivot
     moment = {"shaking_moment": f"about {pivot.point if isinstance(pivot, Revolute) else 'the origin'}"}
-    rows = (drive(curves, peaks), forces(curves, peaks), _of(peaks, moment), _of(peaks, groups), output(curves, peaks))
+    rows = (
+        drive_figures(curves, peaks),
+        force_figures(curves, peaks),
+        _named_peaks(peaks, moment),
+        _named_peaks(peaks, groups),
+        output_figures(curves, peaks),
+    )
     return {name: tuple(table) for name, table in zip(TABLES, rows, strict=True)}
 
 
-def _of(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFigure]:
-    """Peaks of signals, each by what it is."""
+def _named_peaks(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFigure]:
+    """The peaks of the signals that have one, each with the name that a table gives it."""
     return (replace(peaks[name], what=what) for name, what in signals.items() if name in peaks)
 
 
-def drive(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
+def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     """Figures to choose a motor by: peaks of torque, power and speed, RMS and means; nothing for a massless linkage.
 
     Beside each peak stand the others at its instant. The RMS has no sign, the means have theirs.
@@ -70,7 +76,7 @@ def drive(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     force = "force" if curves.linkage.is_linear else "torque"
     places = curves.places(DRIVE)
     if not curves.instants.is_steady:
-        places["peak speed"] = _fastest(curves)
+        places["peak speed"] = _peak_speed_time(curves)
     points = {what: curves.values(LOAD, time) for what, time in places.items()}
     least = NEGLIGIBLE * max(abs(power) for *_, power in points.values())
     for what, point in points.items():
@@ -84,19 +90,19 @@ def drive(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     yield from load(MEAN, [mean if abs(mean) > size else 0.0 for mean, size in zip(means, sizes, strict=True)])
 
 
-def forces(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
+def force_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     """Largest force of every joint, and of the linkage on its frame, each with its direction."""
     joints = {f"joint_force:{joint}": (joint, link) for joint, link in _loaded_links(curves).items()}
     every = {**joints, "shaking_force": (SHAKING, "ground")}
     vectors = {vector: words for vector, words in every.items() if vector + MAGNITUDE in peaks}
-    truth = curves.at(np.array([peaks[vector + MAGNITUDE].time for vector in vectors]))
+    truth = curves.truth_at(np.array([peaks[vector + MAGNITUDE].time for vector in vectors]))
     for row, (vector, (what, link)) in enumerate(vectors.items()):
         peak = replace(peaks[vector + MAGNITUDE], what=what, on=link)
-        x, y = (float(curves.of(truth, f"{vector}:{component}")[row]) for component in "xy")
+        x, y = (float(curves.signal_values(truth, f"{vector}:{component}")[row]) for component in "xy")
         yield from (peak, curves.figure(what, vector + DIRECTION, math.atan2(y + 0.0, x + 0.0), peak.time, link))
 
 
-def output(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
+def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     """The output's stroke, the ends of its travel, and its largest speed and acceleration."""
     if "S" not in peaks:
         return
@@ -104,10 +110,10 @@ def output(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     ends = {what: curves.values(("S",), time)[0] for what, time in places.items()}
     yield curves.figure("stroke", "S", ends["largest S"] - ends["least S"])
     yield from (curves.figure(what, "S", value, places[what]) for what, value in ends.items())
-    yield from _of(peaks, {"v": "peak v", "a": "peak a"})
+    yield from _named_peaks(peaks, {"v": "peak v", "a": "peak a"})
 
 
-def _fastest(curves: Curves) -> float:
+def _peak_speed_time(curves: Curves) -> float:
     """Time of the largest speed, s; of a constant largest speed, the time of the largest torque during it."""
     place = curves.places({"speed": lambda at: np.abs(at.speed)})["speed"]
     fastest = abs(curves.values(("omega",), place)[0]) * (1.0 - SAME_SPEED)
@@ -118,7 +124,7 @@ def _fastest(curves: Curves) -> float:
 
 
 def _loaded_links(curves: Curves) -> dict[str, str]:
-    """Of every joint the link on which its force acts."""
+    """By joint the link on which its force acts."""
     linkage, sweep = curves.linkage, curves.case.start()
     pins = {joint: link for pin in linkage.pins for joint, link in pin.joints.items()}
     sliders = {slider.name: slider.link for slider in linkage.sliders}
@@ -141,6 +147,7 @@ MechanismFigure = Callable[[Mechanism], float]
 
 
 def _resting_angle(mechanism: Mechanism) -> float:
+    """Crank angle, rad, of the stable rest with the least potential energy; raises LinkproofError without one."""
     stable = [rest.angle for rest in equilibria(mechanism) if rest.stable]
     if not stable:
         raise LinkproofError(f"'{mechanism.linkage.name}' has no stable equilibrium: its loads balance at no angle")
@@ -148,12 +155,14 @@ def _resting_angle(mechanism: Mechanism) -> float:
 
 
 def _time_ratio(mechanism: Mechanism) -> float:
+    """Crank angle of the output's slower stroke over that of its faster one."""
     stroke = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
     strokes = sorted((stroke, FULL_TURN - stroke))
     return strokes[1] / strokes[0]
 
 
-def _limit(mechanism: Mechanism, end: int) -> float:
+def _range_limit(mechanism: Mechanism, end: int) -> float:
+    """The lower (0) or upper (1) end of the crank's range, rad; raises LinkproofError for a crank that turns fully."""
     reach = mechanism.crank_range()
     if reach.is_full_turn:
         raise LinkproofError(f"'{mechanism.linkage.name}': its crank turns fully, so its range has no limits")
@@ -165,28 +174,32 @@ def _pulsation(mechanism: Mechanism) -> float:
 
 
 # Each with its SI unit.
-OF_A_MECHANISM: Final[Mapping[str, tuple[str, MechanismFigure]]] = {
+MECHANISM_FIGURES: Final[Mapping[str, tuple[str, MechanismFigure]]] = {
     "Jeq.pulsation": ("", _pulsation),
     "equilibrium": ("rad", _resting_angle),
     "top_dead_centre": ("rad", lambda mechanism: top_dead_centre(mechanism).angle),
     "time_ratio": ("", _time_ratio),
-    "range.low": ("rad", lambda mechanism: _limit(mechanism, 0)),
-    "range.high": ("rad", lambda mechanism: _limit(mechanism, 1)),
+    "range.low": ("rad", lambda mechanism: _range_limit(mechanism, 0)),
+    "range.high": ("rad", lambda mechanism: _range_limit(mechanism, 1)),
     "S.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[0]),
     "v.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[1]),
     "a.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[2]),
 }
 
 
-def named(mechanism: Mechanism, name: str) -> Mapping[str, Figure | MechanismFigure]:
-    """The figures that a name stands for, by the name of each; raises LinkproofError for an unknown figure."""
-    return {name: OF_A_MECHANISM[name][1]} if name in OF_A_MECHANISM else figures_named(mechanism, name, in_time=True)
+def figures_by_name(mechanism: Mechanism, name: str) -> Mapping[str, Figure | MechanismFigure]:
+    """The figures of a case that a typed name stands for, by name; raises LinkproofError for an unknown one."""
+    return (
+        {name: MECHANISM_FIGURES[name][1]}
+        if name in MECHANISM_FIGURES
+        else figures_named(mechanism, name, in_time=True)
+    )
 
 
 def figure_unit(name: str, linkage: Linkage) -> str:
     """SI unit of a figure of the linkage."""
-    if name in OF_A_MECHANISM:
-        return OF_A_MECHANISM[name][0]
+    if name in MECHANISM_FIGURES:
+        return MECHANISM_FIGURES[name][0]
     return unit("S" if name == STROKE else name.rpartition("@")[0] or name.rpartition(".")[0], linkage)
 
 
@@ -199,13 +212,13 @@ def case_figures(curves: Curves, figures: Mapping[str, Figure | MechanismFigure]
     values = {name: entry(curves.case.mechanism) for name, entry in figures.items() if not isinstance(entry, Figure)}
 
     def height(end: SignalExtreme) -> Measure:
-        return lambda at: end.height(curves.of(at, end.signal))
+        return lambda at: end.height(curves.signal_values(at, end.signal))
 
     places = curves.places({end: height(end) for quantity in of_signals.values() for end in quantity.extremes})
-    at_places = curves.at(np.array([*places.values()]))
-    ends = {end: curves.of(at_places, end.signal)[row] for row, end in enumerate(places)}
+    at_places = curves.truth_at(np.array([*places.values()]))
+    ends = {end: curves.signal_values(at_places, end.signal)[row] for row, end in enumerate(places)}
     means = {
-        quantity: lambda at, entry=quantity: entry.integrand(curves.of(at, entry.signal))
+        quantity: lambda at, entry=quantity: entry.integrand(curves.signal_values(at, entry.signal))
         for quantity in of_signals.values()
         if quantity.is_mean
     }
@@ -216,12 +229,12 @@ def case_figures(curves: Curves, figures: Mapping[str, Figure | MechanismFigure]
         elif figure.is_mean:
             values[name] = float(figure.of_mean(np.array(averages[figure])))
         else:
-            values[name] = float(curves.of(curves.at(_instant(curves, figure)), figure.signal)[0])
+            values[name] = float(curves.signal_values(curves.truth_at(_figure_time(curves, figure)), figure.signal)[0])
     return values
 
 
-def _instant(curves: Curves, figure: Figure) -> Array:
+def _figure_time(curves: Curves, figure: Figure) -> Array:
     """The instant (1,), s, of a figure at a place or a time; raises LinkproofError where the motion has none."""
     if math.isnan(figure.time):
-        return curves.instants.at_angles(np.array([figure.angle]), "", 1.0)
-    return curves.instants.at_times(np.array([figure.time]))
+        return curves.instants.times_of_angles(np.array([figure.angle]), "", 1.0)
+    return curves.instants.checked_times(np.array([figure.time]))

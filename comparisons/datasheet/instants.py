@@ -24,7 +24,10 @@ STEP: Final = math.radians(0.5)  # of the crank, between two instants
 LINEAR_STEPS: Final = 720  # over the travel of a drive along a line
 FEWEST, MOST = 180, 20_000  # intervals of the whole motion
 FEWEST_OF_PIECE: Final = 24
-LOOKS, FEWEST_LOOKS = 1801, 65  # instants at which the way of the crank is measured: of a motion, and of a piece of it
+MOTION_SAMPLES, FEWEST_PIECE_SAMPLES = (
+    1801,
+    65,
+)  # instants at which the way of the crank is measured: of a motion, and of a piece of it
 ROUNDING: Final = 1e-12  # of a turn, or of the motion's length: what is nearer than this to an instant is there
 # Between two instants the sine of a transmission angle changes by no more than this share of itself: the forces go as
 # its inverse. Next to such a change, too, for its least value may lie between two that are equal.
@@ -74,8 +77,8 @@ class Instants:
         return sorted({0.0, self.motion.duration, *jumps, *(segment.start for segment in segments)})
 
     def _intervals(self, edges: list[float]) -> list[int]:
-        """Of each piece as many as the way of the crank in it has steps; of all neither too few nor too many."""
-        looks = max(LOOKS // len(edges), FEWEST_LOOKS)
+        """Number of intervals of each piece of the motion, by the crank's way in it; in all not too few or too many."""
+        looks = max(MOTION_SAMPLES // len(edges), FEWEST_PIECE_SAMPLES)
         angles = [self.motion.angle(np.linspace(start, end, looks)) for start, end in pairwise(edges)]
         step = STEP if self.turns else float(np.ptp(np.concatenate(angles))) / LINEAR_STEPS or 1.0
         ways = [float(np.sum(np.abs(np.diff(angle)))) / step for angle in angles]
@@ -84,8 +87,8 @@ class Instants:
         scale = max(1.0, FEWEST / total) * min(1.0, MOST / total)
         return [max(math.ceil(count * scale * (1.0 - ROUNDING)), 2) for count in counts]
 
-    def at_times(self, times: Array) -> Array:
-        """These instants; raises LinkproofError for one that the motion does not have."""
+    def checked_times(self, times: Array) -> Array:
+        """Instants (n,), s, that a user asks for; raises LinkproofError for one that the motion does not have."""
         duration = self.motion.duration
         for time in times:
             if not -ROUNDING * duration <= time <= duration * (1.0 + ROUNDING):
@@ -94,22 +97,22 @@ class Instants:
                 )
         return np.clip(times, 0.0, duration)
 
-    def at_angles(self, angles: Array, unit: str, size: float) -> Array:
+    def times_of_angles(self, angles: Array, unit: str, size: float) -> Array:
         """The instants at which the crank first passes these angles, in ``unit`` of ``size``.
 
         Raises LinkproofError for an angle that it does not pass.
         """
-        return np.array([self._passing(float(angle), unit, size) for angle in angles])
+        return np.array([self._first_passing(float(angle), unit, size) for angle in angles])
 
-    def _passing(self, angle: float, unit: str, size: float) -> float:
+    def _first_passing(self, angle: float, unit: str, size: float) -> float:
         """The first instant at which the crank is at an angle, whole turns aside."""
         time, target = self.grid, angle * size
-        away = self._away(time, target)
+        away = self._periods_from(time, target)
         hits = np.flatnonzero(np.abs(away - np.round(away)) <= ROUNDING)
         passed = np.flatnonzero(np.floor(away[1:]) != np.floor(away[:-1]))
         low, high = (float(end(self.motion.angle(time))) for end in (np.min, np.max))
-        beyond = not self.turns and not low - self._slack <= target <= high + self._slack
-        if beyond or not (len(hits) or len(passed)):
+        is_outside = not self.turns and not low - self._slack <= target <= high + self._slack
+        if is_outside or not (len(hits) or len(passed)):
             turns = " and whole turns more or less" if self.turns else ""
             raise LinkproofError(
                 f"--at: expected what the motion passes, from {low / size:.6g}{unit} to {high / size:.6g}{unit}{turns}"
@@ -117,7 +120,7 @@ class Instants:
             )
         first = float(time[hits[0]]) if len(hits) else math.inf
         if len(passed) and time[passed[0]] < first:
-            return self._between(target, float(time[passed[0]]), float(time[passed[0] + 1]))
+            return self._bisect_passing(target, float(time[passed[0]]), float(time[passed[0] + 1]))
         return first
 
     @property
@@ -129,34 +132,34 @@ class Instants:
         """A turn; of a travel, which has none, more than it can be away from any place on its way."""
         return FULL_TURN if self.turns else 4.0 * (float(np.ptp(self.motion.angle(self.grid))) or 1.0)
 
-    def _away(self, time: Array, target: float) -> Array:
+    def _periods_from(self, time: Array, target: float) -> Array:
         """How far the crank is from an angle, in periods."""
         return np.asarray((self.motion.angle(time) - target) / self._period)
 
-    def _between(self, target: float, low: float, high: float) -> float:
+    def _bisect_passing(self, target: float, low: float, high: float) -> float:
         """The instant between two neighbours of the grid at which the crank is at an angle: by bisection."""
-        start = math.floor(float(self._away(np.array([low]), target)[0]))
+        start = math.floor(float(self._periods_from(np.array([low]), target)[0]))
         while True:
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 return high
-            same = math.floor(float(self._away(np.array([middle]), target)[0])) == start
+            same = math.floor(float(self._periods_from(np.array([middle]), target)[0])) == start
             low, high = (middle, high) if same else (low, middle)
 
 
-def with_near_toggles(case: Case, grid: Array) -> Array:
-    """The instants, s, with as many between them as the groups' transmission angles ask for."""
+def refine_near_toggles(case: Case, grid: Array) -> Array:
+    """A grid of instants, s, with more of them where a transmission angle changes fast: near toggles forces grow."""
     added = grid
     for _ in range(HALVINGS):
-        halves = _halved(case, added)
+        halves = _missing_middles(case, added)
         if not len(halves) or len(added) + len(halves) > len(grid) + MOST_ADDED:
             break
         added = np.union1d(added, halves)
     return added
 
 
-def _halved(case: Case, time: Array) -> Array:
-    """The middles of those steps in which, or next to which, a sine changes by too much."""
+def _missing_middles(case: Case, time: Array) -> Array:
+    """Middles, s, of the steps of a grid in which, or next to which, a transmission angle's sine changes too much."""
     sweep = case.mechanism.sweep(case.motion.angle(time))
     coarse = np.zeros(len(time) - 1, dtype=bool)
     for dyad in case.mechanism.structure.dyads:
@@ -169,12 +172,12 @@ def _halved(case: Case, time: Array) -> Array:
 
 # Which samples show long curves.
 
-MISSED: Final = 1e-3  # of a signal's largest magnitude, by which a straight line between two instants may miss it
+MOST_MISSED: Final = 1e-3  # of a signal's largest magnitude, by which a straight line between two instants may miss it
 ROUNDS: Final = 6
 
 
-def needed(axis: Array, curves: Array, few: int, most: int) -> NDArray[np.intp]:
-    """Which of the instants ``axis`` (n,) curves (k, n) need, so that straight lines between them show all they do.
+def choose_samples(axis: Array, curves: Array, few: int, most: int) -> NDArray[np.intp]:
+    """Indices of the samples at which curves (k, n) over ``axis`` (n,) need for lines to show everything.
 
     ``few`` are evenly spaced; of the others, up to ``most`` in all, those that the lines miss by most.
     """
@@ -186,7 +189,7 @@ def needed(axis: Array, curves: Array, few: int, most: int) -> NDArray[np.intp]:
         lines = np.array([np.interp(axis, axis[places], curve[places]) for curve in shown])
         missed = np.max(np.abs(lines - shown), axis=0)
         worst = np.array([low + int(np.argmax(missed[low : high + 1])) for low, high in pairwise(places)])
-        worst = worst[missed[worst] > MISSED]
+        worst = worst[missed[worst] > MOST_MISSED]
         worst = worst[np.argsort(-missed[worst])][: most - len(places)]
         if not len(worst):
             break
@@ -194,16 +197,16 @@ def needed(axis: Array, curves: Array, few: int, most: int) -> NDArray[np.intp]:
     return places
 
 
-def extremes(values: Array, stretches: int) -> NDArray[np.intp]:
-    """Indices of the lowest and the highest sample of every stretch, and of both ends; all where there are few."""
+def extreme_samples(values: Array, stretches: int) -> NDArray[np.intp]:
+    """Indices of the samples that show a long curve: extremes of every stretch and both ends; all if it is short."""
     if len(values) <= 2 * stretches:
         return np.arange(len(values))
     ends = np.array([0, len(values) - 1])
-    return np.unique(np.concatenate([ends, highest(values, stretches), highest(-values, stretches)]))
+    return np.unique(np.concatenate([ends, highest_samples(values, stretches), highest_samples(-values, stretches)]))
 
 
-def highest(values: Array, stretches: int) -> NDArray[np.intp]:
-    """Index of the highest sample of every stretch, all equally long but the last."""
+def highest_samples(values: Array, stretches: int) -> NDArray[np.intp]:
+    """Index of the highest sample of each of a curve's stretches, which are equally long but for the last."""
     size = -(-len(values) // stretches) or 1
     starts = np.arange(0, len(values), size)
     padded = np.full(len(starts) * size, -np.inf)

@@ -22,14 +22,16 @@ from comparisons.datasheet.linkage_warnings import warnings
 Array = NDArray[np.float64]
 Facts = dict[str, Any]
 
-POINTS: Final = 721
+RANGE_SAMPLES: Final = 721
 BINDS: Final = float(np.radians(40.0))  # transmission angle below which four-bars and slider-cranks bind easily (Alt)
 INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
-TOGETHER: Final = 32  # dyads whose angles are closed in on together: each look solves the whole linkage before them
+DYADS_AT_ONCE: Final = (
+    32  # dyads whose least angles are sought together: each look solves the whole linkage before them
+)
 
 
 def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
-    """All that is right, and the fault that ended it, if there is one."""
+    """The facts of the review of a linkage, and the fault that ended it; None without a fault."""
     facts: Facts = {"mechanism": linkage.name, "title": linkage.title, "variant": linkage.variant}
     try:
         for step in _steps(linkage):
@@ -42,21 +44,25 @@ def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
 
 def _steps(linkage: Linkage) -> Iterator[Facts]:
     """The facts that each step adds; raises LinkproofError at the first fault."""
-    yield {"loads": _loads(linkage), "warnings": list(warnings(linkage)), "loose_points": list(loose_points(linkage))}
+    yield {
+        "loads": _load_facts(linkage),
+        "warnings": list(warnings(linkage)),
+        "loose_points": list(loose_points(linkage)),
+    }
     count = mobility(linkage)
     yield {"mobility": {"degrees": count.degrees, "formula": count.formula}}
     structure = find_structure(linkage)
     yield {"structure": structure.formula, "four_bar": grashof(linkage, structure)}
     mechanism = Mechanism(linkage)
-    yield {"sketch": _sketch(mechanism)}
+    yield {"sketch": _sketch_facts(mechanism)}
     reach = mechanism.crank_range()
     yield {"range": range_facts(mechanism, reach)}
-    yield {"transmission": _transmission(mechanism, reach)}
+    yield {"transmission": _transmission_facts(mechanism, reach)}
     if reach.is_full_turn and not reach.change_points:
-        yield accuracy(mechanism)
+        yield accuracy_facts(mechanism)
 
 
-def accuracy(mechanism: Mechanism) -> Facts:
+def accuracy_facts(mechanism: Mechanism) -> Facts:
     """How far joints are open over a full turn, m, and how far the closed form can be wrong; None beyond all bounds."""
     bounds = (bound if np.isfinite(bound) else None for bound in mechanism.error_bound())
     return {
@@ -65,7 +71,7 @@ def accuracy(mechanism: Mechanism) -> Facts:
     }
 
 
-def _loads(linkage: Linkage) -> Facts:
+def _load_facts(linkage: Linkage) -> Facts:
     """Which links have mass and inertia, and what acts on them."""
     return {
         "without_mass": [name for name, link in linkage.links.items() if not link.mass],
@@ -78,7 +84,7 @@ def _loads(linkage: Linkage) -> Facts:
     }
 
 
-def _sketch(mechanism: Mechanism) -> Facts:
+def _sketch_facts(mechanism: Mechanism) -> Facts:
     """How far each sketched point is from where it is assembled, m, and how far the linkage extends."""
     linkage, sweep = mechanism.linkage, mechanism.sweep(mechanism.linkage.sketch_angle)
     off = {name: float(np.hypot(*(sweep.point(name) - place))) for name, place in linkage.sketch.items()}
@@ -111,29 +117,29 @@ def range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
     }
 
 
-def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """Of every group the least transmission angle, rad, and where it has it."""
+def _transmission_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
+    """By group the least transmission angle, rad, and where the range has it."""
     low, high = reach.limits
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
-    grid = np.linspace(low + inset, high - inset, POINTS)
+    grid = np.linspace(low + inset, high - inset, RANGE_SAMPLES)
     dyads = mechanism.structure.dyads
     table: Facts = {}
-    for first in range(0, len(dyads), TOGETHER):
-        table |= _of_dyads(mechanism, reach, dyads[first : first + TOGETHER], grid)
+    for first in range(0, len(dyads), DYADS_AT_ONCE):
+        table |= _least_angles(mechanism, reach, dyads[first : first + DYADS_AT_ONCE], grid)
     return table
 
 
-def _of_dyads(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad], grid: Array) -> Facts:
-    """The same of some groups."""
+def _least_angles(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad], grid: Array) -> Facts:
+    """Least transmission angle, its place and the good stretch of each dyad, by its name; ``grid`` spans the range."""
 
     def angles(phi: Array) -> Array:
-        """Of each dyad, (dyads, n)."""
+        """Transmission angles (dyads, n), rad, at values of φ."""
         sweep = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
         return np.stack([transmission_angle(sweep, dyad) for dyad in dyads])
 
     sampled = angles(grid)
     heights, spots = highest(lambda phi: -angles(phi), grid, -sampled)
-    good = [[] for _ in dyads] if reach.is_full_turn else _good(angles, grid, sampled)
+    good = [[] for _ in dyads] if reach.is_full_turn else _good_stretches(angles, grid, sampled)
     place = mechanism.linkage.place if reach.is_full_turn else reach.place
     table: Facts = {}
     for dyad, least, at, ends in zip(dyads, (-heights).tolist(), spots.tolist(), good, strict=True):
@@ -142,8 +148,8 @@ def _of_dyads(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad], gr
     return table
 
 
-def _good(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
-    """Of each dyad the ends of the stretch around its best angle in which it is no less than BINDS; none if nowhere."""
+def _good_stretches(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
+    """By dyad the ends, rad or m, of the stretch around its best place where it does not bind; [] if it always does."""
     brackets = np.zeros((2, 2, len(angles)))  # the last place where it is enough and the first where it is not
     for number, angle in enumerate(angles):
         enough, best = angle >= BINDS, int(np.argmax(angle))

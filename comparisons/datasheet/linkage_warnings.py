@@ -24,38 +24,38 @@ from analytic.numerics.roots import evaluate_assembled
 Load = PointForce | LinkTorque | Spring
 LOADS: Final = ("forces", "torques", "springs")
 
-FAR: Final = 2.0  # of a link's size: how far outside of its points a mass centre may be
+FARTHEST_CENTRE: Final = 2.0  # of a link's size: how far outside of its points a mass centre may be
 # Radius of gyration of a link over its size: of parts of linkages between 0.02 and 2.
 LEAST_GYRATION, LARGEST_GYRATION = 0.005, 5.0
 DENSEST: Final = 1e7  # kg/m³ in a cube of a link's size: crank discs of sewing machines have up to 2e5
 # A link this heavy for its length is a disc, whose radius of gyration is no small share of its length.
 HEAVY, CONCENTRATED = 1e5, 0.1
-GRAVITY: Final = 100.0  # m/s²: what pulls harder is a slip of the unit, which is always m/s²
-GAP: Final = 4.0  # times the usual step of a load's table: a wider one is a part of the turn without values
+LARGEST_GRAVITY: Final = 100.0  # m/s²: what pulls harder is a slip of the unit, which is always m/s²
+WIDEST_STEP: Final = 4.0  # times the usual step of a load's table: a wider one is a part of the turn without values
 MOST_GAP: Final = math.radians(60.0)
 OVERSHOOT: Final = 0.5  # of the range of a load's values: how far its spline may leave it
 SHORTEST, LONGEST = 2e-3, 50.0  # a spring's free length over the linkage's size
 # Of a load beside all else: rpm, crank angles, times as much, what rounding leaves of it.
 SPEED, PLACES, MOST_TIMES, NOISE = 1000.0, 120, 100.0, 1e-9
-SMALLER: Final = {"N/mm": "N/m", "kN": "N", "N*m": "N*mm", "N m": "N*mm"}
+SMALLER_UNITS: Final = {"N/mm": "N/m", "kN": "N", "N*m": "N*mm", "N m": "N*mm"}
 UNIT_SLIPS: Final = {1e6: "kg*mm^2 read as kg*m^2", 1e-6: "kg*m^2 read as kg*mm^2"}
 
 
 def warnings(linkage: Linkage) -> Iterator[str]:
-    """One sentence for each."""
-    yield from _names(linkage)
+    """Sentences about probable slips in a valid linkage: names, masses, loads."""
+    yield from _similar_names(linkage)
     for link in linkage.links.values():
-        yield from _masses(linkage, link)
-    yield from _loads(linkage)
+        yield from _mass_slips(linkage, link)
+    yield from _load_slips(linkage)
 
 
 def check_slips(linkage: Linkage) -> None:
-    """Raise LinkproofError for the first of them."""
+    """Raise LinkproofError for the first warning about a linkage, as ``--strict`` asks."""
     for sentence in warnings(linkage):
         raise LinkproofError(f"--strict: {sentence}; or leave --strict out")
 
 
-def _names(linkage: Linkage) -> Iterator[str]:
+def _similar_names(linkage: Linkage) -> Iterator[str]:
     """Points whose names differ by capitals only, which are not pinned together."""
     spellings: dict[str, set[str]] = defaultdict(set)
     for name in itertools.chain(linkage.ground, *(link.points for link in linkage.links.values())):
@@ -65,7 +65,7 @@ def _names(linkage: Linkage) -> Iterator[str]:
             yield f"points {' and '.join(map(repr, sorted(names)))} are two: a pin needs one spelling"
 
 
-def _masses(linkage: Linkage, link: Link) -> Iterator[str]:
+def _mass_slips(linkage: Linkage, link: Link) -> Iterator[str]:
     """Mass centre, mass and inertia beside the link's size."""
     size = max((math.dist(a, b) for a, b in itertools.combinations(link.points.values(), 2)), default=0.0)
     if not link.mass and any(link.centre) and any(body.mass for body in linkage.links.values()):
@@ -73,7 +73,7 @@ def _masses(linkage: Linkage, link: Link) -> Iterator[str]:
     if not link.mass or not size:
         return
     nearest = min(math.dist(link.centre, place) for place in link.points.values())
-    if nearest > FAR * size:
+    if nearest > FARTHEST_CENTRE * size:
         yield (
             f"mass centre of '{link.name}' is {linkage.written(nearest)} from its nearest point, and the link "
             f"{linkage.written(size)} long: check links.{link.name}.centre"
@@ -87,33 +87,35 @@ def _masses(linkage: Linkage, link: Link) -> Iterator[str]:
         if not LEAST_GYRATION * reach <= gyration <= LARGEST_GYRATION * reach:
             yield (
                 f"inertia of '{link.name}' is that of its mass {linkage.written(gyration)} from the mass centre, and "
-                f"its points are within {linkage.written(reach)}: check the unit of inertia{_slip(gyration / reach)}"
+                f"its points are within {linkage.written(reach)}: check the unit of inertia"
+                f"{_inertia_unit_slip(gyration / reach)}"
             )
 
 
-def _loads(linkage: Linkage) -> Iterator[str]:
+def _load_slips(linkage: Linkage) -> Iterator[str]:
     """Size of gravity, free lengths of springs, tables of loads over the angle."""
     pull = math.hypot(*linkage.gravity)
-    if pull > GRAVITY:
+    if pull > LARGEST_GRAVITY:
         yield f"gravity is {pull:.4g} m/s^2, which is the unit of gravity in every file: check its size"
     if linkage.gravity[1] > 0.0:
         yield "gravity points along +y, which is up in every drawing: write [0, -9.81] unless your y points down"
     for spring in linkage.springs:
         if not spring.has_length:
-            yield f"the {_name(spring)} has no free length: it pulls at every length; add length if it has one"
+            yield f"the {_load_name(spring)} has no free length: it pulls at every length; add length if it has one"
         elif spring.length and not SHORTEST * linkage.extent() < spring.length < LONGEST * linkage.extent():
             yield (
-                f"the {_name(spring)} is {linkage.written(spring.length)} long when free, and the linkage "
+                f"the {_load_name(spring)} is {linkage.written(spring.length)} long when free, and the linkage "
                 f"{linkage.written(linkage.extent())}: check the unit of its length"
             )
     for force in linkage.forces:
-        yield from _table(_name(force), force.force)
+        yield from _table_slips(_load_name(force), force.force)
     for torque in linkage.torques:
-        yield from _table(_name(torque), torque.torque)
-    yield from _sizes(linkage)
+        yield from _table_slips(_load_name(torque), torque.torque)
+    yield from _oversized_loads(linkage)
 
 
-def _name(load: Load) -> str:
+def _load_name(load: Load) -> str:
+    """A load as warnings call it."""
     match load:
         case PointForce():
             return f"force at '{load.point}'"
@@ -122,7 +124,7 @@ def _name(load: Load) -> str:
     return f"spring between {' and '.join(load.points)}"
 
 
-def _sizes(linkage: Linkage) -> Iterator[str]:
+def _oversized_loads(linkage: Linkage) -> Iterator[str]:
     """A load beside which gravity, inertia, damping and the other loads together are nothing."""
     loads: tuple[Load, ...] = (*linkage.forces, *linkage.torques, *linkage.springs)
     if not loads:
@@ -142,24 +144,24 @@ def _sizes(linkage: Linkage) -> Iterator[str]:
         if moved > MOST_TIMES * others > NOISE * moved:
             at = "" if linkage.is_linear else f" at {SPEED:g} rpm"
             yield (
-                f"the {_name(load)} moves the drive {moved / others:.2g} times as much as all else together{at}: check "
-                f"its size{_unit_slip(load, linkage)}"
+                f"the {_load_name(load)} moves the drive {moved / others:.2g} times as much as all else together{at}: "
+                f"check its size{_unit_slip(load, linkage)}"
             )
 
 
 def _unit_slip(load: Load, linkage: Linkage) -> str:
-    """The smaller unit that a load's number may be in."""
+    """Words on the smaller unit that a load's number may be in; "" for none."""
     si = {PointForce: "N", LinkTorque: "N m", Spring: "N/m"}[type(load)]
     unit = file_unit(si, linkage).name
-    return f" ({SMALLER[unit]} read as {unit}?)" if unit in SMALLER else ""
+    return f" ({SMALLER_UNITS[unit]} read as {unit}?)" if unit in SMALLER_UNITS else ""
 
 
-def _table(what: str, law: Law) -> Iterator[str]:
+def _table_slips(what: str, law: Law) -> Iterator[str]:
     """A table that leaves out a part of the turn, and one whose spline goes far beyond its values."""
     if law.angles is None or not law.periodic:
         return
     steps = np.diff(np.append(law.angles, law.angles[0] + FULL_TURN))
-    if np.max(steps) > max(MOST_GAP, GAP * float(np.median(steps))):
+    if np.max(steps) > max(MOST_GAP, WIDEST_STEP * float(np.median(steps))):
         at = int(np.argmax(steps))
         low, high = np.degrees([law.angles[at], law.angles[at] + steps[at]])
         yield (
@@ -175,8 +177,8 @@ def _table(what: str, law: Law) -> Iterator[str]:
         yield f"the {what} goes beyond its values by {times:.2g} times their range between two angles: add values there"
 
 
-def _slip(ratio: float) -> str:
-    """The unit that would bring a radius of gyration into the link."""
+def _inertia_unit_slip(ratio: float) -> str:
+    """Words on the unit that would bring a radius of gyration, over the link's size, into the link; "" for none."""
     for slip, words in UNIT_SLIPS.items():
         if LEAST_GYRATION <= ratio / math.sqrt(slip) <= LARGEST_GYRATION:
             return f" ({words}?)"

@@ -18,8 +18,8 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.thread_feed import contour, eye_travel, feed_diagram
 from analytic.motion.unit_functions import bottom_dead_centre, stroke, top_dead_centre, unit_functions
 from analytic.numerics.refine import Extremes, extremes, periodic_mean
-from comparisons.datasheet.linkage_check import accuracy, range_facts
-from comparisons.datasheet.sheet import Normalised, ThreadSheet
+from comparisons.datasheet.linkage_check import accuracy_facts, range_facts
+from comparisons.datasheet.sheet import ThreadSheet, UnitFunctionCurves
 from comparisons.reference.case import Case
 
 
@@ -31,14 +31,14 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
     mechanism = Mechanism(linkage)
     reach = mechanism.crank_range()
     signs = {dyad.name: dyad.sign for dyad in mechanism.structure.dyads if dyad.sign}
-    facts = described(linkage, structure=mechanism.structure.formula, signs=signs)
+    facts = file_facts(linkage, structure=mechanism.structure.formula, signs=signs)
     if reach.is_full_turn:
-        return facts | _turn(mechanism, facts["links"])
+        return facts | _full_turn_facts(mechanism, facts["links"])
     return facts | {"range": range_facts(mechanism, reach)}
 
 
-def described(linkage: Linkage, **worked_out: object) -> dict[str, Any]:
-    """The data of a linkage's file, and figures computed from them."""
+def file_facts(linkage: Linkage, **worked_out: object) -> dict[str, Any]:
+    """The data of a linkage's file, ready for JSON, with the facts ``worked_out`` from them."""
     return {
         "mechanism": linkage.name,
         "title": linkage.title,
@@ -46,19 +46,19 @@ def described(linkage: Linkage, **worked_out: object) -> dict[str, Any]:
         "variant": linkage.variant,
         "variants": list(linkage.variants),
         **worked_out,
-        "links": {name: _link(linkage, name) for name in linkage.links},
+        "links": {name: _link_facts(linkage, name) for name in linkage.links},
         "notes": list(linkage.notes),
     }
 
 
-def _turn(mechanism: Mechanism, links: dict[str, dict[str, Any]]) -> dict[str, Any]:
+def _full_turn_facts(mechanism: Mechanism, links: dict[str, dict[str, Any]]) -> dict[str, Any]:
     """Figures of a full turn; each link's mean Jeq is added to ``links``."""
     linkage = mechanism.linkage
     for name, link in links.items():
         link["Jeq_mean"] = periodic_mean(reduced.link_inertia(mechanism.turn, name))
-    facts = accuracy(mechanism)
+    facts = accuracy_facts(mechanism)
     if not linkage.is_massless:
-        facts["Jeq"] = _extremes(extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))))
+        facts["Jeq"] = _inertia_extremes(extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))))
     if any(linkage.gravity) or linkage.springs:
         facts["equilibria"] = [
             {"angle": math.degrees(equilibrium.angle), "stable": bool(equilibrium.stable)}
@@ -89,7 +89,7 @@ def thread_facts(mechanism: Mechanism, path: ThreadPath) -> dict[str, Any]:
     }
 
 
-def _extremes(result: Extremes) -> dict[str, float]:
+def _inertia_extremes(result: Extremes) -> dict[str, float]:
     return {
         "mean": result.mean,
         "max": result.maximum,
@@ -100,7 +100,7 @@ def _extremes(result: Extremes) -> dict[str, float]:
     }
 
 
-def _link(linkage: Linkage, name: str) -> dict[str, Any]:
+def _link_facts(linkage: Linkage, name: str) -> dict[str, Any]:
     link = linkage.links[name]
     return {
         "points": {point: list(local) for point, local in link.points.items()},
@@ -114,11 +114,11 @@ def _link(linkage: Linkage, name: str) -> dict[str, Any]:
 
 Array = NDArray[np.float64]
 
-SHOWN: Final = 180  # steps of the normalised motion, which is smooth
+CURVE_STEPS: Final = 180  # steps of the normalised motion, which is smooth
 
 
 def inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, Array]]:
-    """Jeq by group and by link at values of φ (n,), kg m²; nothing where nothing has mass."""
+    """Shares of Jeq, kg m²: by group ("groups") and by link ("links") at φ (n,); {} where nothing has mass."""
     linkage, sweep = mechanism.linkage, mechanism.sweep(angle)
     if linkage.is_massless:
         return {}
@@ -127,28 +127,31 @@ def inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, Ar
     return {"groups": dict(reduced.group_inertia(sweep)), "links": links}
 
 
-def unit_function_curves(case: Case) -> Normalised | None:
-    """Unit functions of the output, if there is one; raises LinkproofError where the driver makes no full turn."""
+def unit_function_curves(case: Case) -> UnitFunctionCurves | None:
+    """S/stroke, v/max|v| and a/max|a| of the output over a turn beside a harmonic drive's; None without an output.
+
+    Raises LinkproofError where the driver makes no full turn.
+    """
     mechanism, linkage, motion = case.mechanism, case.mechanism.linkage, case.motion
     if linkage.output is None:
         return None
     if linkage.is_linear or not mechanism.crank_range().is_full_turn:
         raise LinkproofError(f"The normalised motion needs a full turn, which the {linkage.driver} does not make")
     functions = unit_functions(mechanism, clockwise=float(motion.speed(motion.duration)) < 0.0)
-    every = len(functions.phase) // SHOWN
+    every = len(functions.phase) // CURVE_STEPS
     ours = (functions.displacement, functions.velocity, functions.acceleration)
 
     def named(curves: tuple[Array, ...]) -> dict[str, Array]:
         return {name: np.append(c[::every], c[0]) for name, c in zip("Sva", curves, strict=True)}
 
     phase = np.append(functions.phase[::every], FULL_TURN)
-    return Normalised(
+    return UnitFunctionCurves(
         phase, named(ours), named(functions.harmonics), dict(zip("Sva", functions.deviations, strict=True))
     )
 
 
 def thread_sheet(mechanism: Mechanism, steps: int) -> ThreadSheet | None:
-    """Contour and feed of the thread, if there is one, in so many steps of a turn."""
+    """Contour and feed of the thread in so many steps of a turn; None without a thread."""
     path = mechanism.linkage.thread
     if path is None:
         return None

@@ -20,15 +20,15 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import table
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import OF_A_MECHANISM, case_figures, figure_unit, named
-from comparisons.reference.case import Case, own_case
+from comparisons.datasheet.figures import MECHANISM_FIGURES, case_figures, figure_unit, figures_by_name
+from comparisons.reference.case import Case, case_of_file_regime
 
 # The sources call their own methods in agreement "within 2-6 %": that is the width of a figure that is met.
-CLAIMED: Final = 0.06
+CLAIMED_ACCURACY: Final = 0.06
 MARGIN: Final = math.radians(10.0)  # that a crank turns before a printed angle
-SHARE: Final = 0.5  # of the way from a toggle, where that is less
-OLD: Final = re.compile(r"start_acceleration:.*|.* - .*|.*@\S+s:.*")  # quantities of an older file format
-OF_THE_RUN_UP: Final = ("Mkr.peak", "Peq.peak")  # which needed no regime then
+TOGGLE_SHARE: Final = 0.5  # of the way from a toggle, where that is less
+OLD_QUANTITY: Final = re.compile(r"start_acceleration:.*|.* - .*|.*@\S+s:.*")  # quantities of an older file format
+OLD_RUN_UP_QUANTITIES: Final = ("Mkr.peak", "Peq.peak")  # which needed no regime then
 
 
 @dataclass(frozen=True)
@@ -62,22 +62,22 @@ def all_variants(name: str) -> tuple[Linkage, ...]:
     return (first, *(load(name, variant) for variant in first.variants[1:]))
 
 
-def applying(linkage: Linkage) -> list[Published]:
+def published_figures(linkage: Linkage) -> list[Published]:
     """The printed figures of the linkage's variant."""
     return [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]
 
 
 def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
-    """One mechanism serves all figures of its linkage."""
-    entries = applying(linkage)
+    """The printed figures of one linkage beside ours; one mechanism serves them all."""
+    entries = published_figures(linkage)
     mechanism = Mechanism(linkage) if entries else None
     for entry in entries:
         assert mechanism is not None
-        yield PublishedRecord(**beside(linkage, entry, _value(mechanism, entry)))
+        yield PublishedRecord(**record_fields(linkage, entry, _evaluate(mechanism, entry)))
 
 
-def beside(linkage: Linkage, entry: Published, value: float | None) -> dict[str, Any]:
-    """The fields of ``PublishedRecord`` for a figure of ours, or an engine's, SI."""
+def record_fields(linkage: Linkage, entry: Published, value: float | None) -> dict[str, Any]:
+    """The fields of the ``PublishedRecord`` of a printed figure beside a ``value`` of ours or an engine's, SI."""
     unit, ours = figure_unit(entry.quantity, linkage), value
     quantity = f"{entry.quantity} - {entry.less}" if entry.less else entry.quantity
     if entry.relative_to:
@@ -101,50 +101,50 @@ def beside(linkage: Linkage, entry: Published, value: float | None) -> dict[str,
 
 
 def verdict(entry: Published, ours: float) -> str:
-    """Reproduced to the printed digits, within the 6 % the sources claim of themselves, or not reproduced.
+    """How our value meets a printed one: reproduced to its digits, within the 6 % the sources claim, or not reproduced.
 
     Where the source is known to be less accurate than its digits, its accuracy counts.
     """
     if abs(ours - entry.value) <= max(entry.half_digit * (1.0 + 1e-9), entry.accuracy):
         return "reproduced"
-    return "within 6 %" if abs(ours - entry.value) <= CLAIMED * abs(entry.value) else "not reproduced"
+    return "within 6 %" if abs(ours - entry.value) <= CLAIMED_ACCURACY * abs(entry.value) else "not reproduced"
 
 
-def _value(mechanism: Mechanism, entry: Published) -> float:
+def _evaluate(mechanism: Mechanism, entry: Published) -> float:
     """The figure of the closed form, SI."""
-    ours = figure(mechanism, entry)
+    ours = published_figure(mechanism, entry)
     if entry.less:
-        ours -= _same(mechanism, entry, entry.less)
-    return ours / _same(mechanism, entry, entry.relative_to) if entry.relative_to else ours
+        ours -= _other_figure(mechanism, entry, entry.less)
+    return ours / _other_figure(mechanism, entry, entry.relative_to) if entry.relative_to else ours
 
 
-def _same(mechanism: Mechanism, entry: Published, other: str) -> float:
-    """The same figure of another signal of the linkage, or of another mechanism."""
+def _other_figure(mechanism: Mechanism, entry: Published, other: str) -> float:
+    """A printed figure's value, SI, for the ``other`` signal of the linkage or the other mechanism."""
     if other in table(mechanism):
-        return figure(mechanism, entry.model_copy(update={"quantity": of_signal(entry.quantity, other)}))
+        return published_figure(mechanism, entry.model_copy(update={"quantity": rename_signal(entry.quantity, other)}))
     of, variant = load(other), mechanism.linkage.variant
-    return figure(Mechanism(load(other, variant) if variant in of.variants else of), entry)
+    return published_figure(Mechanism(load(other, variant) if variant in of.variants else of), entry)
 
 
-def of_signal(quantity: str, signal: str) -> str:
-    """The name of the same figure of another signal."""
+def rename_signal(quantity: str, signal: str) -> str:
+    """A figure's name with its signal replaced: Mkr.peak of Peq is Peq.peak."""
     _, mark, rest = quantity.rpartition("@" if "@" in quantity else ".")
     return signal + mark + rest
 
 
-def figure(mechanism: Mechanism, entry: Published) -> float:
-    """The figure of a printed one's ``quantity`` and motion, SI; raises LinkproofError where it has no value."""
+def published_figure(mechanism: Mechanism, entry: Published) -> float:
+    """Our value, SI, of a printed figure's quantity in its motion; raises LinkproofError where there is none."""
     name = entry.quantity
-    if OLD.fullmatch(name) or (name in OF_THE_RUN_UP and entry.regime is None and entry.speed is None):
+    if OLD_QUANTITY.fullmatch(name) or (name in OLD_RUN_UP_QUANTITIES and entry.regime is None and entry.speed is None):
         raise LinkproofError(
             f"published quantity '{name}': expected a figure by its name alone, and its motion beside it; write "
             "epsilon@0s with regime = REGIME for a start, Mkr.peak or Peq.max with regime = 'run-up' for a run-up, and "
             "less = SIGNAL for a difference"
         )
-    if name in OF_A_MECHANISM:
-        return OF_A_MECHANISM[name][1](mechanism)
-    curves = Curves(case_of(mechanism, motion_of(mechanism, entry)))
-    value, *more = case_figures(curves, named(mechanism, name)).values()
+    if name in MECHANISM_FIGURES:
+        return MECHANISM_FIGURES[name][1](mechanism)
+    curves = Curves(case_of_motion(mechanism, motion_of_figure(mechanism, entry)))
+    value, *more = case_figures(curves, figures_by_name(mechanism, name)).values()
     if more:
         raise LinkproofError(f"published quantity: expected one figure, got '{name}', which is several; name one")
     return value
@@ -158,21 +158,21 @@ class PrintedMotion(NamedTuple):
     angle: float | None
 
 
-def motion_of(mechanism: Mechanism, entry: Published) -> PrintedMotion:
+def motion_of_figure(mechanism: Mechanism, entry: Published) -> PrintedMotion:
     """The motion that a figure is printed for."""
-    item, *_ = named(mechanism, entry.quantity).values()
+    item, *_ = figures_by_name(mechanism, entry.quantity).values()
     angle = item.angle if isinstance(item, Figure) and entry.regime is None else math.nan
     speed = 1.0 if entry.speed is None else entry.speed * RPM
     return PrintedMotion(entry.regime, speed, None if math.isnan(angle) else angle)
 
 
 @lru_cache(maxsize=8)
-def case_of(mechanism: Mechanism, printed: PrintedMotion) -> Case:
+def case_of_motion(mechanism: Mechanism, printed: PrintedMotion) -> Case:
     """The case of a motion, the same for all figures that are printed for it."""
     regime, speed, end = printed
     regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
     if regime in regimes:
-        return own_case(mechanism, regimes[regime])
+        return case_of_file_regime(mechanism, regimes[regime])
     if regime is not None:
         if regime not in REGIMES:
             raise UnknownNameError(f"regime of '{mechanism.linkage.name}'", regime, [*regimes, *REGIMES])
@@ -184,7 +184,7 @@ def case_of(mechanism: Mechanism, printed: PrintedMotion) -> Case:
     else:
         way, reach = MARGIN, mechanism.crank_range()
         if not reach.is_full_turn:
-            way = min(way, SHARE * abs(end - reach.limits[0 if speed > 0.0 else 1]))
+            way = min(way, TOGGLE_SHARE * abs(end - reach.limits[0 if speed > 0.0 else 1]))
     motion = crank_motion(
         "constant-speed", speed=abs(speed), clockwise=speed < 0.0, start_angle=end - math.copysign(way, speed),
         ramp_time=0.0, hold_time=way / abs(speed),

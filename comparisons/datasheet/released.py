@@ -18,20 +18,20 @@ from analytic.motion.released import PUBLISHED_STEPS, FreeMotion, energy_imbalan
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.written import finite
-from comparisons.datasheet.instants import extremes
+from comparisons.datasheet.instants import extreme_samples
 from comparisons.datasheet.sheet import Released
-from comparisons.reference.printed_models import printed_motion
+from comparisons.reference.printed_models import erratum_motion
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
 STRETCHES: Final = 70  # of a long curve that is shown by the extremes of each
-EVEN: Final = 121  # instants that are shown besides
+EVEN_SAMPLES: Final = 121  # instants that are shown besides
 PER_TURN, FEWEST, MOST = 60, 2000, 100_000  # instants at which a motion is looked at
-LAST_TURN: Final = 361
+LAST_TURN_SAMPLES: Final = 361
 
 
-def released(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> Released:
+def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> Released:
     """Facts and curves of a regime of the linkage's file in which the crank is released.
 
     The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
@@ -49,17 +49,17 @@ def released(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -
         "damping": periodic_mean(reduced.damping_coefficient(mechanism.sweep(grid()))),
         "error_bound": finite(motion.error_bound),
         "balance": finite(energy_imbalance(motion)),
-        "ending": _speeds(ending),
-        "settled": _speeds(settled),
-        "coarse": _coarse(mechanism, regime, motion),
+        "ending": _rotation_speeds(ending),
+        "settled": _rotation_speeds(settled),
+        "coarse": _integrator_errors(mechanism, regime, motion),
         "end": float(in_turn(float(motion.angle(motion.duration)))),
     }
-    time = _instants(motion)
+    time = _dense_times(motion)
     curves = (time, motion.angle(time), motion.speed(time), motion.acceleration(time))
-    return Released(facts, _thinned(("time", "phi", "omega", "epsilon"), curves), _last_turn(motion, ending))
+    return Released(facts, _thin_curves(("time", "phi", "omega", "epsilon"), curves), _last_turn(motion, ending))
 
 
-def printed(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, dict[str, Array]]:
+def errata_motions(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, dict[str, Array]]:
     """The motions of models as printed, by erratum, of those that ``motions``, by regime, show to be wrong.
 
     Empty for other values than those of the file.
@@ -67,17 +67,19 @@ def printed(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, di
     groups = {}
     errata = linkage.errata if linkage.variant == linkage.variants[0] else ()
     for erratum in (entry for entry in errata if entry.regime in motions):
-        motion, theirs = motions[erratum.regime], printed_motion(linkage, erratum)
-        time = _instants(motion)
+        motion, theirs = motions[erratum.regime], erratum_motion(linkage, erratum)
+        time = _dense_times(motion)
         curves = (time, motion.speed(time), theirs.speed(time))
-        groups[erratum.name] = _thinned(("time", "corrected", "printed"), curves)
+        groups[erratum.name] = _thin_curves(("time", "corrected", "printed"), curves)
     return groups
 
 
-def _thinned(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
+def _thin_curves(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
     """Curves (n,) by name, the first their axis, at the instants that show them: extremes, and others evenly."""
-    even = np.linspace(0, len(curves[0]) - 1, EVEN).astype(int)
-    places = np.unique(np.concatenate([even, *(extremes(np.nan_to_num(curve), STRETCHES) for curve in curves[1:])]))
+    even = np.linspace(0, len(curves[0]) - 1, EVEN_SAMPLES).astype(int)
+    places = np.unique(
+        np.concatenate([even, *(extreme_samples(np.nan_to_num(curve), STRETCHES) for curve in curves[1:])])
+    )
     return {name: curve[places] for name, curve in zip(names, curves, strict=True)}
 
 
@@ -89,31 +91,33 @@ def _attempt(make: Callable[[], T]) -> T | None:
         return None
 
 
-def _speeds(rotation: Rotation | None) -> dict[str, float] | None:
+def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:
     names = ("mean_speed", "mean_speed_over_angle", "fluctuation")
     return None if rotation is None else {name: getattr(rotation, name) for name in names}
 
 
-def _instants(motion: FreeMotion) -> Array:
-    """Instants, s, close enough to see every turn."""
+def _dense_times(motion: FreeMotion) -> Array:
+    """Instants, s, so close that every turn is seen."""
     turns = abs(float(motion.angle(motion.duration)) - motion.start[0]) / FULL_TURN
     return np.linspace(0.0, motion.duration, int(np.clip(PER_TURN * turns, FEWEST, MOST)))
 
 
 def _last_turn(motion: FreeMotion, ending: Rotation | None) -> dict[str, Array]:
-    """Speed and acceleration over the last whole turn, φ ascending within a turn."""
+    """Speed and acceleration over the last whole turn, φ ascending within a turn; {} without one."""
     if ending is None:
         return {}
     start = motion.duration - FULL_TURN / abs(ending.mean_speed)
-    time = np.linspace(start, motion.duration, LAST_TURN)[1:]
+    time = np.linspace(start, motion.duration, LAST_TURN_SAMPLES)[1:]
     angle = motion.angle(time) % FULL_TURN
     order = np.argsort(angle)
     curves = (angle, motion.speed(time), motion.acceleration(time))
     return {name: curve[order] for name, curve in zip(("phi", "omega", "epsilon"), curves, strict=True)}
 
 
-def _coarse(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> dict[str, float | None] | None:
-    """How far the articles' integrator is off; None under a torque that they have not."""
+def _integrator_errors(
+    mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion
+) -> dict[str, float | None] | None:
+    """Largest errors of the articles' integrator, rad and rad/s; None under a torque that no article has."""
     if regime.over_angle is not None or regime.over_time is not None:
         return None
     begins = {"torque": regime.torque, "start_angle": regime.start_angle, "start_speed": regime.start_speed}

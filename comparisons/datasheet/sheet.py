@@ -31,8 +31,8 @@ ROUNDING: Final = 1e-6  # of a turn: what the digits of a saved sheet leave of i
 JOINT: Final = "joint_force:"
 
 
-def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - any value of a file
-    """Numbers in lists, nothing among them for what is not finite."""
+def _read_array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - any value of a file
+    """An array from a file's lists of numbers; null is nan. Raises ValueError for anything else."""
     try:
         values = np.array(value, dtype=float)
     except TypeError as error:
@@ -42,13 +42,13 @@ def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - any value of a 
     return values
 
 
-def _listed(values: NDArray[np.float64]) -> list[Any]:
+def _array_as_lists(values: NDArray[np.float64]) -> list[Any]:
     if values.ndim > 1:
-        return [_listed(row) for row in values]
+        return [_array_as_lists(row) for row in values]
     return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values.tolist()]
 
 
-def _read(words: Any) -> Linkage:  # noqa: ANN401 - any value of a file
+def _read_linkage(words: Any) -> Linkage:  # noqa: ANN401 - any value of a file
     try:
         own = parse(words["text"], words["name"], words["name"], words["variant"])
         return replace(own, gravity=tuple(words["gravity"]))
@@ -56,12 +56,12 @@ def _read(words: Any) -> Linkage:  # noqa: ANN401 - any value of a file
         raise ValueError(f"expected the text of a linkage ({error})") from error
 
 
-def _described(linkage: Linkage) -> dict[str, Any]:
+def _linkage_fields(linkage: Linkage) -> dict[str, Any]:
     return {"name": linkage.name, "variant": linkage.variant, "gravity": linkage.gravity, "text": linkage.text}
 
 
-Array = Annotated[NDArray[np.float64], PlainValidator(_array), PlainSerializer(_listed)]
-ByName = Mapping[str, Array]  # by name
+Array = Annotated[NDArray[np.float64], PlainValidator(_read_array), PlainSerializer(_array_as_lists)]
+ByName = Mapping[str, Array]  # curves or vectors by their names
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class ThreadSheet:
 
 
 @dataclass(frozen=True)
-class Normalised:
+class UnitFunctionCurves:
     """Unit functions of the output over the ``phase`` from top dead centre, rad, both ends of the turn, (n,).
 
     ``harmonics`` are ½(1 − cos), sin and cos, ``means`` the mean absolute differences from them over a turn, as ratios;
@@ -140,7 +140,7 @@ class Sheet:
     ``motion`` is the crank's where it is prescribed.
     """
 
-    linkage: Annotated[Linkage, PlainValidator(_read), PlainSerializer(_described)]
+    linkage: Annotated[Linkage, PlainValidator(_read_linkage), PlainSerializer(_linkage_fields)]
     facts: Mapping[str, Any]
     conditions: str = ""
     axis: Literal["phi", "time"] = "phi"
@@ -153,7 +153,7 @@ class Sheet:
     positions: Positions | None = None
     motion: CrankMotion | None = None
     shares: Mapping[str, ByName] = field(default_factory=dict)
-    normalised: Normalised | None = None
+    normalised: UnitFunctionCurves | None = None
     thread: ThreadSheet | None = None
     published: tuple[Mapping[str, Any], ...] = ()
     released: Mapping[str, Released] = field(default_factory=dict)
@@ -181,28 +181,30 @@ class Sheet:
         return self.values if self.chosen is None else self.chosen
 
     def unit(self, name: str) -> FileUnit:
-        """The file's unit of a signal."""
-        return self.own(self.units[name])
+        """The unit in which the linkage's file has a signal."""
+        return self.file_unit_of(self.units[name])
 
-    def own(self, si: str) -> FileUnit:
-        """The file's unit for an SI unit."""
+    def file_unit_of(self, si: str) -> FileUnit:
+        """The unit that the linkage's file has in place of an SI unit."""
         return file_unit(si, self.linkage)
 
     def unit_of(self, figure: SignalFigure) -> FileUnit:
         """The unit of a key figure: the file's, and rpm of a crank's speed."""
-        return FileUnit("rpm", RPM) if figure.signal == "omega" and not self.is_linear else self.own(figure.unit)
+        return (
+            FileUnit("rpm", RPM) if figure.signal == "omega" and not self.is_linear else self.file_unit_of(figure.unit)
+        )
 
-    def shown(self, figure: SignalFigure) -> float:
-        """A key figure in that unit, not a number where it has no bound."""
+    def shown_value(self, figure: SignalFigure) -> float:
+        """The value of a key figure in its unit, see ``unit_of``; nan where it has no bound."""
         value = np.nan if figure.value is None else figure.value
-        return self.rounded(figure.signal, value) / self.unit_of(figure).size
+        return self.without_rounding(figure.signal, value) / self.unit_of(figure).size
 
-    def rounded(self, name: str, value: float) -> float:
-        """A value of a signal, zero where it is no more than rounding beside the others of its kind and unit."""
+    def without_rounding(self, name: str, value: float) -> float:
+        """A signal's value, SI; 0 where it is no more than rounding beside the signals of its kind and unit."""
         return 0.0 if abs(value) <= NEGLIGIBLE * self.scale(name) else value
 
     def scale(self, name: str) -> float:
-        """The largest magnitude over the motion of all signals of the kind and unit of one; 0 for no signal."""
+        """The largest magnitude of all signals of a signal's kind and unit, SI; 0 without any."""
         return self._scales.get((name.partition(":")[0], self.units.get(name, "")), 0.0)
 
     @cached_property
@@ -214,7 +216,7 @@ class Sheet:
             scales[kind] = max(size, scales.get(kind, 0.0))
         return scales
 
-    def at(self, figure: SignalFigure) -> float | None:
+    def place_of(self, figure: SignalFigure) -> float | None:
         """The place of a key figure on the axis: φ, rad, or the time, s."""
         return figure.time if self.axis == TIME else figure.phi
 
@@ -226,17 +228,18 @@ class Sheet:
         return [name.removeprefix(JOINT).removesuffix(MAGNITUDE) for name in signals]
 
     @cached_property
-    def _way(self) -> float:
+    def _swept_angle(self) -> float:
+        """How far the crank turns over the motion, rad; 0 of a drive along a line."""
         return 0.0 if self.is_linear else float(np.ptp(self.values["phi"]))
 
     @property
     def is_turn(self) -> bool:
         """Whether the axis is the crank angle of one turn, which is shown from 0° to 360°."""
-        return self.axis == "phi" and abs(self._way - FULL_TURN) <= ROUNDING * FULL_TURN
+        return self.axis == "phi" and abs(self._swept_angle - FULL_TURN) <= ROUNDING * FULL_TURN
 
     def angle(self, phi: float) -> float:
         """φ in the file's unit, within a turn where the motion is that long."""
-        is_long = self._way >= FULL_TURN * (1.0 - NEGLIGIBLE)
+        is_long = self._swept_angle >= FULL_TURN * (1.0 - NEGLIGIBLE)
         return float(in_turn(phi) if is_long else phi) / self.unit("phi").size
 
     @property
@@ -251,18 +254,18 @@ class Sheet:
 
     @cached_property
     def _order(self) -> NDArray[np.intp]:
-        """The samples by the axis; of a turn without the last, which is the first again."""
+        """Order (n,) that sorts samples by the axis; of a turn without the last sample, which is the first again."""
         along = self.values[self.axis]
         return np.argsort(along[:-1] % FULL_TURN if self.is_turn else along, kind="stable")
 
-    def along(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Samples (n,) by the axis, ascending."""
+    def sorted_by_axis(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Samples (n,) in the order of the ascending axis, so that a curve runs from left to right."""
         ordered = values[self._order]
         return np.append(ordered, ordered[0]) if self.is_turn else ordered
 
     @cached_property
     def x(self) -> NDArray[np.float64]:
-        """The axis, (n,), in its unit."""
+        """The abscissas (n,) of every curve, ascending, in ``axis_unit``."""
         axis = self.values[self.axis]
         if not self.is_turn:
             return axis[self._order] / self.axis_unit.size
@@ -270,5 +273,5 @@ class Sheet:
         return np.append(ordered, ordered[0] + FULL_TURN) / self.axis_unit.size
 
     def y(self, name: str) -> NDArray[np.float64]:
-        """A signal along the axis, in its unit."""
-        return self.along(self.values[name]) / self.unit(name).size
+        """The ordinates (n,) of a signal's curve, in ``unit``."""
+        return self.sorted_by_axis(self.values[name]) / self.unit(name).size

@@ -25,8 +25,10 @@ from comparisons.designs.parameters import SteadyMotion
 
 Array = NDArray[np.float64]
 
-FEWEST: Final = 360  # crank angles at which signals are sampled
-MOST: Final = 12  # local maxima of one signal with separate windows; beyond these the lowest share a neighbour's window
+FEWEST_ANGLES: Final = 360  # crank angles at which signals are sampled
+MOST_WINDOWS: Final = (
+    12  # local maxima of one signal with separate windows; beyond these the lowest share a neighbour's window
+)
 
 
 class Window(NamedTuple):
@@ -37,8 +39,8 @@ class Window(NamedTuple):
     last: int
 
 
-def reduction(figure: Figure) -> Reduction:
-    """How a figure is made of a signal; S counts from its farthest place, so that its largest is its range."""
+def effective_reduction(figure: Figure) -> Reduction:
+    """The reduction that an optimiser bounds: S counts from its farthest place, so that its largest is its range."""
     is_range = figure.signal == "S" and figure.reduction in (Reduction.PEAK, Reduction.MAX)
     return Reduction.RANGE if is_range else figure.reduction
 
@@ -48,7 +50,7 @@ def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
 
     A peak is the highest maximum of both; those of a range's two sides add up.
     """
-    name, how = figure.signal, reduction(figure)
+    name, how = figure.signal, effective_reduction(figure)
     if (name != "phi" and is_angle(name)) or (name == "S" and how is Reduction.MIN):
         return ()  # they count from the other requested angles
     if name == "S":  # counts from its farthest place, so that its range is the coordinate's
@@ -70,7 +72,7 @@ class LocalMaxima:
     @property
     def grid(self) -> Array:
         """Evenly spaced crank angles, rad or m."""
-        count = max(FEWEST, len(self.motion.places))
+        count = max(FEWEST_ANGLES, len(self.motion.places))
         if self.motion.is_full_turn:
             return np.linspace(0.0, FULL_TURN, count, endpoint=False)
         return np.linspace(self.motion.places[0], self.motion.places[-1], count)
@@ -81,11 +83,11 @@ class LocalMaxima:
         return tuple(
             window
             for side in self.sides
-            for window in self._cut(side, side.way * values[self._signals.index(side.signal)])
+            for window in self._cut_windows(side, side.way * values[self._signals.index(side.signal)])
         )
 
     def heights(self, numbers: Mapping[str, float], windows: Sequence[Window]) -> tuple[Array, Array]:
-        """The highest in each window, SI, and its derivatives with respect to the numbers: (windows, parameters).
+        """The maximum in each window (windows,), SI, and its derivatives by the design's numbers (windows, parameters).
 
         Raises AssemblyError where the design cannot be assembled at every angle.
         """
@@ -94,7 +96,7 @@ class LocalMaxima:
         ways = np.array([window.side.way for window in windows])
         sampled = self._values(numbers, names, grid)
         near = np.array(
-            [_about_top(window, window.side.way * sampled[row]) for window, row in zip(windows, rows, strict=True)]
+            [_bracket_top(window, window.side.way * sampled[row]) for window, row in zip(windows, rows, strict=True)]
         )
         own = ways[:, None] * sampled[rows[:, None], near % len(grid)]
         tops = Tops(np.arange(len(windows)), grid[0] + (grid[1] - grid[0]) * near, own)
@@ -107,7 +109,7 @@ class LocalMaxima:
         every = np.arange(len(windows))
         values, slopes = signal_gradients(self.mechanism, numbers, names, places, speed=self.motion.speed)
         if not np.all(np.isfinite(slopes)):
-            raise self._stuck
+            raise self._dead_position_error
         return ways * values[rows, every], ways[:, None] * slopes[rows, :, every]
 
     @property
@@ -115,22 +117,24 @@ class LocalMaxima:
         return tuple(dict.fromkeys(side.signal for side in self.sides))
 
     @property
-    def _stuck(self) -> AssemblyError:
+    def _dead_position_error(self) -> AssemblyError:
         return AssemblyError(f"'{self.mechanism.linkage.name}' stands in a dead position")
 
     def _values(self, numbers: Mapping[str, float], names: Sequence[str], angle: Array) -> Array:
+        """Signals (names, angles), SI, of a design; raises AssemblyError where it stands in a dead position."""
         values = signal_values(self.mechanism, numbers, names, angle, speed=self.motion.speed)
         if not np.all(np.isfinite(values)):
-            raise self._stuck
+            raise self._dead_position_error
         return values
 
-    def _cut(self, side: SignalExtreme, values: Array) -> list[Window]:
+    def _cut_windows(self, side: SignalExtreme, values: Array) -> list[Window]:
+        """Windows of one side, one around each of its highest maxima, cut at the minima between them."""
         count, cyclic = len(values), self.motion.is_full_turn
         before, after = np.roll(values, 1), np.roll(values, -1)
         if not cyclic:
             before[0] = after[-1] = -np.inf
         tops = np.flatnonzero((values > before) & (values >= after))
-        tops = np.sort(tops[np.argsort(-values[tops], kind="stable")][:MOST])
+        tops = np.sort(tops[np.argsort(-values[tops], kind="stable")][:MOST_WINDOWS])
         if len(tops) == 0:
             return [Window(side, 0, count - 1)]
         ends = [*tops, tops[0] + count] if cyclic else tops
@@ -139,7 +143,7 @@ class LocalMaxima:
         return [Window(side, int(low), int(high)) for low, high in pairwise(edges)]
 
 
-def _about_top(window: Window, values: Array) -> Array:
+def _bracket_top(window: Window, values: Array) -> Array:
     """Three samples in a row within a window, or beside it, of which one is its highest."""
     samples = np.arange(window.first, window.last + 1)
     top = int(samples[int(np.argmax(values[samples % len(values)]))])

@@ -30,11 +30,11 @@ from comparisons.designs.searches import ACTIVE, Announce, Descent, End, Search,
 # An optimum whose lengths can be made: whole steps between their bounds, the other numbers searched for again.
 
 
-NEAR = 1e-9  # of a step: a bound that is a multiple but for rounding
+STEP_ROUNDING = 1e-9  # of a step: a bound that is a multiple but for rounding
 
 
 def step_size(variables: Sequence[Variable], text: str) -> float:
-    """The step, m, that is typed as ``0.1mm`` or in the file's unit; raises LinkproofError for none."""
+    """The step of ``--round``, m, typed as ``0.1mm`` or in the file's unit; raises LinkproofError for no length."""
     lengths = [variable.parameter for variable in variables if variable.parameter.kind == "length"]
     if not lengths:
         raise LinkproofError("--round: expected a length among the numbers of --over, got none; leave it out")
@@ -44,8 +44,8 @@ def step_size(variables: Sequence[Variable], text: str) -> float:
     return step
 
 
-def rounded(problem: DesignProblem, numbers: Mapping[str, float], step: float) -> dict[str, float]:
-    """Numbers, SI, of the best design near an optimum's whose lengths are multiples of a step, m.
+def round_lengths(problem: DesignProblem, numbers: Mapping[str, float], step: float) -> dict[str, float]:
+    """Numbers, SI, of the best design whose lengths are multiples of a ``step``, m, near the optimum's ``numbers``.
 
     One length after the other takes the better of its two neighbours, and the numbers that are left are searched for
     anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds without a multiple.
@@ -54,13 +54,13 @@ def rounded(problem: DesignProblem, numbers: Mapping[str, float], step: float) -
     for variable in [entry for entry in problem.variables if entry.parameter.kind == "length"]:
         left.remove(variable)
         name, unit = variable.parameter.name, variable.parameter.unit
-        below = math.floor(best[name] / step + NEAR)
+        below = math.floor(best[name] / step + STEP_ROUNDING)
         near = [
             n * step
             for n in (below, below + 1)
-            if variable.low - NEAR * step <= n * step <= variable.high + NEAR * step
+            if variable.low - STEP_ROUNDING * step <= n * step <= variable.high + STEP_ROUNDING * step
         ]
-        tried = [_solved(problem, {**best, name: value}, left) for value in near]
+        tried = [_search_others(problem, {**best, name: value}, left) for value in near]
         ranked = [(rank, number) for number, (rank, _) in enumerate(tried) if rank is not None]
         if not ranked:
             raise LinkproofError(
@@ -71,10 +71,10 @@ def rounded(problem: DesignProblem, numbers: Mapping[str, float], step: float) -
     return best
 
 
-def _solved(
+def _search_others(
     problem: DesignProblem, numbers: dict[str, float], left: Sequence[Variable]
 ) -> tuple[tuple[float, float] | None, dict[str, float]]:
-    """Numbers with those that are ``left`` searched for anew, and their rank; None where there is no such design."""
+    """The rank and the numbers of a design whose variables ``left`` are searched for anew; rank None for no design."""
     fixed = {
         name: value for name, value in numbers.items() if name not in {variable.parameter.name for variable in left}
     }
@@ -97,7 +97,7 @@ Array = NDArray[np.float64]
 
 REPORTED: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min")
 KINKED: Final = (Reduction.MAX, Reduction.RANGE)
-OF_MANY: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
+OF_HIGHEST: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class Optimum:
     def curves(self) -> dict[str, Array]:
         """The signals of aims and constraints, and Mkr, over the crank angles of the search: (2, angles), SI."""
         known = self.problem.mechanism
-        names = [figure.figure.signal for figure in (*self.problem.figures, *_reported(known, ["Mkr.peak"]))]
+        names = [figure.figure.signal for figure in (*self.problem.figures, *_known_figures(known, ["Mkr.peak"]))]
         signals, maxima = tuple(dict.fromkeys(names)), self.problem.maxima
         rows = [
             signal_gradients(known, numbers, signals, maxima.grid, speed=maxima.motion.speed)[0]
@@ -162,7 +162,7 @@ class Optimum:
     @property
     def is_fixed(self) -> bool:
         """Whether the constraints leave nothing to vary."""
-        slopes = self.problem.at(self.end.place, self.problem.windows(self.end.place)).equal_slopes
+        slopes = self.problem.linearise(self.end.place, self.problem.windows(self.end.place)).equal_slopes
         return len(independent(slopes)) == len(self.problem.variables)
 
     @property
@@ -184,26 +184,27 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRe
     requested = named_figures(mechanism, [*dict.fromkeys(figure.name for figure in (*aims, *texts))])
     others = [
         figure
-        for figure in _reported(mechanism, REPORTED)
+        for figure in _known_figures(mechanism, REPORTED)
         if figure.name not in {named_figure.name for named_figure in requested}
     ]
     figures = (*requested, *others)
     before = {variable.parameter.name: variable.parameter.value for variable in varied}
-    own = _figures(mechanism, motion, figures, before)
+    own = _design_figures(mechanism, motion, figures, before)
     sizes = dict(zip((figure.name for figure in figures), own, strict=True))
     constraints = tuple(constraint(figure, text, float(sizes[figure.name])) for figure, text in texts.items())
     problem = DesignProblem(
         mechanism, motion, aims, sign, varied, constraints,
-        max(float(np.max([np.abs(sizes[aim.name]) for aim in aims])), _least(aims[0])),
-        tuple(max(_size(part), abs(float(sizes[part.figure.name])), _least(part.figure)) for part in constraints),
+        max(float(np.max([np.abs(sizes[aim.name]) for aim in aims])), _zero_size(aims[0])),
+        tuple(max(_constraint_size(part), abs(float(sizes[part.figure.name])), _zero_size(part.figure))
+              for part in constraints),
     )  # fmt: skip
     start = np.clip((np.array(list(before.values())) - problem.low) / problem.width, 0.0, 1.0)
     _check_depends(problem, start)
     result = search(problem, start, announce, starts=request.starts, seed=request.seed, everywhere=request.everywhere)
-    end = _checked(problem, result, motion)
+    end = _feasible_end(problem, result, motion)
     exact = problem.numbers(end.place)
-    after = exact if step is None else rounded(problem, exact, step)
-    values = np.array([own, *(_figures(mechanism, motion, figures, numbers) for numbers in (after, exact))])
+    after = exact if step is None else round_lengths(problem, exact, step)
+    values = np.array([own, *(_design_figures(mechanism, motion, figures, numbers) for numbers in (after, exact))])
     return Optimum(problem, result, end, before, after, figures, values[:2], request.step, values[2])
 
 
@@ -213,13 +214,13 @@ def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], req
         if figure.figure.signal.startswith("transmission_angle:") and figure.figure.reduction in KINKED:
             raise LinkproofError(f"{figure.name}: expected .min, the least transmission angle, which can be optimised "
                                  "and kept; its largest is mostly 90°, in a kink")  # fmt: skip
-    if len(aims) > 1 and aims[0].figure.reduction not in (OF_MANY if request.is_least else (Reduction.MIN,)):
+    if len(aims) > 1 and aims[0].figure.reduction not in (OF_HIGHEST if request.is_least else (Reduction.MIN,)):
         names = ", ".join(aim.name for aim in aims)
         raise LinkproofError(f"expected one figure, got {request.figure}, which stands for {names}; choose one of them")
 
 
-def _reported(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
-    """Those of the figures that the linkage has."""
+def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
+    """The figures of some names that the linkage has; others are left out."""
     figures: list[NamedFigure] = []
     for name in names:
         try:
@@ -229,7 +230,7 @@ def _reported(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
     return figures
 
 
-def _figures(
+def _design_figures(
     mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure], design: Mapping[str, float]
 ) -> Array:
     """Figures (figures,) of a design, refined, SI."""
@@ -237,19 +238,20 @@ def _figures(
     return motion.figures(mechanism, numbers, [figure.figure for figure in figures])[:, 0]
 
 
-def _size(figure: Constraint) -> float:
+def _constraint_size(figure: Constraint) -> float:
+    """The largest finite bound of a constraint, SI; 0 without one."""
     return max((abs(end) for end in (figure.low, figure.high) if np.isfinite(end)), default=0.0)
 
 
-def _least(figure: NamedFigure) -> float:
-    """A size for a figure that is zero: a millionth of the file's unit."""
+def _zero_size(figure: NamedFigure) -> float:
+    """The size, SI, that a figure is scaled by where it is zero: a millionth of the file's unit."""
     return 1e-6 * figure.unit.size
 
 
 def _check_depends(problem: DesignProblem, start: Array) -> None:
     """Raise LinkproofError where the aim depends on none of the numbers."""
     try:
-        model = problem.at(start, problem.windows(start))
+        model = problem.linearise(start, problem.windows(start))
     except AssemblyError:
         return
     if not np.any(np.abs(model.aim_slopes) > ALLOWED_EXCESS):
@@ -258,8 +260,8 @@ def _check_depends(problem: DesignProblem, start: Array) -> None:
         raise LinkproofError(f"expected a figure that depends on {names}, got {aim}, which does not; choose others")
 
 
-def _checked(problem: DesignProblem, result: Search, motion: SteadyMotion) -> End:
-    """The best end; raises LinkproofError where no design assembles or the constraints are out of reach."""
+def _feasible_end(problem: DesignProblem, result: Search, motion: SteadyMotion) -> End:
+    """The best end of a search; raises LinkproofError where no design assembles or the constraints are out of reach."""
     best = result.best
     if best is None:
         raise LinkproofError(
@@ -268,10 +270,12 @@ def _checked(problem: DesignProblem, result: Search, motion: SteadyMotion) -> En
         )
     if best.is_feasible:
         return best
-    values = _figures(problem.mechanism, motion, problem.figures, problem.numbers(best.place))[len(problem.aims) :]
+    values = _design_figures(problem.mechanism, motion, problem.figures, problem.numbers(best.place))[
+        len(problem.aims) :
+    ]
     worst = max(
         zip(problem.constraints, values, problem.constraint_sizes, strict=True),
-        key=lambda row: float(row[0].missed(row[1])) / row[2],
+        key=lambda row: float(row[0].violation(row[1])) / row[2],
     )
     figure, value, size = worst[0].figure, worst[1], worst[0].figure.unit.size
     ends = [f"{word} {end / size:.6g}" for word, end in (("from", worst[0].low), ("to", worst[0].high))

@@ -28,12 +28,12 @@ from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.signals import unit
-from comparisons.datasheet.building import within
+from comparisons.datasheet.building import inset_ends
 
 # The units of kinds that a file does not state.
-FIXED: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
-LISTED: Final = "those that `linkproof list --numbers` shows"
-WRITTEN: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
+FIXED_UNITS: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
+LISTING: Final = "those that `linkproof list --numbers` shows"
+TYPED_NUMBER: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
 
 
 @dataclass(frozen=True)
@@ -59,23 +59,23 @@ class Parameter:
         return number * size
 
     def in_file(self, text: str) -> float:
-        """The same number in the unit of the file."""
+        """A typed number in the unit of the file; raises like ``si``."""
         number, size = self._read(text)
         return number if size == self.unit.size else float(f"{number * size / self.unit.size:.15g}")
 
     def _read(self, text: str) -> tuple[float, float]:
-        """A number, and the size of its unit in SI."""
-        read = WRITTEN.fullmatch(text)
+        """A typed number and the size of its unit in SI; raises LinkproofError for no number."""
+        read = TYPED_NUMBER.fullmatch(text)
         number = float(read["number"]) if read else math.nan
         if read is None or not math.isfinite(number):
             raise LinkproofError(
                 f"{self.name}: expected a finite number{f' of {self.unit.name}' if self.unit.name else ''}, got "
                 f"'{text}'; correct it"
             )
-        return number, self.unit.size if read["unit"] is None else self._size(read["unit"])
+        return number, self.unit.size if read["unit"] is None else self._unit_size(read["unit"])
 
-    def _size(self, unit: str) -> float:
-        if self.kind in FIXED or self.kind == SPEED:
+    def _unit_size(self, unit: str) -> float:
+        if self.kind in FIXED_UNITS or self.kind == SPEED:
             if unit != self.unit.name:
                 raise LinkproofError(
                     f"{self.name}: expected {self.unit.name or 'a plain number'}, got '{unit}'; correct it"
@@ -90,21 +90,21 @@ class Parameter:
 def parameters(linkage: Linkage) -> dict[str, Parameter]:
     """Every number of a linkage that its designs may differ in, by name."""
     numbers = design_numbers(linkage).items()
-    return {name: Parameter(name, kind, value, _unit(linkage, kind)) for name, (kind, value) in numbers}
+    return {name: Parameter(name, kind, value, _unit_of_kind(linkage, kind)) for name, (kind, value) in numbers}
 
 
 def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
-    """One of them, or the driver's speed, whose own value is that of a motion, SI; raises UnknownNameError."""
+    """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s; raises UnknownNameError."""
     if name == SPEED:
         return Parameter(SPEED, SPEED, abs(speed), speed_unit(linkage))
     known = parameters(linkage)
     if name not in known:
-        raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTED)
+        raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTING)
     return known[name]
 
 
 def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
-    """Words on the masses of designs for their conditions: none where no length of a moving link differs."""
+    """What conditions say of the masses of designs; "" where ``names``, which vary, have no moving link's length."""
     places = {name: number.place for name, number in named_numbers(linkage).items()}
     if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):
         return ""
@@ -116,9 +116,9 @@ def speed_unit(linkage: Linkage) -> FileUnit:
     return file_unit("m/s", linkage) if linkage.is_linear else FileUnit("rpm", RPM)
 
 
-def _unit(linkage: Linkage, kind: Kind) -> FileUnit:
-    if kind in FIXED:
-        return FIXED[kind]
+def _unit_of_kind(linkage: Linkage, kind: Kind) -> FileUnit:
+    if kind in FIXED_UNITS:
+        return FIXED_UNITS[kind]
     name = linkage.units[kind]
     return FileUnit(name, factor(kind, name))
 
@@ -249,5 +249,5 @@ def steady_motion(
     reach = mechanism.crank_range()
     if reach.is_full_turn:
         return SteadyMotion(np.linspace(0.0, FULL_TURN, samples, endpoint=False), speed, is_full_turn=True)
-    low, high = within(reach)
+    low, high = inset_ends(reach)
     return SteadyMotion(np.linspace(low, high, samples), speed, is_full_turn=False)

@@ -18,7 +18,7 @@ from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.designs.results import design_figures
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.local_maxima import LocalMaxima, Window, reduction, sides
+from comparisons.designs.local_maxima import LocalMaxima, Window, effective_reduction, sides
 from comparisons.designs.parameters import NamedFigure, Parameter, SteadyMotion, named_figures, parameter
 
 Array = NDArray[np.float64]
@@ -46,8 +46,8 @@ class Constraint(NamedTuple):
         """Whether the range is a single value."""
         return self.low == self.high
 
-    def missed(self, value: Array) -> Array:
-        """By how much values are out of it, 0 where they are not."""
+    def violation(self, value: Array) -> Array:
+        """By how much values of the figure, SI, are outside of the range; 0 inside."""
         return np.maximum(np.maximum(self.low - value, value - self.high), 0.0)
 
 
@@ -60,17 +60,17 @@ class Pieces(NamedTuple):
 
     @property
     def top(self) -> tuple[Array, Array]:
-        """The highest alone: (1,), (1, variables)."""
+        """The highest value (1,) and its derivatives (1, variables)."""
         here = slice(best := int(np.argmax(self.values)), best + 1)
         return self.values[here], self.slopes[here]
 
     @property
     def value(self) -> float:
-        """The figure."""
+        """The value of the figure."""
         return self.sign * float(np.max(self.values))
 
-    def below(self, sign: float) -> tuple[Array, Array]:
-        """Values whose highest is ``sign`` times the figure: all the pieces, or the negative of the highest."""
+    def bounded_by(self, sign: float) -> tuple[Array, Array]:
+        """Smooth values whose highest is ``sign`` times the figure: all the pieces, or the negative of the highest."""
         if sign == self.sign:
             return self.values, self.slopes
         values, slopes = self.top
@@ -88,7 +88,7 @@ class Linearised(NamedTuple):
     equal_slopes: Array
 
     @property
-    def missed(self) -> float:
+    def violation(self) -> float:
         """The largest relative violation of a constraint."""
         return float(max(np.max(-self.inside, initial=0.0), np.max(np.abs(self.equal), initial=0.0)))
 
@@ -131,18 +131,18 @@ class DesignProblem:
         return np.array([variable.high - variable.low for variable in self.variables])
 
     def numbers(self, place: Array) -> dict[str, float]:
-        """A design's numbers, SI."""
+        """The numbers, SI, by name of the design at a place (variables,), 0 to 1 between the bounds."""
         values = np.clip(self.low + self.width * place, self.low, self.low + self.width)
         return dict(zip((variable.parameter.name for variable in self.variables), values.tolist(), strict=True))
 
     def windows(self, place: Array) -> tuple[Window, ...]:
-        """Windows around a design's local maxima; raises AssemblyError."""
+        """Windows around the local maxima of the design at a place; raises AssemblyError."""
         return self.maxima.windows(self.numbers(place)) if self.maxima.sides else ()
 
-    def at(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
-        """The design at a place, with the same local maxima for the same windows; raises AssemblyError."""
-        pieces = self._pieces(place, windows)
-        aims = [piece.below(self.sign) for piece in pieces[: len(self.aims)]]
+    def linearise(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
+        """Aim and constraints of a design with derivatives, a row for each window; raises AssemblyError."""
+        pieces = self._pieces_of_figures(place, windows)
+        aims = [piece.bounded_by(self.sign) for piece in pieces[: len(self.aims)]]
         inside, equal = [], []
         for figure, entry, size in zip(self.constraints, pieces[len(self.aims) :], self.constraint_sizes, strict=True):
             if figure.is_equal:
@@ -151,7 +151,7 @@ class DesignProblem:
                 continue
             for sign, bound in ((1.0, figure.high), (-1.0, -figure.low)):
                 if np.isfinite(bound):
-                    values, slopes = entry.below(sign)
+                    values, slopes = entry.bounded_by(sign)
                     inside.append(((bound - values) / size, -slopes / size))
         values, slopes = self._stacked(aims)
         return Linearised(values / self.aim_size, slopes / self.aim_size, *self._stacked(inside), *self._stacked(equal))
@@ -161,7 +161,7 @@ class DesignProblem:
             return np.empty(0), np.empty((0, len(self.variables)))
         return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])
 
-    def _pieces(self, place: Array, windows: tuple[Window, ...]) -> list[Pieces]:
+    def _pieces_of_figures(self, place: Array, windows: tuple[Window, ...]) -> list[Pieces]:
         numbers = self.numbers(place)
         heights: dict[SignalExtreme, tuple[Array, Array]] = {}
         if windows:
@@ -177,11 +177,11 @@ class DesignProblem:
                 figure: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, figure in enumerate(plain)
             }
         return [
-            smooth[figure.figure] if figure.figure in smooth else _made(figure.figure, heights)
+            smooth[figure.figure] if figure.figure in smooth else _figure_pieces(figure.figure, heights)
             for figure in self.figures
         ]
 
-    def sampled(self, places: Array, angles: Array) -> Array:
+    def sample_designs(self, places: Array, angles: Array) -> Array:
         """Scaled aim and violation of the constraints of many designs (designs, variables): (2, designs).
 
         Nan where a design cannot be assembled; extremes are those of the sampled angles.
@@ -191,15 +191,15 @@ class DesignProblem:
         figures = [figure.figure for figure in self.figures]
         array = design_figures(self.mechanism, named, figures, angles, speed=self.motion.speed)
         aim = np.max(self.sign * array[: len(self.aims)], axis=0) / self.aim_size
-        missed = [figure.missed(row) / size for figure, row, size in
+        missed = [figure.violation(row) / size for figure, row, size in
                   zip(self.constraints, array[len(self.aims) :], self.constraint_sizes, strict=True)]  # fmt: skip
         return np.array([aim, np.sum(missed, axis=0) if missed else np.zeros(len(places))])
 
 
-def _made(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) -> Pieces:
-    """A figure from the local maxima of its sides."""
+def _figure_pieces(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) -> Pieces:
+    """The pieces of a figure, from the local maxima of its sides and their derivatives."""
     parts = [heights[side] for side in sides(figure)]
-    if reduction(figure) is Reduction.RANGE:
+    if effective_reduction(figure) is Reduction.RANGE:
         (up, up_slopes), (down, down_slopes) = parts
         slopes = up_slopes[:, None] + down_slopes[None]
         return Pieces(1.0, (up[:, None] + down[None]).ravel(), slopes.reshape(-1, slopes.shape[-1]))
@@ -209,7 +209,7 @@ def _made(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) 
 
 # Bounds and constraints as typed: ``rod.B.x=170:180``, ``rod.B.x=±10%``, ``stroke=29.9:30.1``.
 
-SHARE: Final = re.compile(r"\s*(?:±|\+-|\+/-)\s*(?P<percent>\d+\.?\d*|\.\d+)\s*%\s*")
+PERCENT_RANGE: Final = re.compile(r"\s*(?:±|\+-|\+/-)\s*(?P<percent>\d+\.?\d*|\.\d+)\s*%\s*")
 NOT_NEGATIVE: Final = ("mass", "inertia")
 
 
@@ -233,8 +233,8 @@ def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Var
 
 
 def _bounds(number: Parameter, text: str) -> tuple[float, float]:
-    """Bounds, SI, checked."""
-    share = SHARE.fullmatch(text)
+    """The bounds of a number, SI, as typed; raises LinkproofError for malformed or impossible ones."""
+    share = PERCENT_RANGE.fullmatch(text)
     if share is not None:
         part = 0.01 * float(share["percent"])
         low, high = sorted((number.value * (1.0 - part), number.value * (1.0 + part)))
@@ -253,7 +253,7 @@ def _bounds(number: Parameter, text: str) -> tuple[float, float]:
     return low, high
 
 
-def split(text: str) -> tuple[str, str | None]:
+def split_constraint(text: str) -> tuple[str, str | None]:
     """The figure of a constraint and the text of its values, None if the file's value is to stay."""
     name, mark, values = text.rpartition("=")
     return (name.strip(), values) if mark else (text.strip(), None)
@@ -261,15 +261,17 @@ def split(text: str) -> tuple[str, str | None]:
 
 def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
     """The constrained figures, each with the text of its values."""
-    return {figure: values for name, values in map(split, texts) for figure in named_figures(mechanism, [name])}
+    return {
+        figure: values for name, values in map(split_constraint, texts) for figure in named_figures(mechanism, [name])
+    }
 
 
-def constraint(figure: NamedFigure, text: str | None, own: float) -> Constraint:
+def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Constraint:
     """A constraint to a value or a range, either end of which may be left out; without a text to ``own``, SI."""
     if text is None:
-        return Constraint(figure, own, own)
+        return Constraint(figure, file_value, file_value)
     ends = text.split(":")
-    numbers = [_number(figure, end, open_end) for end, open_end in zip(ends, (-math.inf, math.inf), strict=False)]
+    numbers = [_read_bound(figure, end, open_end) for end, open_end in zip(ends, (-math.inf, math.inf), strict=False)]
     low, high = numbers * 2 if len(ends) == 1 else numbers[:2] if len(ends) == 2 else (math.nan, math.nan)
     if len(ends) == 1 and not text.strip():
         low = math.nan
@@ -281,7 +283,7 @@ def constraint(figure: NamedFigure, text: str | None, own: float) -> Constraint:
     return Constraint(figure, low * figure.unit.size, high * figure.unit.size)
 
 
-def _number(figure: NamedFigure, text: str, open_end: float) -> float:
+def _read_bound(figure: NamedFigure, text: str, open_end: float) -> float:
     if not text.strip():
         return open_end
     try:

@@ -34,7 +34,7 @@ DATA: Final = "data/figures"  # in unfinished; the journal's own pieces stand be
 SLASH: Final = "∕"  # in the file instead of "/", which parts groups of HDF5
 
 
-def labelled(
+def labelled_dataset(
     request: SweepRequest, values: Mapping[str, Any], figures: Any, about: Mapping[str, str | int]  # noqa: ANN401
 ) -> xarray.Dataset:  # fmt: skip
     """``values`` of the parameters and ``figures`` (figures, *shape), arrays of any kind, with names and units."""
@@ -52,7 +52,7 @@ def labelled(
     )
 
 
-def described(request: SweepRequest, conditions: str, command: str) -> dict[str, str | int]:
+def dataset_attributes(request: SweepRequest, conditions: str, command: str) -> dict[str, str | int]:
     """Attributes of a sweep's dataset."""
     return {
         "mechanism": request.linkage.name,
@@ -137,7 +137,7 @@ class SavedSweep:
         """All designs, their figures left on the disk."""
         space = self.request.space
         values = dict(zip((parameter.name for parameter in space.parameters), space.columns, strict=True))
-        return labelled(self.request, values, self._figures().reshape(-1, *space.shape), self.about)
+        return labelled_dataset(self.request, values, self._figures().reshape(-1, *space.shape), self.about)
 
     def finish(self, *, keeps: bool) -> None:
         """Write the netCDF file if ``keeps``, and delete everything else."""

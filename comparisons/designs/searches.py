@@ -41,17 +41,17 @@ class End:
 
     place: Array
     aim: float
-    missed: float
+    violation: float
 
     @property
     def is_feasible(self) -> bool:
         """Whether all constraints hold."""
-        return self.missed <= ALLOWED_EXCESS
+        return self.violation <= ALLOWED_EXCESS
 
     @property
     def rank(self) -> tuple[float, float]:
-        """Sorts the best first."""
-        return (0.0, self.aim) if self.is_feasible else (self.missed, self.aim)
+        """Sort key of ends, the best first: violation, then aim."""
+        return (0.0, self.aim) if self.is_feasible else (self.violation, self.aim)
 
 
 @dataclass
@@ -68,15 +68,15 @@ class Descent:
         except AssemblyError:
             return None
         if not end.is_feasible:
-            end = self._towards_constraints(end)
+            end = self._restore_constraints(end)
         radius = 1.0
         for _ in range(ROUNDS):
-            result = self._round(end, radius)
+            result = self._search_round(end, radius)
             gain = (
                 -np.inf
                 if result is None
-                else end.missed - result.missed
-                if end.missed > ALLOWED_EXCESS
+                else end.violation - result.violation
+                if end.violation > ALLOWED_EXCESS
                 else end.aim - result.aim
             )
             if result is not None and result.rank < end.rank:
@@ -96,7 +96,7 @@ class Descent:
         """
         from scipy.optimize import nnls  # noqa: PLC0415
 
-        here = self.at(place, self.problem.windows(place))
+        here = self.linearise(place, self.problem.windows(place))
         aims = here.aim_slopes[here.aim > np.max(here.aim) - ACTIVE]
         eye = np.eye(len(place))
         walls = [here.inside_slopes[here.inside < ACTIVE], here.equal_slopes, -here.equal_slopes,
@@ -108,16 +108,16 @@ class Descent:
         return float(np.linalg.norm(matrix[:-1] @ shares))
 
     def end(self, place: Array) -> End:
-        """A design as an end; raises AssemblyError."""
-        here = self.at(place, self.problem.windows(place))
-        return End(place, float(np.max(here.aim)), here.missed)
+        """The design at a place as the end of a search; raises AssemblyError."""
+        here = self.linearise(place, self.problem.windows(place))
+        return End(place, float(np.max(here.aim)), here.violation)
 
-    def at(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
-        """A design, counted."""
+    def linearise(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
+        """The design at a place, linearised and counted; raises AssemblyError."""
         self.counter.gradients += 1
-        return self.problem.at(place, windows)
+        return self.problem.linearise(place, windows)
 
-    def _towards_constraints(self, end: End) -> End:
+    def _restore_constraints(self, end: End) -> End:
         """A design near by that meets the constraints, or violates them less."""
         from scipy.optimize import least_squares  # noqa: PLC0415 - seconds that help does not pay
 
@@ -134,16 +134,16 @@ class Descent:
         inside = np.clip(end.place, 1e-9, 1.0 - 1e-9)
         result = least_squares(residuals, inside, slopes, bounds=(0.0, 1.0), xtol=1e-14, ftol=1e-14, gtol=1e-14,
                               max_nfev=STEPS)  # fmt: skip
-        return self._better(end, np.asarray(result.x))
+        return self._lower_end(end, np.asarray(result.x))
 
-    def _better(self, end: End, place: Array) -> End:
+    def _lower_end(self, end: End, place: Array) -> End:
         try:
             result = self.end(np.clip(place, 0.0, 1.0))
         except AssemblyError:
             return end
         return result if result.rank < end.rank else end
 
-    def _round(self, end: End, radius: float) -> End | None:
+    def _search_round(self, end: End, radius: float) -> End | None:
         """The end of SLSQP within a radius; the aim is a variable of its own, above all local maxima."""
         from scipy.optimize import minimize  # noqa: PLC0415
 
@@ -193,14 +193,14 @@ class _CachedDesigns:
 
     def __init__(self, descent: Descent, start: Array) -> None:
         self.descent, self.windows = descent, descent.problem.windows(start)
-        self.last, self.designs = start, descent.at(start, self.windows)
+        self.last, self.designs = start, descent.linearise(start, self.windows)
         self.good = self.designs
 
     def __call__(self, place: Array) -> Linearised:
         if not np.array_equal(place, self.last):
             self.last = place.copy()
             try:
-                self.designs = self.good = self.descent.at(place, self.windows)
+                self.designs = self.good = self.descent.linearise(place, self.windows)
             except AssemblyError:
                 self.descent.counter.beyond += 1
                 far = self.good
@@ -234,21 +234,22 @@ class Search:
     @property
     def best(self) -> End | None:
         """The lowest end that meets the constraints; else the end with the least violation."""
-        return _best(self.ends)
+        return _best_end(self.ends)
 
     @property
     def elsewhere(self) -> tuple[End, ...]:
         """Ends that are higher than the best, or violate a constraint."""
-        return _elsewhere(self.ends)
+        return _other_ends(self.ends)
 
 
-def _best(ends: Sequence[End | None]) -> End | None:
+def _best_end(ends: Sequence[End | None]) -> End | None:
+    """The end with the best rank; None where no design could be assembled."""
     return min((end for end in ends if end is not None), key=lambda end: end.rank, default=None)
 
 
-def _elsewhere(ends: Sequence[End | None]) -> tuple[End, ...]:
+def _other_ends(ends: Sequence[End | None]) -> tuple[End, ...]:
     """Ends that are higher than the best, or violate a constraint."""
-    best = _best(ends)
+    best = _best_end(ends)
     return tuple(
         end for end in ends if best is not None and end is not None
         and (not end.is_feasible or end.aim > best.aim + APART * max(1.0, abs(best.aim)))
@@ -273,15 +274,17 @@ def search(
     descent = Descent(problem, counter)
     others = []
     if everywhere or starts > 1:
-        others = _picked(problem, counter, seed) if everywhere else _drawn(problem, counter, starts - 1, seed)
+        others = (
+            _pick_starts(problem, counter, seed) if everywhere else _draw_starts(problem, counter, starts - 1, seed)
+        )
     ends: list[End | None] = []
     for number, place in enumerate([start, *others]):
         announce(f"search {number + 1}", number, 1 + len(others))
         ends.append(descent.run(place))
-        if everywhere and len(ends) == AGREEING and None not in ends and not _elsewhere(ends):
+        if everywhere and len(ends) == AGREEING and None not in ends and not _other_ends(ends):
             break
     if ends == [None]:  # the file's design is out of the bounds, and the nearest within cannot be assembled
-        ends += map(descent.run, _drawn(problem, counter, 1, seed))
+        ends += map(descent.run, _draw_starts(problem, counter, 1, seed))
     method = "SLSQP" + (", from the best of a Sobol sample" if everywhere else "")
     result = Search(method, tuple(ends), counter, np.nan)
     best = result.best
@@ -290,16 +293,16 @@ def search(
     return replace(result, residual=descent.residual(best.place))
 
 
-def _drawn(problem: DesignProblem, counter: Counter, count: int, seed: int) -> list[Array]:
-    """The first designs of a Sobol sequence that can be assembled; fewer if the sequence has fewer."""
-    places, merits = _sampled(problem, counter, max(64, 16 * count), seed)
+def _draw_starts(problem: DesignProblem, counter: Counter, count: int, seed: int) -> list[Array]:
+    """Places to start from: the first designs of a Sobol sequence that can be assembled, up to ``count``."""
+    places, merits = _sample_merits(problem, counter, max(64, 16 * count), seed)
     return list(places[np.isfinite(merits)][:count])
 
 
-def _picked(problem: DesignProblem, counter: Counter, seed: int) -> list[Array]:
-    """The best of a Sobol sample, no two of them near each other."""
+def _pick_starts(problem: DesignProblem, counter: Counter, seed: int) -> list[Array]:
+    """Places to start from: the best designs of a Sobol sample, no two of them near each other."""
     count = min(SAMPLES * 2 ** max(0, len(problem.variables) - 2), MOST_SAMPLES)
-    places, merits = _sampled(problem, counter, count, seed)
+    places, merits = _sample_merits(problem, counter, count, seed)
     picked: list[Array] = []
     for number in np.argsort(merits):
         if len(picked) == PICKED or not np.isfinite(merits[number]):
@@ -309,12 +312,12 @@ def _picked(problem: DesignProblem, counter: Counter, seed: int) -> list[Array]:
     return picked
 
 
-def _sampled(problem: DesignProblem, counter: Counter, count: int, seed: int) -> tuple[Array, Array]:
+def _sample_merits(problem: DesignProblem, counter: Counter, count: int, seed: int) -> tuple[Array, Array]:
     """Designs of a Sobol sequence (designs, variables), and how low they are: nan where they cannot be assembled."""
     from scipy.stats import qmc  # noqa: PLC0415
 
     places = qmc.Sobol(len(problem.variables), rng=seed).random_base2(int(np.ceil(np.log2(count))))
     counter.sampled += len(places)
     angles = problem.maxima.grid[:: max(1, len(problem.maxima.grid) // ANGLES)]
-    aim, missed = problem.sampled(places, angles)
-    return np.asarray(places, dtype=float), np.asarray(aim + PENALTY * missed)
+    aim, violation = problem.sample_designs(places, angles)
+    return np.asarray(places, dtype=float), np.asarray(aim + PENALTY * violation)

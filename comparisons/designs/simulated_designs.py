@@ -19,7 +19,7 @@ from comparisons.judging.records import Record, Verdict
 Array = NDArray[np.float64]
 
 TRIES: Final = 20  # hypercubes drawn before designs that assemble are given up
-BY_CHANCE: Final = 0.05  # probability by chance above which a pattern is ignored
+MOST_CHANCE: Final = 0.05  # probability by chance above which a pattern is ignored
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def simulated_designs(request: SweepRequest, count: int, seed: int) -> Simulated
                 continue
             files[f"{request.linkage.name}-d{number}"] = text
             chosen.append(number)
-            columns.append(np.concatenate([space.shown(number, number + 1), figures])[:, 0])
+            columns.append(np.concatenate([space.file_values(number, number + 1), figures])[:, 0])
     if not files:
         raise LinkproofError(
             f"--simulate: expected designs that assemble, got none among {len(tried)} drawn; vary less"
@@ -162,7 +162,7 @@ def telling_number(numbers: Mapping[str, Array], fails: NDArray[np.bool_]) -> Te
     tests = {name: ks_2samp(values[fails], values[~fails]) for name, values in complete.items()}
     name = min(tests, key=lambda key: float(tests[key].pvalue))
     chance = min(1.0, float(tests[name].pvalue) * len(tests))
-    if chance >= BY_CHANCE:
+    if chance >= MOST_CHANCE:
         return None
     below, value = bool(tests[name].statistic_sign > 0), float(tests[name].statistic_location)
     side = (complete[name] <= value) == below

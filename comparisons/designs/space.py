@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 MOST: Final = 10**12  # designs: half a day's work for a thousand cores
 LONGEST: Final = 10**7  # values of an axis, which are in memory
 ONE_BY_ONE: Final = "design"  # the dimension of a list
-WRITTEN: Final = "NAME=FIRST:LAST:COUNT, such as rod.B.x=170:180:1000"
+RANGE_FORM: Final = "NAME=FIRST:LAST:COUNT, such as rod.B.x=170:180:1000"
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,11 @@ class DesignSpace(ABC):
         """Names of the dimensions."""
 
     @abstractmethod
-    def shown(self, first: int, last: int) -> Array:
+    def file_values(self, first: int, last: int) -> Array:
         """Values of the designs from number ``first`` up to ``last``, (parameters, designs), in the file's units."""
 
-    def part(self, first: int, last: int) -> DesignSpace:
-        """These designs with the same numbers, in a form that can be sent to another process."""
+    def subset(self, first: int, last: int) -> DesignSpace:
+        """The space of some designs under their numbers, small enough to be sent to another process."""
         return self
 
     @property
@@ -77,7 +77,7 @@ class DesignSpace(ABC):
 
     def block(self, first: int, last: int) -> dict[str, Array]:
         """SI values (designs,) of the designs from number ``first`` up to ``last``, by parameter."""
-        values = self.shown(first, last)
+        values = self.file_values(first, last)
         return {number.name: row * number.unit.size for number, row in zip(self.parameters, values, strict=True)}
 
 
@@ -102,8 +102,8 @@ class Grid(DesignSpace):
         """The axes, by their parameters."""
         return tuple(number.name for number in self.parameters)
 
-    def shown(self, first: int, last: int) -> Array:
-        """Values of a range of designs, (parameters, designs)."""
+    def file_values(self, first: int, last: int) -> Array:
+        """Values of the designs ``first`` up to ``last``, (parameters, designs), in the file's units."""
         places = np.unravel_index(np.arange(first, last), self.shape)
         return np.stack([axis[place] for axis, place in zip(self.columns, places, strict=True)])
 
@@ -124,16 +124,16 @@ class Listed(DesignSpace):
         """One, of all designs."""
         return (ONE_BY_ONE,)
 
-    def shown(self, first: int, last: int) -> Array:
-        """Values of a range of designs, (parameters, designs)."""
+    def file_values(self, first: int, last: int) -> Array:
+        """Values of the designs ``first`` up to ``last``, (parameters, designs), in the file's units."""
         return np.stack([values[first - self.start : last - self.start] for values in self.columns])
 
-    def part(self, first: int, last: int) -> Listed:
-        """These designs alone."""
-        return Listed(self.parameters, tuple(self.shown(first, last)), first)
+    def subset(self, first: int, last: int) -> Listed:
+        """A list of some designs under their numbers."""
+        return Listed(self.parameters, tuple(self.file_values(first, last)), first)
 
 
-def steps(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
+def parameter_range(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
     """The parameter and its values, in equal steps, that ``--vary rod.B.x=170:180:1000`` means.
 
     Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a malformed range.
@@ -141,13 +141,13 @@ def steps(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
     name, equals, ends = text.partition("=")
     words = ends.split(":")
     if not equals or len(words) != 3:
-        raise LinkproofError(f"--vary: expected {WRITTEN}, got '{text}'; correct it")
+        raise LinkproofError(f"--vary: expected {RANGE_FORM}, got '{text}'; correct it")
     number = parameter(linkage, name.strip())
     first, last = (number.in_file(word) for word in words[:2])
     count = int(words[2]) if re.fullmatch(r"\s*\d{1,18}\s*", words[2], re.ASCII) else 0
     if not 1 <= count <= LONGEST:
         raise LinkproofError(
-            f"--vary {name}: expected a number of values from 1 to {LONGEST:.0e}, got '{words[2]}'; write {WRITTEN}"
+            f"--vary {name}: expected a number of values from 1 to {LONGEST:.0e}, got '{words[2]}'; write {RANGE_FORM}"
         )
     if (count == 1) != (first == last) or not math.isfinite(last - first):
         raise LinkproofError(
@@ -159,7 +159,7 @@ def steps(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
 
 # Designs as a table in a CSV file: a column per parameter, a row per design.
 
-ROWS: Final = 100_000  # read at once
+ROWS_AT_ONCE: Final = 100_000  # read at once
 OTHER_MARKS: Final = {";": "semicolons", "\t": "tabs"}  # of spreadsheets
 
 
@@ -175,12 +175,12 @@ def read_table(path: Path, linkage: Linkage) -> Listed:
     plain = {"header": None, "index_col": False, "dtype": str, "keep_default_na": False, "skip_blank_lines": False}
     try:
         head = pandas.read_csv(path, nrows=1, encoding="utf-8-sig", **plain)
-        columns = _columns(start, head.iloc[0].tolist() if len(head) else [], linkage)
+        columns = _read_head(start, head.iloc[0].tolist() if len(head) else [], linkage)
         chunks = pandas.read_csv(
-            path, skiprows=1, names=range(len(columns) + 1), chunksize=ROWS, encoding="utf-8-sig", **plain
+            path, skiprows=1, names=range(len(columns) + 1), chunksize=ROWS_AT_ONCE, encoding="utf-8-sig", **plain
         )
         with chunks:
-            parts = [_values(start, chunk, columns) for chunk in chunks]
+            parts = [_read_rows(start, chunk, columns) for chunk in chunks]
     except OSError as error:
         raise LinkproofError(f"{start} a file, got {error.strerror}; correct the path") from error
     except UnicodeDecodeError as error:
@@ -196,7 +196,7 @@ def read_table(path: Path, linkage: Linkage) -> Listed:
     return Listed(tuple(number for number, _ in columns), tuple(values))
 
 
-def _columns(start: str, names: list[str], linkage: Linkage) -> list[tuple[Parameter, float]]:
+def _read_head(start: str, names: list[str], linkage: Linkage) -> list[tuple[Parameter, float]]:
     """The parameters of a head, each with the size of its column's unit in that of the linkage's file."""
     if len(names) == 1 and (other := next((word for mark, word in OTHER_MARKS.items() if mark in names[0]), None)):
         raise LinkproofError(f"{start} commas between columns, and points in numbers, got {other}; save it so")
@@ -216,7 +216,7 @@ def _columns(start: str, names: list[str], linkage: Linkage) -> list[tuple[Param
     return columns
 
 
-def _values(start: str, chunk: pandas.DataFrame, columns: list[tuple[Parameter, float]]) -> Array:
+def _read_rows(start: str, chunk: pandas.DataFrame, columns: list[tuple[Parameter, float]]) -> Array:
     """The numbers of some rows in the file's units, (columns, rows); raises LinkproofError for a cell without one."""
     import pandas  # noqa: PLC0415
 

@@ -30,7 +30,7 @@ PLACES: Final = 8_000_000  # designs times crank angles of a block: half a secon
 LARGEST: Final = 200_000  # designs of a block, of which a few arrays are in memory
 REFINED: Final = 10  # cost of a refined figure over that of a sampled figure
 BOUNDS: Final = Bounds(seconds=math.inf)
-NONE: Final = -1  # the number of no design
+NO_DESIGN: Final = -1  # the number of no design
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,14 @@ class SweepRequest:
     cores: int | None = None
     path: str = "auto"
 
-    def on_single_path(self) -> SweepRequest:
-        """The same on the path that its size calls for."""
+    def with_fixed_path(self) -> SweepRequest:
+        """The request with one path of computation for all blocks, chosen by its size."""
         size = self.space.count * len(self.motion.places)
         return replace(self, path=usual_path([figure.figure for figure in self.figures], size))
 
     @property
-    def own(self) -> dict[str, float]:
-        """The file's own numbers, SI, by parameter; of a speed that of the motion."""
+    def numbers_of_file(self) -> dict[str, float]:
+        """Numbers of the linkage's file, SI, by parameter; the speed is the motion's."""
         return {
             parameter.name: abs(self.motion.speed) if parameter.kind == SPEED else parameter.value
             for parameter in self.space.parameters
@@ -77,7 +77,7 @@ class RankedDesign(NamedTuple):
     """The first design that has a value; the one with the smaller ``rank`` is the least, or the largest."""
 
     rank: float = math.inf
-    design: int = NONE
+    design: int = NO_DESIGN
     value: float = math.nan
 
 
@@ -103,7 +103,7 @@ class Summary:
     @property
     def extremes(self) -> set[int]:
         """The designs with the least and the largest figures."""
-        return {design.design for design in (*self.least, *self.largest)} - {NONE}
+        return {design.design for design in (*self.least, *self.largest)} - {NO_DESIGN}
 
     def add(self, first: int, figures: Array) -> None:
         """Count in the figures (figures, designs) of the designs from number ``first`` on; blocks come in any order."""
@@ -112,7 +112,7 @@ class Summary:
         self.assembled += int(np.count_nonzero(assembles))
         if not np.any(assembles):
             return
-        shown = self.request.space.shown(first, first + len(assembles))[:, assembles]
+        shown = self.request.space.file_values(first, first + len(assembles))[:, assembles]
         self.reach[:, 0] = np.fmin(self.reach[:, 0], np.min(shown, axis=1))
         self.reach[:, 1] = np.fmax(self.reach[:, 1], np.max(shown, axis=1))
         for row, values in enumerate(figures):
@@ -131,10 +131,11 @@ def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
 
 def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
     """Figures of the designs from number ``first`` up to ``last``, (figures, designs), in the units of the file."""
-    return _figures(request, request.space.block(first, last))
+    return _compute_figures(request, request.space.block(first, last))
 
 
-def _figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
+def _compute_figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
+    """Figures (figures, designs) of numbers (designs,), SI, by name, in the units of the file."""
     figures = [figure.figure for figure in request.figures]
     values = request.motion.figures(
         Mechanism(request.linkage), numbers, figures, refine=request.refine, cores=request.cores, path=request.path
@@ -142,8 +143,8 @@ def _figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
     return np.asarray(values / np.array([figure.unit.size for figure in request.figures])[:, None])
 
 
-def own_figures(request: SweepRequest) -> Array:
-    """The figures (figures,) of the file's own design, nan where it cannot move through all of the motion.
+def figures_of_file(request: SweepRequest) -> Array:
+    """Figures (figures,) of the linkage as its file has it, in its units; nan where it cannot make the motion.
 
     Raises LinkproofError where the space has values that no design can.
     """
@@ -157,8 +158,8 @@ def own_figures(request: SweepRequest) -> Array:
                 f"{parameter.name}: expected no negative {parameter.kind}, got {least:g} {parameter.unit.name}; "
                 "correct the range"
             )
-    design = {name: np.array([value]) for name, value in request.own.items()}
-    return _figures(replace(request, path="numpy"), design)[:, 0]
+    design = {name: np.array([value]) for name, value in request.numbers_of_file.items()}
+    return _compute_figures(replace(request, path="numpy"), design)[:, 0]
 
 
 def sweep(
@@ -177,19 +178,20 @@ def sweep(
     """
     total = begun or Summary(request)
     todo = [number for number in range(len(request.blocks)) if number not in done]
-    for number, values in _made(request, todo, pool):
+    for number, values in _finished_blocks(request, todo, pool):
         keep(number, values)
         total.add(request.blocks[number], values)
         announce(total.designs)
     return total
 
 
-def _made(request: SweepRequest, todo: Sequence[int], pool: Pool | None) -> Iterator[tuple[int, Array]]:
+def _finished_blocks(request: SweepRequest, todo: Sequence[int], pool: Pool | None) -> Iterator[tuple[int, Array]]:
+    """Number and figures of every block as it is finished, here or in a pool."""
     if pool is None:
         for number in todo:
             yield number, sweep_block(request, *request.block(number))
         return
-    for place, result in pool.run(sweep_block, _Jobs(request, todo), BOUNDS):
+    for place, result in pool.run(sweep_block, _BlockJobs(request, todo), BOUNDS):
         if isinstance(result, Lost):
             first, last = request.block(todo[place])
             raise LinkproofError(f"designs {first} to {last - 1}: expected their figures, got none: {result.reason}")
@@ -197,8 +199,8 @@ def _made(request: SweepRequest, todo: Sequence[int], pool: Pool | None) -> Iter
 
 
 @dataclass(frozen=True)
-class _Jobs(Sequence[tuple[Any, ...]]):
-    """The job of each block, made when it is sent."""
+class _BlockJobs(Sequence[tuple[Any, ...]]):
+    """The arguments of each block's job, made when the job is sent."""
 
     request: SweepRequest
     todo: Sequence[int]
@@ -208,10 +210,10 @@ class _Jobs(Sequence[tuple[Any, ...]]):
 
     def __getitem__(self, place: Any) -> Any:  # noqa: ANN401 - a sequence's own types are two
         first, last = self.request.block(self.todo[place])
-        return replace(self.request, space=self.request.space.part(first, last)), first, last
+        return replace(self.request, space=self.request.space.subset(first, last)), first, last
 
 
-def why_not(request: SweepRequest) -> str:
+def reason_not_assembled(request: SweepRequest) -> str:
     """Why the first design cannot be assembled through all of the motion, in a sentence; "" where it can."""
     mechanism = Mechanism(request.linkage)
     first = request.space.block(0, 1)
@@ -222,5 +224,5 @@ def why_not(request: SweepRequest) -> str:
             moved.rates(body)
     except AssemblyError as error:
         return str(error)
-    stands = np.all(np.isnan(_figures(replace(request, path="numpy"), first)))
+    stands = np.all(np.isnan(_compute_figures(replace(request, path="numpy"), first)))
     return f"'{mechanism.linkage.name}' stands in a dead position between two of the crank angles" if stands else ""

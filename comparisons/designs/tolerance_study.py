@@ -47,7 +47,7 @@ class ToleranceRequest:
     conditions: str = ""
 
     @property
-    def _own(self) -> dict[str, float]:
+    def _nominal_numbers(self) -> dict[str, float]:
         """The nominal numbers, SI, the speed among them."""
         return numbers(self.mechanism.linkage) | {SPEED: abs(self.motion.speed)}
 
@@ -61,7 +61,7 @@ class ToleranceRequest:
 
         Masses and inertias that a wide normal distribution makes negative are zero.
         """
-        nominal, table = self._own, {}
+        nominal, table = self._nominal_numbers, {}
         polar: dict[str, dict[str, Array]] = {}
         for tolerance, offset in zip(self.tolerances, offsets, strict=True):
             if tolerance.point:
@@ -77,7 +77,7 @@ class ToleranceRequest:
         return table
 
     def results(self, offsets: Array, announce: Announce = lambda *_: None) -> Array:
-        """The results of designs, (results, designs)."""
+        """Results of designs, (results, designs), SI, at offsets (tolerances, designs) from the nominal; may be nan."""
         designs, count, parts = self.designs(offsets), offsets.shape[1], []
         size = TOGETHER if is_exact(self.mechanism) else ALONE
         for start in range(0, count, size):
@@ -88,7 +88,7 @@ class ToleranceRequest:
 
     def derivatives(self) -> Array:
         """Derivatives of the results by what has a tolerance, (results, tolerances)."""
-        nominal = self._own
+        nominal = self._nominal_numbers
         figures = [figure.figure for figure in self.figures]
         _, gradients = self.motion.gradients(self.mechanism, {name: nominal[name] for name in self.names}, figures)
         by = dict(zip(self.names, gradients.T, strict=True))
@@ -139,7 +139,7 @@ def tolerance_request(
 Array = NDArray[np.float64]
 
 EXACT, DIFFERENCE = "exact", "difference"
-SHARES: Final = (0.00135, 0.99865)  # of the quantiles: three standard deviations of a normal distribution
+QUANTILES: Final = (0.00135, 0.99865)  # of the quantiles: three standard deviations of a normal distribution
 ALL_CORNERS: Final = 12  # tolerances whose corners are all worked out: 4096 designs
 
 
@@ -215,7 +215,7 @@ class ToleranceStudy:
     @property
     def quantiles(self) -> Array:
         """The 0.135 % and 99.865 % quantiles of the random designs (results, 2)."""
-        return np.asarray(np.quantile(self.random[:, self._is_assembled], SHARES, axis=1).T)
+        return np.asarray(np.quantile(self.random[:, self._is_assembled], QUANTILES, axis=1).T)
 
     @property
     def _is_assembled(self) -> NDArray[np.bool_]:
@@ -254,7 +254,7 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
     drawn = LatinHypercube(count, rng=request.seed).random(request.samples).T
     random = np.stack(
         [
-            tolerance.plus_minus * tolerance.distribution.drawn(row)
+            tolerance.plus_minus * tolerance.distribution.quantiles_at(row)
             for tolerance, row in zip(request.tolerances, drawn, strict=True)
         ]
     )
@@ -273,7 +273,7 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
         nominal,
         derivatives,
         np.stack([changes[:, :count], changes[:, count:]], axis=2),
-        _ends(values[:, first:last]),
+        _corner_ranges(values[:, first:last]),
         scattered,
         int(np.count_nonzero(np.isnan(values[:, first:last]).any(axis=0))),
     )
@@ -288,8 +288,8 @@ def _corners(derivatives: Array) -> Array:
     return np.concatenate([-signs, signs]).T
 
 
-def _ends(values: Array) -> Array:
-    """The least and the largest of the corners that assemble; nan where none does."""
+def _corner_ranges(values: Array) -> Array:
+    """The least and the largest result (results, 2) of the corners that assemble; nan where none does."""
     least = np.min(np.where(np.isnan(values), np.inf, values), axis=1)
     largest = np.max(np.where(np.isnan(values), -np.inf, values), axis=1)
     ends = np.stack([least, largest], axis=1)

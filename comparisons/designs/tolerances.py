@@ -28,7 +28,7 @@ from analytic.description.file_units import FileUnit
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.designs.parameters import LISTED, Parameter, parameter, parameters
+from comparisons.designs.parameters import LISTING, Parameter, parameter, parameters
 
 Array = NDArray[np.float64]
 
@@ -48,8 +48,8 @@ class Distribution(StrEnum):
         """The standard deviation, as a share of the ±."""
         return 1.0 / 3.0 if self is Distribution.NORMAL else 1.0 / math.sqrt(3.0)
 
-    def drawn(self, shares: Array) -> Array:
-        """Numbers, as shares of the ±, below which these shares of all are."""
+    def quantiles_at(self, shares: Array) -> Array:
+        """Quantiles, as shares of the ±, at cumulative ``shares`` from 0 to 1."""
         return np.asarray(ndtri(shares)) / 3.0 if self is Distribution.NORMAL else 2.0 * shares - 1.0
 
 
@@ -92,7 +92,7 @@ class Tolerances:
 
 
 def read_tolerances(path: Path) -> Tolerances:
-    """The file; raises LinkproofError if it cannot be read or has other contents."""
+    """The tolerances that a file requests; raises LinkproofError if it cannot be read or has other contents."""
     try:
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -104,11 +104,11 @@ def read_tolerances(path: Path) -> Tolerances:
             raise LinkproofError(f"{path}: {UnknownNameError('key', key, KEYS)}")
     results, speed, table = (raw.get(key) for key in KEYS)
     if not isinstance(results, list) or not results or not all(isinstance(result, str) for result in results):
-        raise LinkproofError(f'{path}: results: expected a list of figures, as ["Mkr.peak"], got {_shown(results)}')
+        raise LinkproofError(f'{path}: results: expected a list of figures, as ["Mkr.peak"], got {_quoted(results)}')
     if speed is not None and not (_is_number(speed) and speed):
-        raise LinkproofError(f"{path}: speed: expected a finite number other than 0, got {_shown(speed)}; correct it")
+        raise LinkproofError(f"{path}: speed: expected a finite number other than 0, got {_quoted(speed)}; correct it")
     if not isinstance(table, dict) or not table:
-        raise LinkproofError(f"{path}: expected a table [tolerances] with a number's ±, got {_shown(table)}; add it")
+        raise LinkproofError(f"{path}: expected a table [tolerances] with a number's ±, got {_quoted(table)}; add it")
     return Tolerances(tuple(results), speed, table, f"{path}: ")
 
 
@@ -123,8 +123,8 @@ def tolerances(
     are not a positive ±, and where a point has tolerances of x or y and of length or angle.
     """
     driven = {SPEED: parameter(linkage, SPEED, speed)}
-    xy, known = parameters(linkage) | driven, _known(linkage) | driven
-    result = tuple(_tolerance(xy, known, name, value, where) for name, value in _flat(table))
+    xy, known = parameters(linkage) | driven, _all_parameters(linkage) | driven
+    result = tuple(_read_tolerance(xy, known, name, value, where) for name, value in _flatten_table(table))
     cartesian = {entry.name[:-2] for entry in result if not entry.point}
     for tolerance in result:
         if tolerance.point and tolerance.point in cartesian:
@@ -135,16 +135,16 @@ def tolerances(
     return result
 
 
-def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Values by full names: rod.B.x without quotes is a table of tables."""
+def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Values of a table by full names: rod.B.x without quotes is a table of tables."""
     for key, value in table.items():
         if isinstance(value, Mapping) and not {PLUS_MINUS, DISTRIBUTION} & {*value}:
-            yield from _flat(value, f"{prefix}{key}.")
+            yield from _flatten_table(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", value
 
 
-def _known(linkage: Linkage) -> dict[str, Parameter]:
+def _all_parameters(linkage: Linkage) -> dict[str, Parameter]:
     """Every number by name, with the length and the angle of what has an x and a y of its own."""
     numbers = parameters(linkage)
     unit = linkage.units.get("angle", "rad")
@@ -162,9 +162,13 @@ def _known(linkage: Linkage) -> dict[str, Parameter]:
     return numbers
 
 
-def _tolerance(xy: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str) -> Tolerance:
+def _read_tolerance(
+    xy: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str
+) -> Tolerance:
     if name not in known:
-        raise LinkproofError(f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known, LISTED)}")
+        raise LinkproofError(
+            f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known, LISTING)}"
+        )
     distribution = Distribution.NORMAL
     if isinstance(value, Mapping):
         for key in value:
@@ -172,9 +176,9 @@ def _tolerance(xy: Collection[str], known: Mapping[str, Parameter], name: str, v
                 raise LinkproofError(f"{where}{name}: {UnknownNameError('key', key, (PLUS_MINUS, DISTRIBUTION))}")
         words = value.get(DISTRIBUTION, distribution)
         if words not in tuple(Distribution):
-            raise LinkproofError(f"{where}{name}: expected distribution normal or uniform, got {_shown(words)}")
+            raise LinkproofError(f"{where}{name}: expected distribution normal or uniform, got {_quoted(words)}")
         distribution, value = Distribution(words), value.get(PLUS_MINUS)
-    size = _size(known[name], value, f"{where}{name}")
+    size = _read_plus_minus(known[name], value, f"{where}{name}")
     if known[name].kind in ("mass", "inertia") and size > known[name].value:
         raise LinkproofError(f"{where}{name}: expected a ± up to the number itself, got a larger one; lessen it")
     if name == SPEED and size > 0.5 * known[name].value:  # so that no random one is on the other side of zero
@@ -182,8 +186,8 @@ def _tolerance(xy: Collection[str], known: Mapping[str, Parameter], name: str, v
     return Tolerance(known[name], size, distribution, "" if name in xy else name.rpartition(".")[0])
 
 
-def _size(number: Parameter, value: object, where: str) -> float:
-    """The ±, SI."""
+def _read_plus_minus(number: Parameter, value: object, where: str) -> float:
+    """The ± of a number, SI, from a value of the file; raises LinkproofError for none."""
     if isinstance(value, str):
         try:
             size = number.si(value.replace("±", ""))
@@ -192,9 +196,9 @@ def _size(number: Parameter, value: object, where: str) -> float:
     elif _is_number(value):
         size = float(value) * number.unit.size  # type: ignore[arg-type]  # it is a number
     else:
-        raise LinkproofError(f"{where}: expected a number, or one with its unit, got {_shown(value)}; correct it")
+        raise LinkproofError(f"{where}: expected a number, or one with its unit, got {_quoted(value)}; correct it")
     if not size > 0.0:
-        raise LinkproofError(f"{where}: expected a positive ±, got {_shown(value)}; correct it")
+        raise LinkproofError(f"{where}: expected a positive ±, got {_quoted(value)}; correct it")
     return size
 
 
@@ -202,5 +206,5 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _shown(value: object) -> str:
+def _quoted(value: object) -> str:
     return "nothing" if value is None else repr(value)

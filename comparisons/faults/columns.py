@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 from analytic.written import signed
 from comparisons.faults import filters
 from comparisons.faults.fault import Correction, Fault, Kind
-from comparisons.faults.simulation import Predict, Simulation, holds_acceleration, is_angle, is_place, is_rotary
+from comparisons.faults.simulation import (
+    Predict,
+    Simulation,
+    holds_acceleration,
+    is_angle,
+    is_length_from_zero,
+    is_rotary,
+)
 from comparisons.judging.deviations import near_jumps
 from comparisons.reference.motion import Motion
 
@@ -42,12 +49,12 @@ UNIT_RATIOS: Final = {
     "lbf·ft and N·m": 1.3558179483314,
     "hp and W": 745.69987158227,
 }
-NEAR_RATIO: Final = 0.2  # of a unit's ratio, by which the file's may differ where it has other faults
-FEW: Final = 0.03  # of the samples: single ones
-LIMITED: Final = 4  # samples at one value: a limit
-NEAR: Final = 0.05  # of the peak, within which a column is another quantity
+MOST_RATIO_ERROR: Final = 0.2  # of a unit's ratio, by which the file's may differ where it has other faults
+FEW_SAMPLES: Final = 0.03  # of the samples: single ones
+FEWEST_AT_LIMIT: Final = 4  # samples at one value: a limit
+ALIKE: Final = 0.05  # of the peak, within which a column is another quantity
 NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
-SAME: Final = 1e-6  # of a step: the same instant
+SAME_INSTANT: Final = 1e-6  # of a step: the same instant
 MOST_TIMES: Final = 4  # of single samples that are named
 
 
@@ -71,7 +78,7 @@ class Evidence:
     unit_value: float = 1.0
 
     def thinned(self, most: int) -> Evidence:
-        """At most so many of the samples, equally spread."""
+        """The evidence at ``most`` samples or fewer, equally spread."""
         every = -(-len(self.time) // most)
         parts: dict[str, Any] = {k: v[::every] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
         return replace(self, **parts)
@@ -90,24 +97,24 @@ class Evidence:
 def column_faults(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Fault]:
     """Every fault that lies in one column; ``names`` are the signals that it may be taken for."""
     name = evidence.name
-    yield scaled(f"sign:{name}", (name,), -1.0, f"{name} has the other sign")
-    yield from _units(evidence)
-    yield _factor(name)
-    yield from _offsets(evidence)
+    yield scale_fault(f"sign:{name}", (name,), -1.0, f"{name} has the other sign")
+    yield from _unit_faults(evidence)
+    yield _factor_fault(name)
+    yield from _zero_faults(evidence)
     if name == "Mkr":
-        yield friction(simulation.motion, evidence.scale)
-    yield _delayed(evidence)
-    for kind, widths, smooth in filters.kinds(len(evidence.time)):
-        yield _smoothed(evidence, kind, widths, smooth)
-    strides = tuple(filters.every_kth(len(evidence.time)))  # none of a short curve
-    for kind, fill in filters.FILLED.items() if strides else ():
-        yield _coarser(evidence, kind, fill, strides)
-    yield from _limited(evidence)
-    yield from _single_samples(evidence)
-    yield from _mistaken(evidence, simulation, names)
+        yield friction_fault(simulation.motion, evidence.scale)
+    yield _delay_fault(evidence)
+    for kind, widths, smooth in filters.filter_kinds(len(evidence.time)):
+        yield _filter_fault(evidence, kind, widths, smooth)
+    strides = tuple(filters.strides_and_phases(len(evidence.time)))  # none of a short curve
+    for kind, fill in filters.FILLINGS.items() if strides else ():
+        yield _sample_rate_fault(evidence, kind, fill, strides)
+    yield from _clipping_faults(evidence)
+    yield from _single_sample_faults(evidence)
+    yield from _mistaken_quantity_faults(evidence, simulation, names)
 
 
-def changed(
+def column_fault(
     name: str,
     kind: Kind,
     columns: Collection[str],
@@ -116,60 +123,63 @@ def changed(
     *numbers: Any,  # noqa: ANN401 - fields of Fault, from start on
     **rest: Any,  # noqa: ANN401
 ) -> Fault:
-    """A fault that makes ``alter(time, values, numbers)`` of the curves of some columns."""
+    """A fault of some columns: it makes ``alter(time, values, numbers)`` of their curves."""
 
     def apply(simulation: Simulation, p: Array) -> Simulation:
         def change(predict: Predict, of: str, time: Array) -> Array:
             values = predict(of, time)
             return alter(time, values, p) if of in columns else values
 
-        return simulation.then(change)
+        return simulation.with_change(change)
 
     return Fault(name, kind, apply, words, *numbers, **rest)
 
 
-def scaled(name: str, columns: Sequence[str], factor: float, words: str) -> Fault:
-    """Columns times a factor that a sign or a unit explains."""
+def scale_fault(name: str, columns: Sequence[str], factor: float, words: str) -> Fault:
+    """A fault of some columns: a factor that a sign or a unit explains."""
     correction = Correction(-1 if factor < 0.0 else 1, 1.0 / abs(factor))
-    return changed(name, Kind.COLUMN, frozenset(columns), lambda _, y, __: factor * y, lambda _: words,
+    return column_fault(name, Kind.COLUMN, frozenset(columns), lambda _, y, __: factor * y, lambda _: words,
                    cure=lambda _: dict.fromkeys(columns, correction))  # fmt: skip
 
 
-def _units(evidence: Evidence) -> Iterator[Fault]:
-    """Units taken for others that are near the file's factor."""
+def _unit_faults(evidence: Evidence) -> Iterator[Fault]:
+    """Units taken for others, whose ratio is near the file's factor."""
     name, truth = evidence.name, evidence.truth[evidence.counted]
     size = float(truth @ truth)
     share = float(evidence.values[evidence.counted] @ truth) / size if size else 0.0
     for unit, ratio in UNIT_RATIOS.items():
         for factor in (ratio, 1.0 / ratio, -ratio, -1.0 / ratio):
-            if abs(share / factor - 1.0) < NEAR_RATIO:
+            if abs(share / factor - 1.0) < MOST_RATIO_ERROR:
                 sense = "" if factor > 0.0 else " and has the other sign"
                 words = f"{name} is {abs(factor):.6g} times the closed form's{sense}: a unit taken for another ({unit})"
-                yield scaled(f"unit:{name}", (name,), factor, words)
+                yield scale_fault(f"unit:{name}", (name,), factor, words)
 
 
-def _factor(name: str) -> Fault:
-    return changed(f"factor:{name}", Kind.FREE, (name,), lambda _, y, k: k[0] * y,
+def _factor_fault(name: str) -> Fault:
+    """A column times a factor that no unit explains."""
+    return column_fault(f"factor:{name}", Kind.FREE, (name,), lambda _, y, k: k[0] * y,
                    lambda k: f"{name} is {k[0]:.5g} times the closed form's", (1.0,), (1.0,))  # fmt: skip
 
 
-def _offsets(evidence: Evidence) -> Iterator[Fault]:
+def _zero_faults(evidence: Evidence) -> Iterator[Fault]:
     """Another zero, counted the same way or the other: as a stroke from the other dead centre."""
     name, size = evidence.name, (evidence.scale,)
-    kind = Kind.COLUMN if is_angle(name) or is_place(name) else Kind.SEVERAL  # nothing else has a zero to choose
+    kind = (
+        Kind.COLUMN if is_angle(name) or is_length_from_zero(name) else Kind.SEVERAL
+    )  # nothing else has a zero to choose
 
     def by(c: Array) -> str:
         return f"{signed(c[0] / evidence.unit_value, '.4g')} {evidence.unit}"
 
-    yield changed(f"offset:{name}", kind, (name,), lambda _, y, c: y + c[0],
+    yield column_fault(f"offset:{name}", kind, (name,), lambda _, y, c: y + c[0],
                   lambda c: f"{name} counts from another zero, {by(c)} from the linkage file's", (0.0,), size,
                   cure=lambda c: {name: Correction(offset=-float(c[0]))})  # fmt: skip
-    yield changed(f"counted back:{name}", kind, (name,), lambda _, y, c: c[0] - y,
+    yield column_fault(f"counted back:{name}", kind, (name,), lambda _, y, c: c[0] - y,
                   lambda c: f"{name} counts the other way, from {by(c)}, as from the other dead centre", (0.0,), size,
                   guesses=(size,), cure=lambda c: {name: Correction(sign=-1, offset=float(c[0]))})  # fmt: skip
 
 
-def friction(motion: Motion, size: float) -> Fault:
+def friction_fault(motion: Motion, size: float) -> Fault:
     """A torque against the motion, whatever the speed."""
 
     def alter(time: Array, values: Array, numbers: Array) -> Array:
@@ -179,11 +189,11 @@ def friction(motion: Motion, size: float) -> Fault:
     def words(c: Array) -> str:
         return f"a friction of {c[0]:.3g} N m brakes the crank at any speed"
 
-    return changed("friction", Kind.NUMBER, ("Mkr",), alter, words, (0.0,), (size,), unit=1.0)
+    return column_fault("friction", Kind.NUMBER, ("Mkr",), alter, words, (0.0,), (size,), unit=1.0)
 
 
-def _delayed(evidence: Evidence) -> Fault:
-    """One column of other instants than the rest: read before or after the step."""
+def _delay_fault(evidence: Evidence) -> Fault:
+    """A column of other instants than the other columns: read before or after the step."""
     name, step = evidence.name, float(np.median(np.diff(evidence.time)))
 
     def apply(simulation: Simulation, shift: Array) -> Simulation:
@@ -191,12 +201,12 @@ def _delayed(evidence: Evidence) -> Fault:
             if of != name:
                 return predict(of, time)
             at = time + float(shift[0])
-            within = (at >= evidence.time[0] - SAME * step) & (at <= evidence.time[-1] + SAME * step)
+            within = (at >= evidence.time[0] - SAME_INSTANT * step) & (at <= evidence.time[-1] + SAME_INSTANT * step)
             if holds_acceleration(name):
                 within &= ~near_jumps(at, simulation.motion)
             return np.where(within, predict(of, at), np.nan)  # outside the run a tool may write anything
 
-        return simulation.then(change)
+        return simulation.with_change(change)
 
     def words(p: Array) -> str:
         halves = 2.0 * p[0] / step
@@ -210,93 +220,97 @@ def _delayed(evidence: Evidence) -> Fault:
     )  # fmt: skip
 
 
-def _smoothed(evidence: Evidence, kind: str, widths: Sequence[float], smooth: Callable[[Array, float], Array]) -> Fault:
+def _filter_fault(
+    evidence: Evidence, kind: str, widths: Sequence[float], smooth: Callable[[Array, float], Array]
+) -> Fault:
     """Smoothed over several samples: of some filters over a whole odd number of them."""
     name, step = evidence.name, float(np.median(np.diff(evidence.time)))
-    tried, whole = tuple((width,) for width in widths), kind in filters.WHOLE
+    tried, whole = tuple((width,) for width in widths), kind in filters.ODD_WIDTH_FILTERS
 
     def words(w: Array) -> str:
         return f"{name} is smoothed: a {kind} over {w[0]:.3g} samples ({w[0] * step:.3g} s)"
 
-    return changed(
+    return column_fault(
         f"smoothed by {kind}:{name}", Kind.NUMBER, (name,), lambda _, y, w: smooth(y, float(w[0])), words,
         () if whole else (0.0,), () if whole else (1.0,), guesses=() if whole else tried, usual=tried if whole else (),
     )  # fmt: skip
 
 
-def _coarser(evidence: Evidence, kind: str, fill: Fill, strides: tuple[tuple[float, float], ...]) -> Fault:
-    """Every k-th sample alone is simulated, the rest filled in."""
+def _sample_rate_fault(evidence: Evidence, kind: str, fill: Fill, strides: tuple[tuple[float, float], ...]) -> Fault:
+    """Only every k-th sample is simulated, and the others are filled in."""
     name = evidence.name
-    return changed(
+    return column_fault(
         f"sample rate, {kind}:{name}", Kind.NUMBER, (name,), lambda t, y, k: fill(t, y, int(k[0]), int(k[1])),
         lambda k: f"the sample rate of {name} is too low: one sample in {k[0]:.0f} is simulated, {kind}",
         usual=strides,
     )  # fmt: skip
 
 
-def _limited(evidence: Evidence) -> Iterator[Fault]:
+def _clipping_faults(evidence: Evidence) -> Iterator[Fault]:
     """Cut off at a largest or a smallest value."""
     values, truth, unit = evidence.values, evidence.truth, evidence.unit
     low, high = float(np.min(values)), float(np.max(values))
     at_end = max(np.sum(np.abs(values - end) <= evidence.tolerance) for end in (low, high))
-    if at_end < LIMITED or not np.any(np.abs(np.clip(truth, low, high) - truth) > evidence.tolerance):
+    if at_end < FEWEST_AT_LIMIT or not np.any(np.abs(np.clip(truth, low, high) - truth) > evidence.tolerance):
         return
     cut = ((low, np.min(truth) < low), (high, np.max(truth) > high))
     ends = " and ".join(f"{end / evidence.unit_value:.4g} {unit}" for end, is_cut in cut if is_cut)
-    yield changed(
+    yield column_fault(
         f"clipped:{evidence.name}", Kind.NUMBER, (evidence.name,), lambda _, y, p: np.clip(y, p[0], p[1]),
         lambda _: f"{evidence.name} is limited to {ends}", usual=((low, high),),
     )  # fmt: skip
 
 
-def _single_samples(evidence: Evidence) -> Iterator[Fault]:
+def _single_sample_faults(evidence: Evidence) -> Iterator[Fault]:
     """Single samples with the other sign, or else off in any way."""
     name, values, truth, open_ = evidence.name, evidence.values, evidence.truth, evidence.tolerance
     flipped = (np.abs(values + truth) <= open_ + 0.01 * np.abs(truth)) & (np.abs(values - truth) > open_)
     stray = (np.abs(values - truth) > 5.0 * open_ + 1e-3 * evidence.scale) & evidence.counted | evidence.over
-    if _are_few(flipped) and not np.any(stray & ~flipped):
-        yield changed(
+    if _is_few(flipped) and not np.any(stray & ~flipped):
+        yield column_fault(
             f"flipped samples:{name}", Kind.COLUMN, (name,),
             lambda t, y, at: np.where(np.isin(t, at), -y, y),
-            lambda at: f"{name} has the other sign in {_counted(at)}", usual=(tuple(evidence.time[flipped]),),
+            lambda at: f"{name} has the other sign in {_sample_words(at)}", usual=(tuple(evidence.time[flipped]),),
         )  # fmt: skip
-    elif _are_few(stray):
+    elif _is_few(stray):
         instants = evidence.time
-        yield changed(
+        yield column_fault(
             f"stray samples:{name}", Kind.SEVERAL, (name,),
             lambda t, y, at: np.where(np.isin(t, at), np.interp(t, instants, values), y),
-            lambda at: f"{name} is off in {_counted(at)}", usual=(tuple(evidence.time[stray]),),
+            lambda at: f"{name} is off in {_sample_words(at)}", usual=(tuple(evidence.time[stray]),),
         )  # fmt: skip
 
 
-def _are_few(which: NDArray[np.bool_]) -> bool:
-    return bool(0 < np.sum(which) <= max(1.0, FEW * len(which)))
+def _is_few(which: NDArray[np.bool_]) -> bool:
+    """Whether a mask (n,) marks single samples, and at least one."""
+    return bool(0 < np.sum(which) <= max(1.0, FEW_SAMPLES * len(which)))
 
 
-def _counted(times: Array) -> str:
+def _sample_words(times: Array) -> str:
+    """How many single samples there are, and at which times, s."""
     at = ", ".join(f"{time:.5g}" for time in times[:MOST_TIMES])
     more = f" and {len(times) - MOST_TIMES} more" if len(times) > MOST_TIMES else ""
     return f"{'a single sample' if len(times) == 1 else f'{len(times)} single samples'}, at {at} s{more}"
 
 
-def _mistaken(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Fault]:
+def _mistaken_quantity_faults(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Fault]:
     """Another quantity of the linkage under this name."""
     name, thin = evidence.name, evidence.thinned(100)
     others = [other for other in names if other != name]
     scale = float(np.max(np.abs(thin.values)))
     curves = [replace(thin, name=other) for other in others]
-    for other, truth in zip(others, simulation.predicted(curves), strict=True):
+    for other, truth in zip(others, simulation.predict(curves), strict=True):
         for sign in (1.0, -1.0):
-            if float(np.max(np.abs(sign * truth - thin.values))) < NEAR * scale:
-                yield _other_quantity(name, other, sign)
+            if float(np.max(np.abs(sign * truth - thin.values))) < ALIKE * scale:
+                yield _mistaken_quantity_fault(name, other, sign)
 
 
-def _other_quantity(name: str, other: str, sign: float) -> Fault:
+def _mistaken_quantity_fault(name: str, other: str, sign: float) -> Fault:
     def apply(simulation: Simulation, _: Array) -> Simulation:
         def change(predict: Predict, of: str, time: Array) -> Array:
             return sign * predict(other, time) if of == name else predict(of, time)
 
-        return simulation.then(change)
+        return simulation.with_change(change)
 
     sense = "" if sign > 0.0 else " with the other sign"
     return Fault(f"is {other}{sense}:{name}", Kind.COLUMN, apply, lambda _: f"{name} contains {other}{sense}")
@@ -307,8 +321,8 @@ def group_faults(evidence: Sequence[Evidence]) -> Iterator[Fault]:
     names = [signal.name for signal in evidence]
     groups: dict[str, tuple[Callable[[str], bool], str]] = {
         "rotary": (is_rotary, "angles, turns and torques count clockwise"),
-        "x": (_component("x"), "the x axis points the other way"),
-        "y": (_component("y"), "the y axis points the other way"),
+        "x": (_is_component("x"), "the x axis points the other way"),
+        "y": (_is_component("y"), "the y axis points the other way"),
         "output": (lambda name: name in ("S", "v", "a"), "the output counts the other way"),
         "forces": (lambda name: name.startswith("joint_force"), "joint forces are those on the other links"),
     }
@@ -318,14 +332,14 @@ def group_faults(evidence: Sequence[Evidence]) -> Iterator[Fault]:
     for kind, (chosen, words) in groups.items():
         members = [name for name in names if chosen(name)]
         if len(members) > 1:
-            yield scaled(f"sign of {kind}", members, -1.0, words)
+            yield scale_fault(f"sign of {kind}", members, -1.0, words)
     for unit in sorted({signal.unit for signal in evidence}):
         members = [signal.name for signal in evidence if signal.unit == unit]
         for ratio in UNIT_RATIOS.values() if len(members) > 1 else ():
             for factor in (ratio, 1.0 / ratio):
                 words = f"all that is in {unit or '1'} is {factor:.6g} times too large: a unit taken for another"
-                yield scaled(f"unit {unit} {factor:g}", members, factor, words)
+                yield scale_fault(f"unit {unit} {factor:g}", members, factor, words)
 
 
-def _component(axis: str) -> Callable[[str], bool]:
+def _is_component(axis: str) -> Callable[[str], bool]:
     return lambda name: name.rpartition(":")[2] in (axis, f"v{axis}", f"a{axis}")

@@ -35,8 +35,8 @@ class Correction:
     time_shift: float = 0.0
     offset: float = 0.0
 
-    def after(self, first: Correction) -> Correction:
-        """This correction behind another."""
+    def compose(self, first: Correction) -> Correction:
+        """The correction that applies ``first``, then this one."""
         return Correction(
             self.sign * first.sign,
             self.factor * first.factor,
@@ -72,12 +72,12 @@ class Fault:
     reshapes: bool = False
 
     def plant(self, simulation: Simulation, *numbers: float) -> Simulation:
-        """The simulation with this fault."""
+        """The simulation with this fault, at these numbers."""
         return self.apply(simulation, np.array(numbers, dtype=float))
 
 
-def both(first: Fault, then: Fault) -> Fault:
-    """Two faults at once."""
+def combine(first: Fault, then: Fault) -> Fault:
+    """The fault of two faults at once, with the numbers of both."""
     k = len(first.start)
     return Fault(
         f"{first.name} + {then.name}",

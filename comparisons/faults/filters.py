@@ -16,7 +16,7 @@ from analytic.errors import LinkproofError
 Array = NDArray[np.float64]
 Smooth = Callable[[Array, float], Array]  # values (n,), a width in samples
 
-WIDEST: Final = 0.2  # of the samples: a filter
+WIDEST_SHARE: Final = 0.2  # of the samples: a filter
 NARROWEST: Final = 3  # samples
 FEWEST: Final = 12  # samples of a curve from which filters are recognised
 MOST_STRIDES: Final = 64
@@ -36,64 +36,67 @@ def moving_average(values: Array, width: float) -> Array:
 
 def low_pass(values: Array, width: float) -> Array:
     """A first-order filter with a time constant of ``width`` samples."""
-    share = 1.0 - math.exp(-1.0 / _checked(values, width))
+    share = 1.0 - math.exp(-1.0 / _check_width(values, width))
     return np.asarray(lfilter([share], [1.0, share - 1.0], values, zi=[(1.0 - share) * values[0]])[0])
 
 
 def _savitzky_golay(values: Array, width: float) -> Array:
-    return _inner(savgol_filter(values, max(int(width), 5), 2), width)
+    return _without_ends(savgol_filter(values, max(int(width), 5), 2), width)
 
 
 def _gaussian(values: Array, width: float) -> Array:
-    return _inner(gaussian_filter1d(values, _checked(values, width) / 6.0), width)
+    return _without_ends(gaussian_filter1d(values, _check_width(values, width) / 6.0), width)
 
 
-def _checked(values: Array, width: float) -> float:
-    """A width that is neither of no sample nor of more than there are; raises LinkproofError."""
+def _check_width(values: Array, width: float) -> float:
+    """A filter's width in samples that is neither of no sample nor of more than there are; raises LinkproofError."""
     if not 0.05 < width < len(values):
         raise LinkproofError(f"width of a filter: expected up to {len(values)} samples, got {width:g}")
     return width
 
 
-def _inner(values: Array, width: float) -> Array:
-    """Without the ends, where filters differ."""
+def _without_ends(values: Array, width: float) -> Array:
+    """Smoothed values (n,) with nan at the ends, where filters differ."""
     values = np.array(values, dtype=float)
     half = max(int(width) // 2, 1)
     values[:half] = values[-half:] = np.nan
     return values
 
 
-WHOLE: Final[Mapping[str, Smooth]] = {"moving average": moving_average, "Savitzky-Golay filter": _savitzky_golay}
-BROKEN: Final[Mapping[str, Smooth]] = {"Gaussian filter": _gaussian, "low-pass filter": low_pass}
+ODD_WIDTH_FILTERS: Final[Mapping[str, Smooth]] = {
+    "moving average": moving_average,
+    "Savitzky-Golay filter": _savitzky_golay,
+}
+ANY_WIDTH_FILTERS: Final[Mapping[str, Smooth]] = {"Gaussian filter": _gaussian, "low-pass filter": low_pass}
 
 
-def kinds(count: int) -> Iterator[tuple[str, list[float], Smooth]]:
-    """Every filter of a curve of so many samples, with the widths at which a fit begins."""
-    widest = max(NARROWEST, int(WIDEST * count))
+def filter_kinds(count: int) -> Iterator[tuple[str, list[float], Smooth]]:
+    """Name, first widths and function of every filter for a curve of ``count`` samples; nothing for a short curve."""
+    widest = max(NARROWEST, int(WIDEST_SHARE * count))
     spread = {float(int(width) | 1) for width in np.geomspace(NARROWEST, widest, 24)}
     odd = sorted(spread | {float(width) for width in range(NARROWEST, min(32, widest), 2)})
     if count >= FEWEST:
-        yield from ((kind, odd, smooth) for kind, smooth in WHOLE.items())
-        yield from ((kind, [0.5, 1.0, 2.0, *sorted(spread)], smooth) for kind, smooth in BROKEN.items())
+        yield from ((kind, odd, smooth) for kind, smooth in ODD_WIDTH_FILTERS.items())
+        yield from ((kind, [0.5, 1.0, 2.0, *sorted(spread)], smooth) for kind, smooth in ANY_WIDTH_FILTERS.items())
 
 
-def every_kth(count: int) -> Iterator[tuple[float, float]]:
-    """Strides and phases of samples that may be the only ones of a curve of so many."""
+def strides_and_phases(count: int) -> Iterator[tuple[float, float]]:
+    """Strides and phases of the only simulated samples that a curve of ``count`` samples may have; none if short."""
     for stride in range(2, min(MOST_STRIDES, count // 8) + 1 if count >= FEWEST else 0):
         for phase in range(stride if stride <= EVERY_PHASE else 1):
             yield float(stride), float(phase)
 
 
-def joined(time: Array, values: Array, stride: int, phase: int) -> Array:
-    """Every k-th sample, joined by straight lines."""
+def join_samples(time: Array, values: Array, stride: int, phase: int) -> Array:
+    """Every k-th sample of values (n,), joined by straight lines; nan outside."""
     nodes = np.arange(phase, len(values), stride)
     return np.interp(time, time[nodes], values[nodes], left=np.nan, right=np.nan)
 
 
-def repeated(_: Array, values: Array, stride: int, phase: int) -> Array:
-    """Every k-th sample, each until the next."""
+def hold_samples(_: Array, values: Array, stride: int, phase: int) -> Array:
+    """Every k-th sample of values (n,), each held until the next; nan before the first."""
     number = np.arange(len(values)) - phase
     return np.where(number >= 0, values[np.maximum(number - number % stride, 0) + phase], np.nan)
 
 
-FILLED: Final = {"joined by straight lines": joined, "each repeated until the next": repeated}
+FILLINGS: Final = {"joined by straight lines": join_samples, "each repeated until the next": hold_samples}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
 from comparisons.faults.columns import Evidence
-from comparisons.faults.fault import Fault, Kind, Numbers, both
+from comparisons.faults.fault import Fault, Kind, Numbers, combine
 from comparisons.faults.simulation import Simulation, holds_acceleration, is_angle
 from comparisons.judging.deviations import near_jumps
 
@@ -23,13 +23,13 @@ ROUNDS: Final = 8  # of Gauss-Newton
 MOST_GUESSES: Final = 3  # from which fits are made
 HALVINGS: Final = 6
 SETTLED: Final = 1e-3  # relative gain below which a fit ends
-STEP: Final = 1e-4  # of a number's own size, for its difference quotient
+DIFFERENCE_STEP: Final = 1e-4  # of a number's own size, for its difference quotient
 MOST_OPEN: Final = 0.2  # of a signal's samples that a cause may leave open, such as a filter's ends
 AS_GOOD: Final = 1.3  # times the rms of the best numbers that usual ones may leave
 AS_ROUND: Final = 1.1  # the same, of round ones
 DIGITS: Final = (1, 2, 3)  # of round numbers
-ODD: Final = 4  # digits of a number that is not round
-NEAREST: Final = 2  # usual numbers that are tried
+NOT_ROUND: Final = 4  # digits of a number that is not round
+USUAL_TRIED: Final = 2  # usual numbers that are tried
 HOPELESS: Final = 0.05  # of the squares: a number that takes less away where it is small explains nothing
 MOST_PAIRS: Final = 6  # of two numbers that are fitted
 
@@ -45,7 +45,7 @@ class Fit:
     numbers: Array
     rms: Array
     largest: Array
-    digits: int = ODD
+    digits: int = NOT_ROUND
 
     @property
     def words(self) -> str:
@@ -63,7 +63,7 @@ class Fit:
         """Small for what an engineer looks at first."""
         kind = self.fault.kind
         if kind is Kind.SEVERAL and not self.digits:
-            return (Kind.SETTING, 0) if len(self.numbers) < 2 else (Kind.NUMBER, ODD)
+            return (Kind.SETTING, 0) if len(self.numbers) < 2 else (Kind.NUMBER, NOT_ROUND)
         return kind, self.digits
 
 
@@ -73,12 +73,12 @@ class Fitting:
     def __init__(self, simulation: Simulation, evidence: Sequence[Evidence]) -> None:
         self.simulation, self.evidence = simulation, evidence
 
-    def rest(self, fault: Fault, numbers: Array) -> list[Array] | None:
-        """Residual of every column with a fault, over its tolerance; nan where undecided; None if impossible."""
+    def residuals(self, fault: Fault, numbers: Array) -> list[Array] | None:
+        """Residuals (n,) of every column with a fault, over its tolerance, nan where undecided; None if impossible."""
         try:
             with np.errstate(all="ignore"):  # two points of a link in one place, a speed beyond all bounds
                 other = fault.apply(self.simulation, numbers)
-                curves = other.predicted(self.evidence)
+                curves = other.predict(self.evidence)
         except (LinkproofError, ArithmeticError):
             return None
         moved = other.motion.jumps != self.simulation.motion.jumps
@@ -94,45 +94,48 @@ class Fitting:
             remains.append(rest)
         return remains
 
-    def at(self, fault: Fault, numbers: Numbers | Array, digits: int = ODD) -> Fit | None:
-        """A fault with these numbers."""
+    def evaluate(self, fault: Fault, numbers: Numbers | Array, digits: int = NOT_ROUND) -> Fit | None:
+        """What a fault leaves of the columns with exactly these numbers; None where it cannot be simulated.
+
+        ``digits`` goes into the Fit: how round the number is.
+        """
         numbers = np.array(numbers, dtype=float)
-        rest = self.rest(fault, numbers)
+        rest = self.residuals(fault, numbers)
         return None if rest is None else Fit(fault, numbers, *_measures(rest), digits)
 
     def best(self, fault: Fault) -> Fit | None:
         """The best fit of a fault, with usual or round numbers where they leave as little; None if it cannot be."""
         if fault.usual and not fault.start:
-            return _least(self.at(fault, numbers, 0) for numbers in fault.usual)
+            return _least_fit(self.evaluate(fault, numbers, 0) for numbers in fault.usual)
         if not fault.start:
-            return self.at(fault, (), 0)
-        best = _least(self._from(fault, np.array(guess)) for guess in self._promising(fault))
+            return self.evaluate(fault, (), 0)
+        best = _least_fit(self._gauss_newton(fault, np.array(guess)) for guess in self._best_guesses(fault))
         if best is None:
             return None
-        usual = _least(self.at(fault, numbers, 0) for numbers in self._near(fault, best))
+        usual = _least_fit(self.evaluate(fault, numbers, 0) for numbers in self._usual_candidates(fault, best))
         if usual and _is_as_good(usual, best, AS_GOOD):
             return usual
         return best
 
     def rounded(self, fit: Fit) -> Fit:
-        """The same with a number as round as the file allows, in the unit in which it is written."""
+        """A fit with its number as round as the file allows, in the unit in which it is written; itself if none is."""
         unit = fit.fault.unit
         if not unit or len(fit.numbers) != 1 or not fit.digits:
             return fit
         for digits in DIGITS:
             value = float(f"{fit.numbers[0] / unit:.{digits - 1}e}") * unit
-            trial = self.at(fit.fault, (value,), digits)
+            trial = self.evaluate(fit.fault, (value,), digits)
             if trial and _is_as_good(trial, fit, AS_ROUND):
                 return trial
         return fit
 
     def pairs(self, faults: Iterable[Fault]) -> Iterator[Fit]:
-        """The likeliest two of some faults of one number at once, chosen by what they change where they are small."""
-        start = [(fault, column) for fault in faults if (column := self._slope(fault)) is not None]
+        """Fits of the likeliest pairs among faults of one number, chosen by what each changes where it is small."""
+        start = [(fault, column) for fault in faults if (column := self._sensitivity(fault)) is not None]
         if len(start) < 2:
             return
         slopes = np.stack([column / np.linalg.norm(column) for _, column in start])
-        right = slopes @ _vector([signal.residual for signal in self.evidence])
+        right = slopes @ _stacked_residuals([signal.residual for signal in self.evidence])
         cosines = np.triu(slopes @ slopes.T, 1)
         apart = np.maximum(1.0 - cosines**2, 1e-9)
         gain = (right[:, None] ** 2 + right**2 - 2.0 * cosines * np.outer(right, right)) / apart
@@ -141,45 +144,47 @@ class Fitting:
         for place in np.argsort(gain, axis=None)[::-1][:MOST_PAIRS]:
             first, then = divmod(int(place), len(start))
             if math.isfinite(gain[first, then]):
-                fit = self._from(pair := both(start[first][0], start[then][0]), np.array(pair.start))
+                fit = self._gauss_newton(pair := combine(start[first][0], start[then][0]), np.array(pair.start))
                 if fit:
                     yield fit
 
-    def _slope(self, fault: Fault) -> Array | None:
-        """By how much a small change of a fault's number changes what is left, (all samples,)."""
+    def _sensitivity(self, fault: Fault) -> Array | None:
+        """Change of the residuals (all samples,) by a fault's number near its start; None if it is 0 or not finite."""
         start = np.array(fault.start)
-        beside = self.rest(fault, start + STEP * np.array(fault.sizes))
+        beside = self.residuals(fault, start + DIFFERENCE_STEP * np.array(fault.sizes))
         if beside is None:
             return None
         slope = _slopes([signal.residual for signal in self.evidence], beside)
         return slope if np.any(slope) and np.all(np.isfinite(slope)) else None
 
-    def _near(self, fault: Fault, best: Fit) -> Sequence[Numbers]:
-        """The usual numbers that may be as good as the best: the nearest, or all where fits have several ends."""
+    def _usual_candidates(self, fault: Fault, best: Fit) -> Sequence[Numbers]:
+        """Usual numbers to try beside the best fit: the nearest, or all where fits have several ends."""
         if fault.guesses:
             return fault.usual
         sizes = np.array(fault.sizes)
-        return sorted(fault.usual, key=lambda values: float(np.sum(((best.numbers - values) / sizes) ** 2)))[:NEAREST]
+        return sorted(fault.usual, key=lambda values: float(np.sum(((best.numbers - values) / sizes) ** 2)))[
+            :USUAL_TRIED
+        ]
 
-    def _promising(self, fault: Fault) -> Sequence[Numbers]:
+    def _best_guesses(self, fault: Fault) -> Sequence[Numbers]:
         """The guesses from which a fit is made: of many those that are nearest to the file as they are."""
         if len(fault.guesses) <= MOST_GUESSES:
             return fault.guesses or (fault.start,)
-        fits = {guess: self.at(fault, guess) for guess in fault.guesses}
+        fits = {guess: self.evaluate(fault, guess) for guess in fault.guesses}
         costs = {guess: float(np.sum(fit.rms**2)) for guess, fit in fits.items() if fit is not None}
         return sorted(costs, key=lambda guess: costs[guess])[:MOST_GUESSES]
 
-    def _from(self, fault: Fault, numbers: Array) -> Fit | None:
-        """Gauss-Newton with halved steps."""
+    def _gauss_newton(self, fault: Fault, numbers: Array) -> Fit | None:
+        """The fit of a fault's numbers from a guess, by Gauss-Newton with halved steps; None if not simulated."""
         is_start = np.array_equal(numbers, fault.start)
-        rest = [signal.residual for signal in self.evidence] if is_start else self.rest(fault, numbers)
+        rest = [signal.residual for signal in self.evidence] if is_start else self.residuals(fault, numbers)
         if rest is None:
             return None
         sizes = np.array(fault.sizes)
         for _ in range(ROUNDS):
-            vector = _vector(rest)
+            vector = _stacked_residuals(rest)
             cost = float(vector @ vector)
-            beside = [self.rest(fault, numbers + STEP * size) for size in np.diag(sizes)]
+            beside = [self.residuals(fault, numbers + DIFFERENCE_STEP * size) for size in np.diag(sizes)]
             slopes = [_slopes(rest, groups) for groups in beside if groups is not None]
             if len(slopes) < len(sizes):
                 break
@@ -192,8 +197,8 @@ class Fitting:
                 break
             step, is_start = step * sizes, False
             for _ in range(HALVINGS):
-                trial = self.rest(fault, numbers + step)
-                gain = -1.0 if trial is None else cost - float(np.sum(_vector(trial) ** 2))
+                trial = self.residuals(fault, numbers + step)
+                gain = -1.0 if trial is None else cost - float(np.sum(_stacked_residuals(trial) ** 2))
                 if gain > 0.0:
                     break
                 step = 0.5 * step
@@ -205,7 +210,8 @@ class Fitting:
         return Fit(fault, numbers, *_measures(rest))
 
 
-def _least(fits: Iterable[Fit | None]) -> Fit | None:
+def _least_fit(fits: Iterable[Fit | None]) -> Fit | None:
+    """The fit that leaves least; None without one."""
     return min((fit for fit in fits if fit), key=lambda fit: float(np.sum(fit.rms**2)), default=None)
 
 
@@ -225,10 +231,10 @@ def _measures(rest: Sequence[Array]) -> tuple[Array, Array]:
 
 
 def _slopes(rest: Sequence[Array], beside: Sequence[Array]) -> Array:
-    """The change of what is left by a small step, none where either is open."""
-    return _vector([(other - values) / STEP for values, other in zip(rest, beside, strict=True)])
+    """Derivative of the residuals by a small step to those ``beside``; 0 where either is open."""
+    return _stacked_residuals([(other - values) / DIFFERENCE_STEP for values, other in zip(rest, beside, strict=True)])
 
 
-def _vector(rest: Sequence[Array]) -> Array:
-    """Every signal alike, however many samples it has."""
+def _stacked_residuals(rest: Sequence[Array]) -> Array:
+    """The residuals of all signals in one vector, each signal weighted alike however many samples it has; 0 for nan."""
     return np.concatenate([np.nan_to_num(values) / np.sqrt(len(values)) for values in rest])

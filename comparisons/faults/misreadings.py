@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND, DriverKind
 from comparisons.observation.interpolation import resample
-from comparisons.reference.case import Case, truth
+from comparisons.reference.case import Case, channel_truth
 from engines.contract import History, Signal
 from engines.mechanics.states import point_acceleration, point_velocity
 from engines.scene import Channel, Scene
@@ -30,7 +30,7 @@ EXPLAINED: Final = 0.1  # of an error: what a cause may leave of it
 ENDS: Final = 4  # samples at either end by which nothing is explained: shifted in time they have no values
 STEP: Final = 0.1  # of a factor or a sample, to either side, for the slope of a fit
 ROUNDS: Final = 4  # of Gauss and Newton
-EQUAL: Final = 1e-3  # relative: what a known factor may be off
+FACTOR_ERROR: Final = 1e-3  # relative: what a known factor may be off
 FACTORS: Final = {
     -1.0: "it has the wrong sign",
     1e3: "it is in mm",
@@ -56,23 +56,23 @@ class Reading:
 
     @property
     def values(self) -> Array:
-        """Its samples, (n, k)."""
-        return self.at(self.time)
+        """Samples of the signal, (n, k)."""
+        return self.values_at(self.time)
 
-    def at(self, time: Array) -> Array:
-        """Its values at other times, (n, k), the first or the last outside of its own."""
-        return self.other(self.channel, self.name, time)[:, self.columns]
+    def values_at(self, time: Array) -> Array:
+        """Values of the signal at times, s, (n, k); outside of its own clock the first or the last."""
+        return self.channel_values(self.channel, self.name, time)[:, self.columns]
 
-    def other(self, channel: Channel, name: str, time: Array) -> Array:
-        """All columns of any body's or joint's, (n, columns)."""
+    def channel_values(self, channel: Channel, name: str, time: Array) -> Array:
+        """All columns of a channel of the body or joint ``name`` at times, s, (n, columns)."""
         if channel is Channel.JOINT_FORCE:
             signal = self.history.joint_force[name]
         else:
             signal = getattr(self.history, channel.value)
         values = resample(signal, np.clip(time, signal.time[0], signal.time[-1]))
-        return np.asarray(values[:, self.number(name)] if channel in LEVELS else values.reshape(len(time), -1))
+        return np.asarray(values[:, self.body_number(name)] if channel in LEVELS else values.reshape(len(time), -1))
 
-    def number(self, body: str) -> int:
+    def body_number(self, body: str) -> int:
         """The place of a body in the scene."""
         return [each.name for each in self.scene.bodies].index(body)
 
@@ -103,7 +103,7 @@ def true_history(case: Case, scene: Scene, history: History) -> History:
     """The closed form of all signals of a history, of magnitudes alone where it has no more."""
 
     def right(channel: Channel, names: Iterable[str], signal: Signal) -> Signal:
-        values = np.stack([truth(case, channel, name, signal.time) for name in names], axis=1)
+        values = np.stack([channel_truth(case, channel, name, signal.time) for name in names], axis=1)
         return Signal(signal.time, values if channel in LEVELS else values[:, 0])
 
     bodies = [body.name for body in scene.bodies]
@@ -137,37 +137,40 @@ class Misreading:
         """Residual of values (n, k) with each choice, or with the best number; and its sentence."""
         if right.channel in self.channels:
             for choice in (self._fitted(right, wrong),) if self.numbers else self.choices(right):
-                yield size(wrong - self.values(right, choice)), self.words(choice)
+                yield largest_magnitude(wrong - self.values(right, choice)), self.words(choice)
 
     def _fitted(self, right: Reading, wrong: Array) -> float:
+        """The number with which the slip comes nearest to wrong values, by least squares."""
         number = self.start
         for _ in range(ROUNDS):
             high, low = (self.values(right, number + step) for step in (STEP, -STEP))
-            slope, left = _inner((high - low) / (2.0 * STEP)), _inner(wrong - self.values(right, number))
+            slope, left = _without_ends((high - low) / (2.0 * STEP)), _without_ends(wrong - self.values(right, number))
             number += float(np.vdot(left, slope) / (np.vdot(slope, slope) or 1.0))
         return number
 
 
-def likeliest(right: Reading, wrong: Array) -> str:
+def likeliest_misreading(right: Reading, wrong: Array) -> str:
     """The slip that leaves least of the error of values (n, k), in words; empty where none explains it."""
     left, words = min(cause for misreading in MISREADINGS for cause in misreading.causes(right, wrong))
-    return words if left <= EXPLAINED * size(wrong - right.values) else ""
+    return words if left <= EXPLAINED * largest_magnitude(wrong - right.values) else ""
 
 
-def size(values: Array) -> float:
-    """The largest number, the ends left out."""
-    return float(np.abs(_inner(values)).max())
+def largest_magnitude(values: Array) -> float:
+    """The largest magnitude in values (n, k), the ends left out."""
+    return float(np.abs(_without_ends(values)).max())
 
 
-def _inner(values: Array) -> Array:
+def _without_ends(values: Array) -> Array:
     return values[ENDS:-ENDS]
 
 
-def planted(history: History, scene: Scene, channel: Channel, misreading: Misreading, number: float | None) -> History:
+def plant_misreading(
+    history: History, scene: Scene, channel: Channel, misreading: Misreading, number: float | None
+) -> History:
     """A history with a channel misread, of joint forces the largest; itself where that concerns nothing in it."""
     concerned = [reading for reading in readings(scene, history) if reading.channel is channel]
     if channel is Channel.JOINT_FORCE:
-        concerned = [max(concerned, key=lambda reading: size(reading.values))]
+        concerned = [max(concerned, key=lambda reading: largest_magnitude(reading.values))]
     for reading in concerned:
         choice = next(iter(misreading.choices(reading)), None) if number is None else number
         if choice is None:
@@ -176,7 +179,7 @@ def planted(history: History, scene: Scene, channel: Channel, misreading: Misrea
         before = getattr(history, channel.value)
         if channel in LEVELS:
             whole = before.values.copy()
-            whole[:, reading.number(reading.name), reading.columns] = values
+            whole[:, reading.body_number(reading.name), reading.columns] = values
             changed: Any = replace(before, values=whole)
         elif channel is Channel.TORQUE:
             changed = replace(before, values=values[:, 0])
@@ -188,7 +191,7 @@ def planted(history: History, scene: Scene, channel: Channel, misreading: Misrea
 
 
 def _factor_words(factor: float) -> str:
-    known = (words for value, words in FACTORS.items() if abs(factor - value) <= EQUAL * abs(value))
+    known = (words for value, words in FACTORS.items() if abs(factor - value) <= FACTOR_ERROR * abs(value))
     return next(known, f"it is {factor:.5g} times as large")
 
 
@@ -198,21 +201,22 @@ def _shift_words(samples: float) -> str:
     )
 
 
-def _only(columns: slice, *choices: Any) -> Callable[[Reading], Iterable[Any]]:  # noqa: ANN401
-    """Choices that concern places or forces alone, or angles."""
+def _choices_of(columns: slice, *choices: Any) -> Callable[[Reading], Iterable[Any]]:  # noqa: ANN401
+    """The choices of a slip that concerns signals with these columns alone: places and forces, or angles."""
     return lambda reading: (choices or ("",)) if reading.columns == columns else ()
 
 
-def _bodies(reading: Reading) -> list[str]:
-    """The body of a vector, or those of its joint."""
+def _frame_bodies(reading: Reading) -> list[str]:
+    """The bodies in whose frame a vector may be read by mistake; [] for an angle or a number."""
     ends = {pin.name: (pin.first, pin.second) for pin in reading.scene.pins}
     ends |= {joint.name: (joint.body, joint.host) for joint in reading.scene.guided}
     bodies = ends[reading.name] if reading.channel is Channel.JOINT_FORCE else (reading.name,)
     return [end for end in bodies if end != GROUND] if reading.columns == PLACE else []
 
 
-def _in_frame(reading: Reading, body: str) -> Array:
-    angle = reading.other(Channel.POSITION, body, reading.time)[:, 2]
+def _in_body_frame(reading: Reading, body: str) -> Array:
+    """A vector (n, 2) in the frame of a body."""
+    angle = reading.channel_values(Channel.POSITION, body, reading.time)[:, 2]
     c, s, (x, y) = np.cos(angle), np.sin(angle), reading.values.T
     return np.column_stack([c * x + s * y, c * y - s * x])
 
@@ -229,10 +233,10 @@ def _anchors(reading: Reading) -> dict[str, tuple[float, float]]:
     return {name: at for name, body, at in sides if body == reading.name} if reading.columns == PLACE else {}
 
 
-def _of_point(reading: Reading, joint: str) -> Array:
-    """The place of the point in a joint, or a time derivative of it."""
+def _at_joint_point(reading: Reading, joint: str) -> Array:
+    """Place (n, 2), m, of a body's point in a joint, or its velocity or acceleration, as the reading's channel is."""
     order = LEVELS.index(reading.channel)
-    position, *rates = (reading.other(level, reading.name, reading.time) for level in LEVELS[: order + 1])
+    position, *rates = (reading.channel_values(level, reading.name, reading.time) for level in LEVELS[: order + 1])
     c, s, (x, y) = np.cos(position[:, 2]), np.sin(position[:, 2]), _anchors(reading)[joint]
     arm = np.column_stack([c * x - s * y, s * x + c * y])
     moved = (
@@ -244,10 +248,10 @@ def _of_point(reading: Reading, joint: str) -> Array:
 
 
 def _without_crank(reading: Reading, _: str) -> Array:
-    """Without the torque, N m, that the crank alone takes, or the force, N, that a driven slider does."""
+    """The drive torque (n, 1), N m or N, without the share that accelerates and lifts the driven link itself."""
     scene = reading.scene
     crank = next(body for body in scene.bodies if body.name == scene.crank)
-    velocity, second = (reading.other(level, crank.name, reading.time) for level in LEVELS[1:])
+    velocity, second = (reading.channel_values(level, crank.name, reading.time) for level in LEVELS[1:])
     force = crank.mass * (second[:, :2] - scene.gravity)
     if scene.driver_kind is DriverKind.SLIDER:
         taken = force @ np.array(scene.driven_slider.along)
@@ -259,26 +263,30 @@ def _without_crank(reading: Reading, _: str) -> Array:
 
 MISREADINGS: Final = (
     Misreading(_factor_words, lambda r, k: k * r.values, numbers=(-1.0, 1.002), start=1.0),
-    Misreading(_shift_words, lambda r, samples: r.at(r.time + samples * np.gradient(r.time)), numbers=(-0.5,)),
-    Misreading(lambda _: "it counts clockwise", lambda r, _: -r.values, LEVELS, _only(ANGLE)),
-    Misreading(lambda _: "it counts from the start", lambda r, _: r.values - r.values[0], LEVELS[:1], _only(ANGLE)),
+    Misreading(_shift_words, lambda r, samples: r.values_at(r.time + samples * np.gradient(r.time)), numbers=(-0.5,)),
+    Misreading(lambda _: "it counts clockwise", lambda r, _: -r.values, LEVELS, _choices_of(ANGLE)),
+    Misreading(
+        lambda _: "it counts from the start", lambda r, _: r.values - r.values[0], LEVELS[:1], _choices_of(ANGLE)
+    ),
     Misreading(
         lambda _: "it is not unwrapped",
         lambda r, low: (r.values - low) % FULL_TURN + low,
         LEVELS[:1],
-        _only(ANGLE, -np.pi, 0.0),
+        _choices_of(ANGLE, -np.pi, 0.0),
     ),
-    Misreading(lambda _: "x and y are exchanged", lambda r, _: r.values[:, ::-1], VECTORS, _only(PLACE)),
+    Misreading(lambda _: "x and y are exchanged", lambda r, _: r.values[:, ::-1], VECTORS, _choices_of(PLACE)),
     Misreading(
         lambda axis: f"{axis} is mirrored",
         lambda r, axis: r.values * ((-1.0, 1.0) if axis == "x" else (1.0, -1.0)),
         VECTORS,
-        _only(PLACE, "x", "y"),
+        _choices_of(PLACE, "x", "y"),
     ),
-    Misreading(lambda body: f"it is in the frame of body '{body}', not the ground's", _in_frame, VECTORS, _bodies),
+    Misreading(
+        lambda body: f"it is in the frame of body '{body}', not the ground's", _in_body_frame, VECTORS, _frame_bodies
+    ),
     Misreading(
         lambda joint: f"it is the force of joint '{joint}'",
-        lambda r, joint: r.other(Channel.JOINT_FORCE, joint, r.time),
+        lambda r, joint: r.channel_values(Channel.JOINT_FORCE, joint, r.time),
         (Channel.JOINT_FORCE,),
         _other_joints,
     ),
@@ -286,10 +294,13 @@ MISREADINGS: Final = (
         lambda _: "gravity is subtracted, as an accelerometer does",
         lambda r, _: r.values - r.scene.gravity,
         (Channel.ACCELERATION,),
-        _only(PLACE),
+        _choices_of(PLACE),
     ),
     Misreading(
-        lambda joint: f"it is that of the point in joint '{joint}', not of the mass centre", _of_point, LEVELS, _anchors
+        lambda joint: f"it is that of the point in joint '{joint}', not of the mass centre",
+        _at_joint_point,
+        LEVELS,
+        _anchors,
     ),
     Misreading(
         lambda _: "the crank's own inertia and weight are left out of it",

@@ -26,14 +26,14 @@ Words = Callable[[Array], str]
 
 UNITS: Final = (1e3, 1e-3)  # a unit taken for another
 # What is written in place of a number, as its multiples.
-USUAL: Final[dict[Kind, tuple[float, ...]]] = {
+USUAL_FACTORS: Final[dict[Kind, tuple[float, ...]]] = {
     "mass": (0.0, *UNITS),
     "inertia": (0.0, *UNITS, 1e6, 1e-6),
     "length": (-1.0,),
     "acceleration": (0.0, -1.0),
 }
-LOADED: Final = (0.0, -1.0, *UNITS)  # multiples of a load
-MOST_OF_A_TABLE: Final = 8  # numbers of one load that are faults of their own
+LOAD_FACTORS: Final = (0.0, -1.0, *UNITS)  # multiples of a load
+MOST_LOAD_NUMBERS: Final = 8  # of one load: of a longer table no number is a fault of its own
 MOST_POINTS: Final = 60  # of a linkage whose distances are tried one by one
 
 
@@ -45,55 +45,60 @@ def number_faults(linkage: Linkage) -> Iterator[Fault]:
             continue
         if number.kind == "direction":
             if name.endswith(".x"):
-                yield _turned(linkage, name.removesuffix(".x"))
-        elif number.place[0] not in LOADS[:2] or _count(every, number) <= MOST_OF_A_TABLE:
-            yield _number(linkage, name, number)
+                yield _direction_fault(linkage, name.removesuffix(".x"))
+        elif number.place[0] not in LOADS[:2] or _count_of_load(every, number) <= MOST_LOAD_NUMBERS:
+            yield _number_fault(linkage, name, number)
 
 
-def _count(every: dict[str, Number], number: Number) -> int:
+def _count_of_load(every: dict[str, Number], number: Number) -> int:
+    """How many numbers the load of a number has."""
     return sum(other.place[:2] == number.place[:2] for other in every.values())
 
 
-def with_number(name: str) -> Callable[[Simulation, Array], Simulation]:
-    """Another value of a number."""
+def number_change(name: str) -> Callable[[Simulation, Array], Simulation]:
+    """The change that gives a number of the description another value."""
 
     def apply(simulation: Simulation, value: Array) -> Simulation:
         if named_numbers(simulation.linkage)[name].kind in ("mass", "inertia"):
-            positive(value)
-        return _with(simulation, {name: float(value[0])})
+            check_positive(value)
+        return _replace_numbers(simulation, {name: float(value[0])})
 
     return apply
 
 
-def _with(simulation: Simulation, values: dict[str, float]) -> Simulation:
-    """Other numbers by name, and nothing that goes with them; raises LinkproofError for points in one place."""
+def _replace_numbers(simulation: Simulation, values: dict[str, float]) -> Simulation:
+    """A simulation with other numbers by name, and nothing that goes with them.
+
+    Raises LinkproofError for two points of a link in one place.
+    """
     linkage = changed(simulation.linkage, lambda name, _, value: values.get(name, value))
     for name, link in linkage.links.items():
         if len({*link.points.values()}) < len({*simulation.linkage.links[name].points.values()}):
             raise LinkproofError(f"points of '{name}': expected different places, got one twice")
-    return simulation.of(linkage)
+    return simulation.with_linkage(linkage)
 
 
-def positive(k: Array) -> float:
-    """A factor or a mass; raises LinkproofError for a negative one."""
+def check_positive(k: Array) -> float:
+    """The single number k[0], a factor or a mass; raises LinkproofError for a negative one."""
     if k[0] < 0.0:
         raise LinkproofError(f"factor: expected no negative number, got {k[0]:g}")
     return float(k[0])
 
 
-def written(linkage: Linkage, kind: Kind, value: float) -> str:
+def in_file_unit(linkage: Linkage, kind: Kind, value: float) -> str:
     """A number for a reader, in the unit of the linkage's file."""
     unit = linkage.units.get(kind, SI.get(kind, "m/s²"))
     scale = factor(kind, unit) if kind in linkage.units else 1.0
     return f"{value / scale:z.4g} {unit}"
 
 
-def _number(linkage: Linkage, name: str, number: Number) -> Fault:
+def _number_fault(linkage: Linkage, name: str, number: Number) -> Fault:
+    """The fault that one number of the description has another value."""
     kind, value = number.kind, number.value
     size = {"length": linkage.shortest_length(), "acceleration": 9.81}.get(kind, abs(value))
-    usual = [value * k for k in USUAL.get(kind, LOADED)]
-    about = _about_points(linkage.links[str(number.place[1])]) if kind == "inertia" else {}
-    what = _what(name, number)
+    usual = [value * k for k in USUAL_FACTORS.get(kind, LOAD_FACTORS)]
+    about = _inertias_about_points(linkage.links[str(number.place[1])]) if kind == "inertia" else {}
+    what = _number_words(name, number)
 
     def words(new: Array) -> str:
         if not new[0] and kind not in ("length", "acceleration"):
@@ -102,18 +107,18 @@ def _number(linkage: Linkage, name: str, number: Number) -> Fault:
         point = next((point for place, point in about.items() if math.isclose(place, new[0], rel_tol=1e-9)), "")
         end = f": that about '{point}', not about the mass centre" if point else ""
         end = " (a unit taken for another)" if is_unit else end
-        return f"{what} is {written(linkage, kind, new[0])} in place of {written(linkage, kind, value)}{end}"
+        return f"{what} is {in_file_unit(linkage, kind, new[0])} in place of {in_file_unit(linkage, kind, value)}{end}"
 
     return Fault(
-        name, fault.Kind.NUMBER, with_number(name), words, (value,), (size or 1.0,),
+        name, fault.Kind.NUMBER, number_change(name), words, (value,), (size or 1.0,),
         usual=tuple((new,) for new in dict.fromkeys([*about, *usual]) if new != value),
         unit=factor(kind, linkage.units[kind]) if kind in linkage.units else 1.0,
         reshapes=kind == "length" and "centre" not in number.place and number.place[0] not in LOADS,
     )  # fmt: skip
 
 
-def _what(name: str, number: Number) -> str:
-    """A number in words."""
+def _number_words(name: str, number: Number) -> str:
+    """What a number of the description is, in words."""
     match number.place:
         case ("links", link, "mass"):
             what = f"the mass of '{link}'"
@@ -134,21 +139,21 @@ def _what(name: str, number: Number) -> str:
     return what
 
 
-def _about_points(link: Link) -> dict[float, str]:
-    """The inertia about each of a link's points."""
+def _inertias_about_points(link: Link) -> dict[float, str]:
+    """The points of a link by its inertia about each, kg m²."""
     distances = {point: math.dist(at, link.centre) for point, at in link.points.items()}
     return {(link.inertia or 0.0) + link.mass * d**2: point for point, d in distances.items() if d and link.mass}
 
 
-def _turned(linkage: Linkage, name: str) -> Fault:
-    """A direction turned by an angle, rad."""
+def _direction_fault(linkage: Linkage, name: str) -> Fault:
+    """The fault of a direction that is turned by an angle, rad."""
 
     def apply(simulation: Simulation, angle: Array) -> Simulation:
         if abs(angle[0]) > math.pi:
             raise LinkproofError(f"expected an angle of half a turn at most, got {angle[0]:g} rad")
         known = named_numbers(simulation.linkage)
         x, y, c, s = known[f"{name}.x"].value, known[f"{name}.y"].value, math.cos(angle[0]), math.sin(angle[0])
-        return _with(simulation, {f"{name}.x": c * x - s * y, f"{name}.y": s * x + c * y})
+        return _replace_numbers(simulation, {f"{name}.x": c * x - s * y, f"{name}.y": s * x + c * y})
 
     of = name.removesuffix(".along")
     what = "the direction of the output" if of == "output" else f"the guide of '{of}'"
@@ -159,7 +164,7 @@ def _turned(linkage: Linkage, name: str) -> Fault:
 
 
 def several_numbers(linkage: Linkage) -> Iterator[Fault]:
-    """Numbers that go together: all of a kind, a distance, a mass centre, mass and inertia of a link, a load."""
+    """Faults of several numbers: all of a kind, a distance, a mass centre, mass and inertia of a link, a load."""
     everything: dict[str, tuple[tuple[Kind, ...], tuple[float, ...]]] = {
         "mass": (("mass",), UNITS),
         "moment of inertia": (("inertia",), (0.0, *UNITS, 1e6, 1e-6)),
@@ -167,25 +172,25 @@ def several_numbers(linkage: Linkage) -> Iterator[Fault]:
         "length": (("length",), (*UNITS, 0.1, 10.0, 0.0254, 25.4)),
     }
     for what, (kinds, usual) in everything.items():
-        yield times(f"every {what}", f"every {what}", usual, *kinds)
+        yield scaling_fault(f"every {what}", f"every {what}", usual, *kinds)
     for name, link in linkage.links.items():
         if link.mass:
-            yield _centre(linkage, name, link)
+            yield _centre_fault(linkage, name, link)
         if link.mass and link.inertia:
-            yield times(f"{name}.density", f"mass and inertia of '{name}' together", (0.0,), "mass", "inertia",
+            yield scaling_fault(f"{name}.density", f"mass and inertia of '{name}' together", (0.0,), "mass", "inertia",
                         under=f"{name}.")  # fmt: skip
     if sum(len(link.points) for link in linkage.links.values()) <= MOST_POINTS:
         for name, link in linkage.links.items():
             for fixed, moved in itertools.permutations(link.points, 2):
                 if all(a != b for a, b in zip(link.points[fixed], link.points[moved], strict=True)):
-                    yield _distance(linkage, name, fixed, moved)
+                    yield _distance_fault(linkage, name, fixed, moved)
     names = dict.fromkeys(name for name in named_numbers(linkage) if name.partition(".")[0] in LOADS)
     for load in dict.fromkeys(".".join(name.split(".")[:2]) for name in names if name.startswith(LOADS[:2])):
-        yield times(load, f"the load '{load}'", LOADED, "force", "torque", under=load)
+        yield scaling_fault(load, f"the load '{load}'", LOAD_FACTORS, "force", "torque", under=load)
 
 
-def times(name: str, what: str, usual: tuple[float, ...], *kinds: Kind, under: str = "") -> Fault:
-    """All numbers of some kinds times a factor."""
+def scaling_fault(name: str, what: str, usual: tuple[float, ...], *kinds: Kind, under: str = "") -> Fault:
+    """The fault that all numbers of some ``kinds``, with names that begin ``under``, are multiplied by a factor."""
 
     def words(k: Array) -> str:
         if abs(k[0]) < 1e-9:
@@ -194,22 +199,23 @@ def times(name: str, what: str, usual: tuple[float, ...], *kinds: Kind, under: s
         return f"{what} is {k[0]:.4g} times that of the linkage file{' (a unit taken for another)' if is_unit else ''}"
 
     def apply(simulation: Simulation, k: Array) -> Simulation:
-        scale = float(k[0]) if under.startswith(LOADS) else positive(k)
-        return simulation.of(multiplied(simulation.linkage, scale, *kinds, under=under))
+        scale = float(k[0]) if under.startswith(LOADS) else check_positive(k)
+        return simulation.with_linkage(multiplied(simulation.linkage, scale, *kinds, under=under))
 
     return Fault(name, fault.Kind.SEVERAL, apply, words, (1.0,), (1.0,),
                  guesses=((1.0,),) if "length" in kinds else (),
                  usual=tuple((k,) for k in usual), unit=1.0, reshapes="length" in kinds)  # fmt: skip
 
 
-def _distance(linkage: Linkage, name: str, fixed: str, moved: str) -> Fault:
+def _distance_fault(linkage: Linkage, name: str, fixed: str, moved: str) -> Fault:
+    """The fault that a point of a link has another distance, m, from a ``fixed`` point, in the same direction."""
     (x, y), (px, py) = linkage.links[name].points[fixed], linkage.links[name].points[moved]
     length = math.dist((x, y), (px, py))
 
     def apply(simulation: Simulation, d: Array) -> Simulation:
-        k = positive(d) / length
+        k = check_positive(d) / length
         place = {f"{name}.{moved}.x": x + k * (px - x), f"{name}.{moved}.y": y + k * (py - y)}
-        return _with(simulation, place)
+        return _replace_numbers(simulation, place)
 
     def words(d: Array) -> str:
         lengths = f"{linkage.written(d[0])} in place of {linkage.written(length)}"
@@ -221,8 +227,8 @@ def _distance(linkage: Linkage, name: str, fixed: str, moved: str) -> Fault:
     )  # fmt: skip
 
 
-def _centre(linkage: Linkage, name: str, link: Link) -> Fault:
-    """The mass centre at a usual wrong place, or anywhere."""
+def _centre_fault(linkage: Linkage, name: str, link: Link) -> Fault:
+    """The fault that a link's mass centre is elsewhere: at a usual wrong place, or anywhere."""
     (x, y), places = link.centre, list(link.points.values())
     size = linkage.shortest_length()
     middle = (float(np.mean([p[0] for p in places])), float(np.mean([p[1] for p in places])))
@@ -232,7 +238,7 @@ def _centre(linkage: Linkage, name: str, link: Link) -> Fault:
 
     def apply(simulation: Simulation, c: Array) -> Simulation:
         place = {f"{name}.centre.x": float(c[0]), f"{name}.centre.y": float(c[1])}
-        return _with(simulation, place)
+        return _replace_numbers(simulation, place)
 
     def words(c: Array) -> str:
         unit = linkage.units.get("length", "m")
@@ -244,60 +250,60 @@ def _centre(linkage: Linkage, name: str, link: Link) -> Fault:
 
 
 def misplaced_loads(linkage: Linkage) -> Iterator[Fault]:
-    """Loads of a kind left out; a load at another point, on another link, late, or by its mean."""
+    """Faults of loads: all of a kind left out; a load at another point, on another link, late, or by its mean."""
     for part in LOADS:
         if getattr(linkage, part):
             nothing: dict[str, Any] = {part: ()}
-            yield _setting(f"no {part}", f"the {part} of the linkage file are left out", partial(replace, **nothing))
+            yield _load_fault(f"no {part}", f"the {part} of the linkage file are left out", partial(replace, **nothing))
     for number, force in enumerate(linkage.forces):
         name = f"forces.{force.point}"
         for point in linkage.links[force.link].points if force.link in linkage.links else ():
             if point != force.point:
                 words = f"the force at '{force.point}' acts at '{point}'"
-                yield _setting(f"{name} at {point}", words, partial(_with_load, "forces", number, point=point))
+                yield _load_fault(f"{name} at {point}", words, partial(_change_load, "forces", number, point=point))
         if force.force.angles is not None:
             mean = Law(force.force.values.mean(axis=0))
             words = f"the force at '{force.point}' is its mean over the crank angle"
-            yield _setting(f"{name} by its mean", words, partial(_with_load, "forces", number, force=mean))
-            yield _late(name, number)
+            yield _load_fault(f"{name} by its mean", words, partial(_change_load, "forces", number, force=mean))
+            yield _late_force_fault(name, number)
     for number, torque in enumerate(linkage.torques):
         for link in linkage.links:
             if link != torque.link:
                 words = f"the torque on '{torque.link}' acts on '{link}'"
-                change = partial(_with_load, "torques", number, link=link)
-                yield _setting(f"torques.{torque.link} on {link}", words, change)
+                change = partial(_change_load, "torques", number, link=link)
+                yield _load_fault(f"torques.{torque.link} on {link}", words, change)
     for number, damper in enumerate(linkage.dampers):
         key, other = damper.links
         if GROUND not in damper.links:
             name, words = f"dampers.{key}.{other}", f"the damper of '{key}' and '{other}' acts on the ground"
-            change = partial(_with_load, "dampers", number, links=(key, GROUND))
-            yield _setting(f"{name} against the ground", words, change)
+            change = partial(_change_load, "dampers", number, links=(key, GROUND))
+            yield _load_fault(f"{name} against the ground", words, change)
 
 
-def _setting(name: str, words: str, change: Callable[[Linkage], Linkage]) -> Fault:
-    """A fault without numbers."""
+def _load_fault(name: str, words: str, change: Callable[[Linkage], Linkage]) -> Fault:
+    """The fault, without numbers, that loads of the linkage are changed."""
 
     def apply(simulation: Simulation, _: Array) -> Simulation:
-        return simulation.of(change(simulation.linkage))
+        return simulation.with_linkage(change(simulation.linkage))
 
     return Fault(name, fault.Kind.SETTING, apply, lambda _: words)
 
 
-def _with_load(part: str, number: int, linkage: Linkage, **changes: Any) -> Linkage:  # noqa: ANN401 - fields of a load
+def _change_load(part: str, number: int, linkage: Linkage, **changes: Any) -> Linkage:  # noqa: ANN401 - fields of a load
     loads = list(getattr(linkage, part))
     loads[number] = replace(loads[number], **changes)
     everything: dict[str, Any] = {part: tuple(loads)}
     return replace(linkage, **everything)
 
 
-def _late(name: str, number: int) -> Fault:
-    """A force over the crank angle that is late by an angle, rad."""
+def _late_force_fault(name: str, number: int) -> Fault:
+    """The fault that a force over the crank angle is late by an angle, rad."""
 
     def apply(simulation: Simulation, angle: Array) -> Simulation:
         law = simulation.linkage.forces[number].force
         assert law.angles is not None
         late = replace(law, angles=law.angles + float(angle[0]))
-        return simulation.of(_with_load("forces", number, simulation.linkage, force=late))
+        return simulation.with_linkage(_change_load("forces", number, simulation.linkage, force=late))
 
     def words(angle: Array) -> str:
         return f"the load '{name}' is late by {math.degrees(angle[0]):.3g}°"

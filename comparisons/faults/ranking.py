@@ -57,7 +57,7 @@ class FaultFinding:
 
     @property
     def every(self) -> tuple[Fit, ...]:
-        """All of them, the likeliest first."""
+        """All causes that fit, the likeliest first."""
         return (self.likeliest, *self.others)
 
 
@@ -73,21 +73,21 @@ def explain(
     simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: CrankColumn | None = None
 ) -> Explanation:
     """The causes of all differences beyond the rounding; ``names`` are the signals that a column may be taken for."""
-    raw = _explain(simulation, evidence, names, column)
+    raw = _explain_as_read(simulation, evidence, names, column)
     partly = {name for finding in raw.findings if not finding.fully for name in finding.signals}
     open_names = {*raw.unexplained, *partly}
-    estimates = {v.name: c for v in evidence if v.name in open_names and (c := estimated(v)) is not None}
+    estimates = {v.name: c for v in evidence if v.name in open_names and (c := estimate_correction(v)) is not None}
     if estimates:
-        aligned = [_corrected(v, estimates.get(v.name)) for v in evidence]
-        raw = _merged(raw, _explain(simulation, aligned, names, column), estimates)
+        aligned = [_apply_correction(v, estimates.get(v.name)) for v in evidence]
+        raw = _merge_findings(raw, _explain_as_read(simulation, aligned, names, column), estimates)
     if raw.unexplained:
-        pair = _Search(simulation, evidence).pair(raw.unexplained, column)
+        pair = _Search(simulation, evidence).find_pair(raw.unexplained, column)
         raw = Explanation((*raw.findings, pair), ()) if pair else raw
     return raw
 
 
-def _merged(raw: Explanation, again: Explanation, estimates: Mapping[str, Correction]) -> Explanation:
-    """Findings with those in their place that leave much less of a signal once its sign or unit is corrected."""
+def _merge_findings(raw: Explanation, again: Explanation, estimates: Mapping[str, Correction]) -> Explanation:
+    """The ``raw`` findings, replaced where one found ``again`` on corrected signs and units leaves much less."""
     better = []
     for finding in again.findings:
         before = [other.left for other in raw.findings if set(other.signals) & set(finding.signals)]
@@ -99,8 +99,8 @@ def _merged(raw: Explanation, again: Explanation, estimates: Mapping[str, Correc
     return Explanation((*findings, *better), tuple(name for name in raw.unexplained if name not in covered))
 
 
-def estimated(evidence: Evidence) -> Correction | None:
-    """Sign and unit that a signal has but for its other faults; None where it is right or cannot be estimated."""
+def estimate_correction(evidence: Evidence) -> Correction | None:
+    """The correction of a signal's sign and unit, its other faults aside; None where both are right or unclear."""
     values, truth = evidence.values[evidence.counted], evidence.truth[evidence.counted]
     size = float(np.sqrt(np.sum(values**2) * np.sum(truth**2)))
     product = float(values @ truth)
@@ -114,8 +114,8 @@ def estimated(evidence: Evidence) -> Correction | None:
     return Correction(sign=1 if product > 0.0 else -1, factor=1.0 / factor)
 
 
-def _corrected(evidence: Evidence, correction: Correction | None) -> Evidence:
-    """A signal with sign and factor corrected."""
+def _apply_correction(evidence: Evidence, correction: Correction | None) -> Evidence:
+    """A signal with its sign and factor corrected; itself without a correction."""
     if correction is None:
         return evidence
     factor = correction.sign * correction.factor
@@ -127,7 +127,7 @@ def differs(evidence: Evidence) -> bool:
     return bool(np.any(np.abs(evidence.residual) > NOTICED))
 
 
-def _explain(
+def _explain_as_read(
     simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: CrankColumn | None = None
 ) -> Explanation:
     open_names = [signal.name for signal in evidence if differs(signal)]
@@ -138,13 +138,13 @@ def _explain(
     findings: list[FaultFinding] = []
     unnamed: list[str] = []
     while open_names:
-        covering = [(search.explained(fit, open_names), fit) for fit in fits]
+        covering = [(search.explained_signals(fit, open_names), fit) for fit in fits]
         most = max((len(covered) for covered, _ in covering), default=0)
         if not most:
             break
         rivals = [(covered, fit) for covered, fit in covering if len(covered) == most]
-        covered = min(rivals, key=lambda pair: search.left(pair[1], pair[0]))[0]
-        finding = search.finding([fit for names, fit in rivals if names == covered], covered)
+        covered = min(rivals, key=lambda pair: search.log_remainder(pair[1], pair[0]))[0]
+        finding = search.make_finding([fit for names, fit in rivals if names == covered], covered)
         equal = sum(fit.rank == finding.likeliest.rank for fit in finding.others)
         if equal < MOST_ALIKE and len(finding.others) < MOST_OF_ALL:
             findings.append(finding)
@@ -177,41 +177,50 @@ class _Search:
         """
         model = [*motion_settings(self.simulation.motion, column), *model_faults(self.simulation)]
         slow = [fault for fault in model if fault.reshapes and self.simulation.mechanism.is_numerical]
-        result = [fit for fault in model if fault not in slow and (fit := self._of_model(fault))]
-        if not any(self.is_harmless(fit) and len(self.explained(fit, open_names)) == len(open_names) for fit in result):
-            result += [fit for fault in slow if (fit := self._of_model(fault))]
+        result = [fit for fault in model if fault not in slow and (fit := self._fit_model_fault(fault))]
+        if not any(
+            self.is_harmless(fit) and len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result
+        ):
+            result += [fit for fault in slow if (fit := self._fit_model_fault(fault))]
         result += [fit for fault in group_faults(self.evidence) if (fit := self.whole.best(fault))]
         result = [fit for fit in result if self.is_harmless(fit)]
-        if len(open_names) > MANY and any(len(self.explained(fit, open_names)) == len(open_names) for fit in result):
+        if len(open_names) > MANY and any(
+            len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result
+        ):
             return result
         for signal in self.evidence:
             if signal.name in open_names:
                 fitting = Fitting(self.simulation, [signal.thinned(MOST_FITTED)])
                 of_column = column_faults(fitting.evidence[0], self.simulation, names)
-                result += [self._spread(fit, signal.name) for fault in of_column if (fit := fitting.best(fault))]
+                result += [
+                    self._beside_other_columns(fit, signal.name) for fault in of_column if (fit := fitting.best(fault))
+                ]
         return result
 
-    def pair(self, names: Sequence[str], column: CrankColumn | None) -> FaultFinding | None:
-        """Two numbers that together explain all that nothing else does, and that is far more than the rounding."""
+    def find_pair(self, names: Sequence[str], column: CrankColumn | None) -> FaultFinding | None:
+        """The finding of two numbers that together explain what no single fault does.
+
+        None where no pair does, or the difference is not far more than the rounding: two numbers fit any small one.
+        """
         if any(np.nanmax(np.abs(signal.residual)) < WORTH_A_PAIR for signal in self.evidence if signal.name in names):
             return None
         motion = motion_settings(self.simulation.motion, column)
         faults = [fault for fault in chain(motion, model_faults(self.simulation)) if len(fault.start) == 1]
         if self.simulation.mechanism.is_numerical:
             faults = [fault for fault in faults if not fault.reshapes]
-        fits = [fit for entry in self.thin.pairs(faults) if (fit := self.whole.at(entry.fault, entry.numbers))]
-        fits = [fit for fit in fits if self.is_harmless(fit) and len(self.explained(fit, names)) == len(names)]
-        return self.finding(fits, tuple(names)) if fits else None
+        fits = [fit for entry in self.thin.pairs(faults) if (fit := self.whole.evaluate(entry.fault, entry.numbers))]
+        fits = [fit for fit in fits if self.is_harmless(fit) and len(self.explained_signals(fit, names)) == len(names)]
+        return self.make_finding(fits, tuple(names)) if fits else None
 
-    def _of_model(self, fault: Fault) -> Fit | None:
-        """A fault fitted to some samples, and if it explains a difference there measured on all."""
+    def _fit_model_fault(self, fault: Fault) -> Fit | None:
+        """A fault of the model fitted to some samples and measured on all; None if it explains nothing on those."""
         fit = self.thin.best(fault)
         if fit is None or not np.any(self.differ & (fit.rms <= np.maximum(1.0, WORTH * self.rms))):
             return None
-        return self.whole.at(fault, fit.numbers, fit.digits)
+        return self.whole.evaluate(fault, fit.numbers, fit.digits)
 
-    def _spread(self, fit: Fit, name: str) -> Fit:
-        """A fit of one column beside all others, which it leaves as they are."""
+    def _beside_other_columns(self, fit: Fit, name: str) -> Fit:
+        """A fit of the column ``name`` as a fit of all columns, of which it leaves the others as they are."""
         here = np.arange(len(self.rms)) == self.places[name]
         largest = np.array([float(np.nanmax(np.abs(signal.residual), initial=0.0)) for signal in self.evidence])
         return replace(fit, rms=np.where(here, fit.rms, self.rms), largest=np.where(here, fit.largest, largest))
@@ -220,39 +229,39 @@ class _Search:
         """Whether a fit makes no signal worse beyond its rounding."""
         return bool(np.all(fit.rms <= np.maximum(1.0, HARMED * self.rms)))
 
-    def explained(self, fit: Fit, names: Sequence[str]) -> tuple[str, ...]:
-        """Which of the signals a fit explains."""
+    def explained_signals(self, fit: Fit, names: Sequence[str]) -> tuple[str, ...]:
+        """Those of the signals ``names`` that a fit explains."""
         return tuple(n for n in names if fit.rms[(p := self.places[n])] <= max(ROUNDED, EXPLAINED * self.rms[p]))
 
-    def left(self, fit: Fit, names: Sequence[str]) -> float:
-        """Logarithm of what a fit leaves of some signals, beyond the rounding."""
+    def log_remainder(self, fit: Fit, names: Sequence[str]) -> float:
+        """Mean logarithm of what a fit leaves of some signals, over what their rounding leaves."""
         places = [self.places[name] for name in names]
         return float(np.mean(np.log(np.maximum(fit.rms[places] / self.floor[places], ALIKE))))
 
-    def finding(self, rivals: Sequence[Fit], names: tuple[str, ...]) -> FaultFinding:
+    def make_finding(self, rivals: Sequence[Fit], names: tuple[str, ...]) -> FaultFinding:
         """The likeliest of several fits that explain the same signals, and those that fit as well."""
         places = [self.places[name] for name in names]
-        least = min(rivals, key=lambda fit: self.left(fit, names))
+        least = min(rivals, key=lambda fit: self.log_remainder(fit, names))
         bound = ALIKE * np.maximum(least.rms[places], self.floor[places])
         alike = [self.whole.rounded(fit) for fit in rivals if np.all(fit.rms[places] <= bound)]
-        best, *others = sorted(alike, key=lambda fit: (fit.rank, round(self.left(fit, names), 1), fit.change))
+        best, *others = sorted(alike, key=lambda fit: (fit.rank, round(self.log_remainder(fit, names), 1), fit.change))
         left = max(
             share * largest for share, largest in zip(self._tolerances(best, places), best.largest[places], strict=True)
         )
         fully = bool(np.all(best.largest[places] <= NOTICED))
-        return FaultFinding(names, best, tuple(_worth_a_word(best, others)), left, fully)
+        return FaultFinding(names, best, tuple(_rivals_to_report(best, others)), left, fully)
 
     def _tolerances(self, fit: Fit, places: Sequence[int]) -> Iterator[float]:
         """The tolerances of some signals, over the peaks that they have with a fault."""
         evidence = [self.evidence[place] for place in places]
-        curves = fit.fault.apply(self.simulation, fit.numbers).predicted(evidence)
+        curves = fit.fault.apply(self.simulation, fit.numbers).predict(evidence)
         for signal, curve in zip(evidence, curves, strict=True):
             peak, right = (float(np.nanmax(np.abs(y), initial=0.0)) for y in (curve, signal.truth))
             yield float(np.max(signal.tolerance)) / (signal.scale * (peak / right if peak and right else 1.0))
 
 
-def _worth_a_word(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
-    """Fits beside the likeliest: no freer ones beside a setting or a column, no pair beside a single fault."""
+def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
+    """Rivals to name beside the likeliest fit: no freer ones beside a setting or a column, no pair beside one fault."""
     kind, _ = best.rank
     most = Kind.NUMBER if kind <= Kind.SETTING else max(Kind.SEVERAL, kind)
     return (fit for fit in others if fit.rank[0] <= most)
@@ -276,5 +285,5 @@ def proposals(
             groups = {"*": finding.signals, "rotary": [label for label in known if is_rotary(label)]}
             for key in groups.get(name, (name,)):
                 if key in known and key not in corrections:
-                    corrections[key] = correction.after(agreed.get(key, Correction()))
+                    corrections[key] = correction.compose(agreed.get(key, Correction()))
     return corrections

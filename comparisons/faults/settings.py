@@ -21,12 +21,12 @@ Array = NDArray[np.float64]
 
 EARTH: Final = 9.80665
 MOST_MODES: Final = 8  # of a linkage whose other assembly modes are tried
-TURNS: Final = 12  # start angles from which a fit of the start angle begins
-PHASE: Final = 0.7  # rad, from which a fit finds the phase
+START_ANGLES: Final = 12  # start angles from which a fit of the start angle begins
+PHASE_CAPTURE: Final = 0.7  # rad, from which a fit finds the phase
 MOST_PACES: Final = 150
-QUARTERS: Final = (90.0, -90.0, 180.0)
-NOTHING: Final = 1e-6  # rad: the rounding of a start angle
-SHORTEST: Final = 1e-9  # s, of a ramp
+QUARTER_TURNS: Final = (90.0, -90.0, 180.0)
+ZERO_ANGLE: Final = 1e-6  # rad: the rounding of a start angle
+SHORTEST_RAMP: Final = 1e-9  # s, of a ramp
 # Units that a column of the crank's angle or speed may have in spite of its header, with their SI values.
 CRANK_UNITS: Final = {
     "phi": {"rad": 1.0, "deg": math.pi / 180.0, "turns": 2.0 * math.pi},
@@ -37,19 +37,19 @@ SAME_UNIT: Final = 1e-6  # relative
 
 def model_settings(simulation: Simulation) -> Iterator[Fault]:
     """Gravity, assembly modes and dampers that are not in the file."""
-    yield from _gravity(simulation)
-    yield from _modes(simulation)
-    yield from _damping(simulation)
+    yield from _gravity_faults(simulation)
+    yield from _mode_faults(simulation)
+    yield from _damper_faults(simulation)
 
 
-def _gravity(simulation: Simulation) -> Iterator[Fault]:
-    """Its size along the file's direction, and any vector."""
+def _gravity_faults(simulation: Simulation) -> Iterator[Fault]:
+    """Faults of gravity: another size along the file's direction, and any vector."""
     (x, y), size = simulation.linkage.gravity, math.hypot(*simulation.linkage.gravity)
     if not any(link.mass for link in simulation.linkage.links.values()):
         return
 
     def with_gravity(simulation: Simulation, g: Array) -> Simulation:
-        return simulation.of(replace(simulation.linkage, gravity=(float(g[0]), float(g[1]))))
+        return simulation.with_linkage(replace(simulation.linkage, gravity=(float(g[0]), float(g[1]))))
 
     def along(simulation: Simulation, k: Array) -> Simulation:
         return with_gravity(simulation, np.array([x, y]) * k[0])
@@ -64,17 +64,17 @@ def _gravity(simulation: Simulation) -> Iterator[Fault]:
     if size:
         usual = (0.0, -1.0, *(g / size for g in (EARTH, 9.81, 9.8) if g != size), 2.0, 1e3, 1e-3)
         yield Fault("gravity", Kind.SETTING, along, words, (1.0,), (1.0,), usual=tuple((k,) for k in usual))
-    turned = [rotate((x, y), turn) for turn in ((0.0, 1.0), (0.0, -1.0))] if size else []
+    wrap_angle = [rotate((x, y), turn) for turn in ((0.0, 1.0), (0.0, -1.0))] if size else []
     axes = ((0.0, -EARTH), (0.0, -9.81), (0.0, EARTH), (0.0, 9.81), (-EARTH, 0.0), (EARTH, 0.0))
     yield Fault(
         "gravity's direction", Kind.SEVERAL, with_gravity,
         lambda g: f"gravity is ({fixed(g[0], 3)}, {fixed(g[1], 3)}) m/s² in place of ({x:zg}, {y:zg}) m/s²",
-        (x, y), (EARTH, EARTH), usual=tuple(turned) or axes,
+        (x, y), (EARTH, EARTH), usual=tuple(wrap_angle) or axes,
     )  # fmt: skip
 
 
-def _modes(simulation: Simulation) -> Iterator[Fault]:
-    """Another assembly mode of one group."""
+def _mode_faults(simulation: Simulation) -> Iterator[Fault]:
+    """Faults of one group each that is assembled in its other mode."""
     dyads = simulation.mechanism.structure.dyads
     open_dyads = [number for number, dyad in enumerate(dyads) if dyad.has_two_modes]
     for number in open_dyads[:MOST_MODES]:
@@ -82,14 +82,14 @@ def _modes(simulation: Simulation) -> Iterator[Fault]:
         words = f"'{dyads[number].first}' and '{dyads[number].second}' are assembled in their other mode"
         yield Fault(
             f"mode:{dyads[number].first}", Kind.SETTING,
-            lambda simulation, _, signs=signs: simulation.assembled(signs),  # type: ignore[misc]
+            lambda simulation, _, signs=signs: simulation.with_modes(signs),  # type: ignore[misc]
             lambda _, words=words: words,  # type: ignore[misc]
             reshapes=True,
         )  # fmt: skip
 
 
-def _damping(simulation: Simulation) -> Iterator[Fault]:
-    """Friction that grows with the speed, in a pin that has none in the file."""
+def _damper_faults(simulation: Simulation) -> Iterator[Fault]:
+    """Faults of friction that grows with the speed, in a pin that has none in the file."""
     linkage = simulation.linkage
     inertia = sum((k.inertia or 0.0) + k.mass * linkage.extent() ** 2 for k in linkage.links.values())
     size = (inertia or 1.0) * (simulation.motion.peak_speed or 1.0)
@@ -100,16 +100,18 @@ def _damping(simulation: Simulation) -> Iterator[Fault]:
             if frozenset(pair) not in present:
                 present.add(frozenset(pair))
                 yield Fault(
-                    f"damping:{pin.point}", Kind.SEVERAL, _damped(pair),
+                    f"damping:{pin.point}", Kind.SEVERAL, _damper_change(pair),
                     lambda b, at=pin.point: f"a rotary damper of {b[0]:.3g} N m s acts in the pin '{at}'",  # type: ignore[misc]
                     (0.0,), (size,),
                 )  # fmt: skip
 
 
-def _damped(pair: tuple[str, str]) -> Callable[[Simulation, Array], Simulation]:
+def _damper_change(pair: tuple[str, str]) -> Callable[[Simulation, Array], Simulation]:
+    """The change that adds a rotary damper, N m s, between two links."""
+
     def apply(simulation: Simulation, b: Array) -> Simulation:
         linkage = simulation.linkage
-        return simulation.of(replace(linkage, dampers=(*linkage.dampers, RotaryDamper(pair, float(b[0])))))
+        return simulation.with_linkage(replace(linkage, dampers=(*linkage.dampers, RotaryDamper(pair, float(b[0])))))
 
     return apply
 
@@ -131,28 +133,28 @@ def motion_settings(motion: Motion, column: CrankColumn | None = None) -> Iterat
     """Every fault of the crank's motion; speed and ramps only where a regime, not a column of the file, gives it."""
     start, from_column = float(motion.angle(0.0)), column is not None
     if column is not None:
-        yield from _other_units(column, start)
+        yield from _unit_faults(column, start)
     direction = "the crank angle is mirrored" if from_column else "the crank turns the other way"
-    yield _of("direction", lambda m, _: ChangedMotion(m, -1.0, 2.0 * start), lambda _: direction,
-              cure=_mirrored(2.0 * start) if from_column else _none)  # fmt: skip
+    yield _motion_fault("direction", lambda m, _: ChangedMotion(m, -1.0, 2.0 * start), lambda _: direction,
+              cure=_mirror_cure(2.0 * start) if from_column else _no_correction)  # fmt: skip
     yield Fault(
-        "view from behind", Kind.SETTING, _seen_from_behind,
+        "view from behind", Kind.SETTING, _mirror_drawing,
         lambda _: "the motor's axis points the other way: angles, turns and torques count clockwise",
         usual=tuple((about,) for about in dict.fromkeys((2.0 * start, 0.0))),
-        cure=lambda p: _mirrored(float(p[0]), "rotary")(p) if from_column else {},
+        cure=lambda p: _mirror_cure(float(p[0]), "rotary")(p) if from_column else {},
     )  # fmt: skip
-    yield from _offsets(start, from_column=from_column)
-    yield _shifted(motion, from_column=from_column)
-    yield _of(
+    yield from _zero_angle_faults(start, from_column=from_column)
+    yield _clock_fault(motion, from_column=from_column)
+    yield _motion_fault(
         "no acceleration", lambda m, _: ChangedMotion(m, order=1),
         lambda _: "the crank's acceleration is left out: torque and forces are those of a constant speed",
     )  # fmt: skip
     if not from_column:
-        yield from _regimes(motion, start)
+        yield from _regime_faults(motion, start)
 
 
-def _other_units(column: CrankColumn, start: float) -> Iterator[Fault]:
-    """Another unit of the column than that of its header."""
+def _unit_faults(column: CrankColumn, start: float) -> Iterator[Fault]:
+    """Faults of the crank's column: another unit than its header states."""
     for unit, value in CRANK_UNITS.get(column.name, {}).items():
         k = value / column.value
         if not math.isclose(k, 1.0, rel_tol=SAME_UNIT):
@@ -161,75 +163,81 @@ def _other_units(column: CrankColumn, start: float) -> Iterator[Fault]:
             cure = {column.name: Correction(factor=k)}
             yield Fault(
                 f"unit:{column.name}", Kind.COLUMN,
-                lambda simulation, _, k=k, by=offset: simulation.moving(ChangedMotion(simulation.motion, k, by)),  # type: ignore[misc]
+                lambda simulation, _, k=k, by=offset: simulation.with_motion(ChangedMotion(simulation.motion, k, by)),  # type: ignore[misc]
                 lambda _, words=words: words, cure=lambda _, cure=cure: cure,  # type: ignore[misc]
             )  # fmt: skip
 
 
-def _none(_: Array) -> dict[str, Correction]:
+def _no_correction(_: Array) -> dict[str, Correction]:
     return {}
 
 
-def _mirrored(offset: float, *others: str) -> Callable[[Array], dict[str, Correction]]:
+def _mirror_cure(offset: float, *others: str) -> Callable[[Array], dict[str, Correction]]:
+    """The cure of a crank that counts the other way from an offset, rad, and of ``others`` with the other sign."""
     also = dict.fromkeys(others, Correction(sign=-1))
-    zero = 0.0 if abs(turned(offset)) < NOTHING else turned(offset)
+    zero = 0.0 if abs(wrap_angle(offset)) < ZERO_ANGLE else wrap_angle(offset)
     return lambda _: {"phi": Correction(sign=-1, offset=zero), "omega": Correction(sign=-1), **also}
 
 
-def turned(angle: float) -> float:
-    """An angle, rad, without whole turns: from −π to π."""
+def wrap_angle(angle: float) -> float:
+    """An angle, rad, within −π to π: whole turns taken away."""
     return (float(angle) + math.pi) % (2.0 * math.pi) - math.pi
 
 
-def _of(
+def _motion_fault(
     name: str,
     change: Callable[[Motion, Array], Motion],
     words: Callable[[Array], str],
     *numbers: Any,  # noqa: ANN401 - fields of Fault
     **rest: Any,  # noqa: ANN401
 ) -> Fault:
-    """A fault that changes the motion."""
+    """A setting as a fault: ``change(motion, numbers)`` is the motion with it."""
 
     def apply(simulation: Simulation, p: Array) -> Simulation:
-        return simulation.moving(change(simulation.motion, p))
+        return simulation.with_motion(change(simulation.motion, p))
 
     return Fault(name, Kind.SETTING, apply, words, *numbers, **rest)
 
 
-def _seen_from_behind(simulation: Simulation, p: Array) -> Simulation:
-    moved = simulation.moving(ChangedMotion(simulation.motion, -1.0, float(p[0])))
-    return moved.then(lambda predict, name, time: (-1.0 if is_rotary(name) else 1.0) * predict(name, time))
+def _mirror_drawing(simulation: Simulation, p: Array) -> Simulation:
+    """A simulation seen from behind: all that turns has the other sign, the crank angle from p[0], rad."""
+    moved = simulation.with_motion(ChangedMotion(simulation.motion, -1.0, float(p[0])))
+    return moved.with_change(lambda predict, name, time: (-1.0 if is_rotary(name) else 1.0) * predict(name, time))
 
 
-def _offsets(start: float, *, from_column: bool) -> Iterator[Fault]:
-    """Another zero of the crank angle, counted the same way or the other."""
+def _zero_angle_faults(start: float, *, from_column: bool) -> Iterator[Fault]:
+    """Faults of the crank angle's zero, counted the same way or the other."""
 
     def words(p: Array) -> str:
-        degrees = math.degrees(turned(p[0]))
+        degrees = math.degrees(wrap_angle(p[0]))
         if from_column:
             return f"the crank angle counts from another zero: {signed(degrees, '.4g')}° are to be added to the file's"
-        return f"the crank starts at {math.degrees(turned(start + p[0])):.4g}° in place of {math.degrees(start):.4g}°"
+        return (
+            f"the crank starts at {math.degrees(wrap_angle(start + p[0])):.4g}° in place of {math.degrees(start):.4g}°"
+        )
 
     def mirrored(p: Array) -> str:
-        if abs(turned(p[0])) < NOTHING:
+        if abs(wrap_angle(p[0])) < ZERO_ANGLE:
             return "the crank angle is mirrored"
-        return f"the crank angle counts the other way, from {math.degrees(turned(p[0])):.4g}°"
+        return f"the crank angle counts the other way, from {math.degrees(wrap_angle(p[0])):.4g}°"
 
     common: dict[str, Any] = {
-        "guesses": tuple((2.0 * math.pi * n / TURNS,) for n in range(TURNS)),
-        "usual": tuple((math.radians(a),) for a in QUARTERS),
+        "guesses": tuple((2.0 * math.pi * n / START_ANGLES,) for n in range(START_ANGLES)),
+        "usual": tuple((math.radians(a),) for a in QUARTER_TURNS),
         "unit": math.radians(1.0),
     }
-    yield _of("start angle", lambda m, p: ChangedMotion(m, offset=float(p[0])), words, (0.0,), (1.0,),
-              cure=lambda p: {"phi": Correction(offset=turned(p[0]))}, **common)  # fmt: skip
-    yield _of("mirrored angle", lambda m, p: ChangedMotion(m, -1.0, float(p[0])), mirrored, (0.0,), (1.0,),
-              cure=lambda p: _mirrored(float(p[0]))(p), **{**common, "usual": ((0.0,), *common["usual"])})  # fmt: skip
+    yield _motion_fault("start angle", lambda m, p: ChangedMotion(m, offset=float(p[0])), words, (0.0,), (1.0,),
+              cure=lambda p: {"phi": Correction(offset=wrap_angle(p[0]))}, **common)  # fmt: skip
+    yield _motion_fault("mirrored angle", lambda m, p: ChangedMotion(m, -1.0, float(p[0])), mirrored, (0.0,), (1.0,),
+              cure=lambda p: _mirror_cure(float(p[0]))(p),
+              **{**common, "usual": ((0.0,), *common["usual"])})  # fmt: skip
 
 
-def _shifted(motion: Motion, *, from_column: bool) -> Fault:
+def _clock_fault(motion: Motion, *, from_column: bool) -> Fault:
+    """The fault that the file's clock is ahead or behind, by a time in s."""
     length = min(2.0 * math.pi / motion.peak_speed if motion.peak_speed else motion.duration, motion.duration)
     of = "*" if from_column else "time"  # all that is not the crank's motion, or the clock itself
-    return _of(
+    return _motion_fault(
         "time shift", lambda m, p: ChangedMotion(m, shift=float(p[0])),
         lambda p: f"the file's clock is {abs(p[0]):.4g} s {'behind' if p[0] > 0.0 else 'ahead'}", (0.0,), (length,),
         guesses=tuple((k * length / 8.0,) for k in (0, 1, -1, 2, -2, 3, -3)),
@@ -237,11 +245,11 @@ def _shifted(motion: Motion, *, from_column: bool) -> Fault:
     )  # fmt: skip
 
 
-def _regimes(motion: Motion, start: float) -> Iterator[Fault]:
-    """Another speed, another ramp, another time of the ramp."""
+def _regime_faults(motion: Motion, start: float) -> Iterator[Fault]:
+    """Faults of a stated regime: another speed, another ramp, another time of the ramp."""
     rpm, turned_by = motion.peak_speed / RPM, abs(float(motion.angle(motion.duration)) - start)
-    paces = np.linspace(0.5, 1.5, int(min(max(turned_by / PHASE, 9.0), MOST_PACES)))
-    yield _of(
+    paces = np.linspace(0.5, 1.5, int(min(max(turned_by / PHASE_CAPTURE, 9.0), MOST_PACES)))
+    yield _motion_fault(
         "speed", lambda m, p: ChangedMotion(m, float(p[0]), start * (1.0 - float(p[0]))),
         lambda p: f"the crank's speed is {p[0] * rpm:.4g} rpm in place of {rpm:.4g} rpm", (1.0,), (1.0,),
         guesses=((1.0,), *((float(pace),) for pace in paces)), unit=1.0 / rpm if rpm else 0.0,
@@ -252,22 +260,24 @@ def _regimes(motion: Motion, start: float) -> Iterator[Fault]:
     ramp = motion.segments[0].end if motion.regime in RAMPS else 0.6 * motion.duration
     for name in (*RAMPS, "constant-speed"):
         if name != motion.regime:
-            yield _other_regime(name, _regime(name, speed, ramp, motion), motion.regime)
+            yield _regime_fault(name, _similar_motion(name, speed, ramp, motion), motion.regime)
     if motion.regime in RAMPS:
-        yield _of(
-            "ramp time", lambda _, p: _regime(motion.regime, speed, float(abs(p[0])), motion),
+        yield _motion_fault(
+            "ramp time", lambda _, p: _similar_motion(motion.regime, speed, float(abs(p[0])), motion),
             lambda p: f"the crank runs up in {p[0]:.4g} s in place of {ramp:.4g} s", (ramp,), (ramp,),
             guesses=((ramp,), *((float(part) * motion.duration,) for part in np.linspace(0.02, 1.0, 50))), unit=1.0,
         )  # fmt: skip
 
 
-def _other_regime(name: str, other: CrankMotion, regime: str) -> Fault:
-    return _of(f"ramp:{name}", lambda _, __: other, lambda _: f"the crank follows '{name}' in place of '{regime}'")
+def _regime_fault(name: str, other: CrankMotion, regime: str) -> Fault:
+    return _motion_fault(
+        f"ramp:{name}", lambda _, __: other, lambda _: f"the crank follows '{name}' in place of '{regime}'"
+    )
 
 
-def _regime(name: str, speed: float, ramp: float, like: CrankMotion) -> CrankMotion:
-    """A regime as long as another, with the same start."""
-    ramp = min(max(ramp, SHORTEST), like.duration)
+def _similar_motion(name: str, speed: float, ramp: float, like: CrankMotion) -> CrankMotion:
+    """The motion of a regime that starts where ``like`` does and lasts as long; ``speed`` in rad/s, ``ramp`` in s."""
+    ramp = min(max(ramp, SHORTEST_RAMP), like.duration)
     return crank_motion(
         name, speed=abs(speed), ramp_time=ramp, hold_time=like.duration - ramp, clockwise=speed < 0.0,
         start_angle=float(like.angle(0.0)),

@@ -20,7 +20,14 @@ Array = NDArray[np.float64]
 Predict = Callable[[str, Array], Array]  # a signal's name, times (n,), s
 Change = Callable[[Predict, str, Array], Array]
 
-SHAPE: Final = ("ground", "sliders", "slots", "pins", "output", "crank")  # of a linkage, besides its links' points
+MOTION_PARTS: Final = (
+    "ground",
+    "sliders",
+    "slots",
+    "pins",
+    "output",
+    "crank",
+)  # of a linkage, besides its links' points
 
 
 class SampledCurve(Protocol):
@@ -28,7 +35,7 @@ class SampledCurve(Protocol):
 
     @property
     def name(self) -> str:
-        """Its name."""
+        """Name of the signal."""
         ...
 
     @property
@@ -52,37 +59,37 @@ class Simulation:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """The closed form."""
+        """The closed form of the linkage, in its modes."""
         mechanism = Mechanism(self.linkage)
         if self.modes is not None:
             mechanism.structure = mechanism.structure.with_signs(self.modes)
         return mechanism
 
-    def moving(self, motion: Motion) -> Simulation:
-        """The same linkage under another motion; what is known of the linkage stays known."""
+    def with_motion(self, motion: Motion) -> Simulation:
+        """The simulation under another motion; what is known of its linkage stays known."""
         other = replace(self, motion=motion, _seen={})
         other.__dict__["mechanism"] = self.mechanism
         return other
 
-    def of(self, linkage: Linkage) -> Simulation:
-        """Another linkage under the same motion; where only masses and loads differ it moves as this one does."""
+    def with_linkage(self, linkage: Linkage) -> Simulation:
+        """The simulation of another linkage; if only masses and loads differ, its known motion is kept."""
         other = replace(self, linkage=linkage, _seen={})
-        if _shape(linkage) == _shape(self.linkage):
+        if _motion_parts(linkage) == _motion_parts(self.linkage):
             other.__dict__["mechanism"] = self.mechanism.with_loads_of(linkage)
         return other
 
-    def assembled(self, modes: tuple[int, ...]) -> Simulation:
-        """The same linkage in other assembly modes."""
+    def with_modes(self, modes: tuple[int, ...]) -> Simulation:
+        """The simulation in other assembly modes, a sign for each dyad."""
         return replace(self, modes=modes, _seen={})
 
-    def then(self, change: Change) -> Simulation:
-        """The same, its curves changed afterwards: what they were before is computed once."""
+    def with_change(self, change: Change) -> Simulation:
+        """The simulation with one more change of its curves; what they were before is computed once."""
         other = replace(self, after=(*self.after, change))
         other.__dict__["mechanism"] = self.mechanism
         return other
 
-    def predicted(self, curves: Iterable[SampledCurve]) -> list[Array]:
-        """Each curve at its times; those on one clock share the work."""
+    def predict(self, curves: Iterable[SampledCurve]) -> list[Array]:
+        """Values (n,), SI, of each signal at its times; signals on one clock share the work."""
         truths: dict[bytes, Truth] = {}
 
         def closed_form(name: str, time: Array) -> Array:
@@ -98,10 +105,10 @@ class Simulation:
         return [predict(curve.name, curve.time) for curve in curves]
 
 
-def _shape(linkage: Linkage) -> list[Any]:
+def _motion_parts(linkage: Linkage) -> list[Any]:
     """The parts of a linkage that decide its motion."""
     points = {name: link.points for name, link in linkage.links.items()}
-    return [points, *(getattr(linkage, part) for part in SHAPE)]
+    return [points, *(getattr(linkage, part) for part in MOTION_PARTS)]
 
 
 @dataclass(frozen=True)
@@ -165,7 +172,7 @@ def is_angle(name: str) -> bool:
     return name == "phi" or name.endswith(":angle") or name.startswith("transmission_angle")
 
 
-def is_place(name: str) -> bool:
+def is_length_from_zero(name: str) -> bool:
     """Whether a signal is a length that counts from some zero."""
     return name == "S" or (name.startswith("point:") and name.endswith((":x", ":y")))
 

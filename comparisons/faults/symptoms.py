@@ -84,8 +84,8 @@ def symptoms(failed: dict[str, bool]) -> tuple[Symptom, ...]:
     return tuple(symptom for symptom in SYMPTOMS if symptom.fits(failed))
 
 
-def meaning(run: Iterable[Record]) -> str:
-    """The probable faults behind the failing rows of a run, with a remedy; empty if they fit no kind of fault."""
+def probable_faults(run: Iterable[Record]) -> str:
+    """The probable faults behind the failing rows of a run, with a remedy; "" if no kind of fault fits."""
     records = [entry for entry in run if Verdict(entry.outcome).judged and entry.error_max is not None]
     if not records or records[0].origin == IMPORTED:
         return ""

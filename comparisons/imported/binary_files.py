@@ -24,17 +24,17 @@ from numpy.typing import NDArray
 from analytic.errors import LinkproofError, printable
 from comparisons.imported.columns import Column
 from comparisons.imported.encodings import LARGEST, MOST_NUMBERS, ResultText
-from comparisons.imported.text_tables import GREATEST
+from comparisons.imported.text_tables import LARGEST_NUMBER
 
 TRAJECTORY: Final = ("Aclass", "name", "dataInfo", "data_2")
 # Scripts that write the arrays of a file to arrays.npz, each in a process of its own: a damaged MATLAB file may crash
 # its reader, and an FMU is code of its author.
-MATLAB, FMU = (Path(__file__).with_name(name) for name in ("read_matlab.py", "run_fmu.py"))
-LONGEST: Final = 60.0  # seconds that it may take
+MATLAB_READER, FMU_RUNNER = (Path(__file__).with_name(name) for name in ("read_matlab.py", "run_fmu.py"))
+LONGEST_RUN: Final = 60.0  # s, of such a script
 MOST_WORDS: Final = 500  # characters of what is wrong
 
 
-def sheets(path: Path) -> Iterator[ResultText]:
+def read_workbook(path: Path) -> Iterator[ResultText]:
     """The sheets of a workbook as tables parted by tabs; raises LinkproofError for what cannot be read."""
     try:
         from openpyxl import load_workbook  # noqa: PLC0415 - an extra
@@ -57,27 +57,28 @@ def sheets(path: Path) -> Iterator[ResultText]:
             if numbers > 1:  # no sheet of notes
                 yield ResultText(f"{printable(str(path))}[{printable(sheet.title)}]", "\n".join(lines))
     except Exception as error:  # errors of damaged zip, XML and cells have no common class
-        raise _unreadable(path, "a workbook", error) from error
+        raise _reading_error(path, "a workbook", error) from error
 
 
-def _unreadable(path: Path, kind: str, error: Exception) -> LinkproofError:
+def _reading_error(path: Path, kind: str, error: Exception) -> LinkproofError:
+    """The error to raise about a file that a reader refused."""
     reason = str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"
     return LinkproofError(
         f"{path}: expected a file of results, got {kind} that cannot be read ({reason}); export the results as CSV"
     )
 
 
-def _arrays(path: Path, script: Path) -> dict[str, Any]:
-    """The arrays that a script makes of a file; raises ValueError with its last words."""
+def _run_reader(path: Path, script: Path) -> dict[str, Any]:
+    """The arrays, by name, that a reader's script makes of a file; raises ValueError with the script's last words."""
     with TemporaryDirectory() as folder:  # removed with everything that the script writes
         command = [sys.executable, "-P", str(script), str(path.resolve()), str(MOST_NUMBERS)]
         try:
             done = subprocess.run(
-                command, cwd=folder, env={**os.environ, "TMPDIR": folder}, timeout=LONGEST, check=False,
+                command, cwd=folder, env={**os.environ, "TMPDIR": folder}, timeout=LONGEST_RUN, check=False,
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
             )  # fmt: skip
         except subprocess.TimeoutExpired:
-            raise ValueError(f"it takes more than {LONGEST:.0f} s") from None
+            raise ValueError(f"it takes more than {LONGEST_RUN:.0f} s") from None
         words = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
         result = Path(folder, "arrays.npz")
         if done.returncode or not result.exists():
@@ -89,7 +90,7 @@ def _arrays(path: Path, script: Path) -> dict[str, Any]:
 def _column(path: Path, name: str, unit: str, array: NDArray[Any]) -> Column:
     """A column as sharp as its numbers are; raises LinkproofError for numbers that are not finite."""
     values = array.astype(float)
-    if not (np.abs(values) < GREATEST).all():
+    if not (np.abs(values) < LARGEST_NUMBER).all():
         raise LinkproofError(f"{path}: expected finite numbers of '{printable(name)}', got others; export it again")
     sharp = np.finfo(array.dtype if array.dtype.kind == "f" else float).eps * np.abs(values)
     return Column(name, unit, values, sharp, f"{path} ({printable(name)})")
@@ -106,9 +107,9 @@ def fmu_columns(path: Path) -> list[Column]:
             "results as CSV"
         )
     try:
-        data = _arrays(path, FMU)
+        data = _run_reader(path, FMU_RUNNER)
     except Exception as error:  # an archive that is damaged has no common class
-        raise _unreadable(path, "an FMU", error) from error
+        raise _reading_error(path, "an FMU", error) from error
     curves = zip(data["names"].tolist(), data["units"].tolist(), data["values"].T, strict=True)
     return [_column(path, *curve) for curve in curves]
 
@@ -119,18 +120,18 @@ def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
     Raises LinkproofError for one that cannot be read.
     """
     try:
-        data = {name[1:]: array for name, array in _arrays(path, MATLAB).items()}
+        data = {name[1:]: array for name, array in _run_reader(path, MATLAB_READER).items()}
         is_trajectory = all(name in data for name in TRAJECTORY)
-        arrays = dict(_trajectory(data) if is_trajectory else _vectors(data))
+        arrays = dict(_modelica_curves(data) if is_trajectory else _matlab_curves(data))
     except Exception as error:  # errors of damaged matrices have no common class
-        raise _unreadable(path, "a MATLAB file", error) from error
+        raise _reading_error(path, "a MATLAB file", error) from error
     tables: dict[int, list[Column]] = {}
     for name, array in arrays.items():
         tables.setdefault(len(array), []).append(_column(path, name, "", array))
     return is_trajectory, list(tables.values())
 
 
-def _trajectory(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+def _modelica_curves(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Names and values of all that varies, the time first."""
     is_transposed = "".join(data["Aclass"][3]).strip("\0 ") == "binTrans"
     names, info, values = (data[key].T if is_transposed else data[key] for key in TRAJECTORY[1:])
@@ -139,7 +140,7 @@ def _trajectory(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
             yield "".join(name).strip("\0 "), math.copysign(1.0, place) * values[:, abs(place) - 1]
 
 
-def _vectors(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+def _matlab_curves(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Names and values of vectors and of the columns of matrices."""
     for name, array in data.items():
         every = array if array.shape[0] == 1 else array.T

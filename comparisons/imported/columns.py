@@ -54,8 +54,8 @@ class ResultTable:
     columns: tuple[Column, ...]
 
 
-def keys(correction: Correction, unit: float, digits: int = 17) -> list[str]:
-    """A correction as the keys of a mapping, its offset in a ``unit`` of this SI value, with so many digits."""
+def correction_keys(correction: Correction, unit: float, digits: int = 17) -> list[str]:
+    """The keys of a mapping that write a correction, its offset in a ``unit`` of this SI value, with so many digits."""
     given = {"factor": correction.factor, "time_shift": correction.time_shift, "offset": correction.offset / unit}
     numbers = {key: float(f"{value:.{digits}g}") for key, value in given.items()}
     neutral = {"sign": 1, "factor": 1.0}
@@ -67,7 +67,8 @@ class ImportedSignal:
     """A signal of the linkage by its name: SI values with angles in rad, corrections of the mapping applied.
 
     ``at`` (n,) is the time, s, or the crank angle, rad; ``at_resolution`` (n,) is its resolution in the file.
-    ``joint_force:NAME:magnitude`` is the size of a joint's force. ``taken`` names the assumptions.
+    ``joint_force:NAME:magnitude`` is the size of a joint's force. ``assumption`` says what was
+    assumed where the header leaves it open; "" for nothing.
     """
 
     name: str
@@ -77,7 +78,7 @@ class ImportedSignal:
     resolution: Array
     column: Column
     at_resolution: Array
-    taken: str = ""
+    assumption: str = ""
 
 
 @dataclass(frozen=True)
@@ -95,5 +96,5 @@ class ImportedResults:
     units: Mapping[str, float] = field(default_factory=dict)
 
     def written(self, signal: str, correction: Correction) -> str:
-        """A correction of a signal's column as the keys of a mapping."""
-        return ", ".join(keys(correction, self.units.get(signal, 1.0), 6)) or "nothing"
+        """A correction of a signal's column as a mapping writes it; "nothing" for none."""
+        return ", ".join(correction_keys(correction, self.units.get(signal, 1.0), 6)) or "nothing"

@@ -27,21 +27,23 @@ Array = NDArray[np.float64]
 Segments = tuple[Segment, ...]
 
 DEGREES: Final = (1, 2, 4, 7)  # of a piece: constant speed, linear run-up, cubic run-up, anything else
-WORTH: Final = 1.3  # a higher degree has to reach so much farther
+DEGREE_GAIN: Final = 1.3  # a higher degree has to reach so much farther
 FEWEST: Final = 4  # samples that tell a motion
-MOST: Final = 1000  # samples to which a piece is fitted while its end is sought
-WIDER: Final = 4.0  # times the rounding: the next noise that is tried
-FINEST: Final = 0.02  # of the coarsest rounding of a column
-EXACT: Final = 0.02  # of the rounding: a known motion that leaves less is printed in full, 1.5° after 1.5°
-ROUND: Final = 200.0  # roundings: such an angle or speed starts at a multiple of so many, that is, of 100 last digits
-NOTHING: Final = 1e-6  # of the rounding: the last bits of a number
-MANY: Final = 8  # pieces, from which a column may contain more than rounding
-FEWER: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
-BOUND: Final = 5.0  # root mean squares of noise that none of its samples exceeds
-SIXTH: Final = 20.5  # median of the sixth differences of noise, over its root mean square
+MOST_FITTED: Final = 1000  # samples to which a piece is fitted while its end is sought
+NOISE_FACTOR: Final = 4.0  # times the rounding: the next noise that is tried
+FINEST_ROUNDING: Final = 0.02  # of the coarsest rounding of a column
+EXACT_SHARE: Final = 0.02  # of the rounding: a known motion that leaves less is printed in full, 1.5° after 1.5°
+ROUND_MULTIPLE: Final = (
+    200.0  # roundings: such an angle or speed starts at a multiple of so many, that is, of 100 last digits
+)
+LAST_BITS: Final = 1e-6  # of the rounding: the last bits of a number
+MANY_PIECES: Final = 8  # pieces, from which a column may contain more than rounding
+PIECES_SAVED: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
+NOISE_BOUND: Final = 5.0  # root mean squares of noise that none of its samples exceeds
+SIXTH_DIFFERENCE: Final = 20.5  # median of the sixth differences of noise, over its root mean square
 LARGEST_NOISE: Final = 1e-3  # of the largest value
 LEAST_JUMP: Final = 0.02  # of the largest acceleration
-TRIALS: Final = 4  # other columns that would round to the same
+RANDOM_TRIALS: Final = 4  # other columns that would round to the same
 WAVES: Final = (0.0, 1.0, 3.0, 7.0)  # half waves of slow ones over the column; none: all samples are off by the same
 SPREAD: Final = 3.0  # from the largest of so few trials to a bound
 
@@ -66,7 +68,7 @@ class ColumnMotion(CrankMotion):
     @cached_property
     def doubt(self) -> float:
         """By how much its acceleration differs from that of columns that would be printed the same, rad/s²."""
-        return _spread(np.linspace(0.0, self.duration, 501), [o.segments for o in (self, *self.likewise)], 2)
+        return _derivative_spread(np.linspace(0.0, self.duration, 501), [o.segments for o in (self, *self.likewise)], 2)
 
     @cached_property
     def jumps(self) -> tuple[float, ...]:
@@ -81,94 +83,102 @@ class ColumnMotion(CrankMotion):
 
 def motion_of_angles(time: Array, angle: Array, resolution: Array, name: str = "column") -> ColumnMotion:
     """The motion behind a column of crank angles (n,), rad, at times (n,), s, each rounded within its resolution."""
-    return _motion(time, angle, resolution, name, of_speed=False)
+    return _fit_motion(time, angle, resolution, name, of_speed=False)
 
 
 def motion_of_speeds(
     time: Array, speed: Array, resolution: Array, start_angle: float = 0.0, name: str = "column"
 ) -> ColumnMotion:
     """The motion behind a column of crank speeds (n,), rad/s, from a start angle, rad."""
-    motion = _motion(time, speed, resolution, name, of_speed=True)
+    motion = _fit_motion(time, speed, resolution, name, of_speed=True)
     if motion.is_known:  # its pieces are those of the angle
-        return replace(motion, segments=_from(motion.segments, start_angle), likewise=_all_from(motion, start_angle))
-    others = tuple(CrankMotion(name, _integrated(o.segments, start_angle)) for o in motion.likewise)
-    return ColumnMotion(name, _integrated(motion.segments, start_angle), motion.steps, motion.noise, others)
+        return replace(
+            motion, segments=_shift_start(motion.segments, start_angle), likewise=_likewise_from(motion, start_angle)
+        )
+    others = tuple(CrankMotion(name, _integrate_pieces(o.segments, start_angle)) for o in motion.likewise)
+    return ColumnMotion(name, _integrate_pieces(motion.segments, start_angle), motion.steps, motion.noise, others)
 
 
-def _all_from(motion: ColumnMotion, angle: float) -> tuple[CrankMotion, ...]:
-    return tuple(CrankMotion(other.regime, _from(other.segments, angle)) for other in motion.likewise)
+def _likewise_from(motion: ColumnMotion, angle: float) -> tuple[CrankMotion, ...]:
+    """The motions of columns that would be printed the same, from a start angle, rad."""
+    return tuple(CrankMotion(other.regime, _shift_start(other.segments, angle)) for other in motion.likewise)
 
 
-def _from(segments: Segments, angle: float) -> Segments:
-    """Pieces of a motion that starts at an angle."""
+def _shift_start(segments: Segments, angle: float) -> Segments:
+    """Pieces of a motion, moved so that it starts at an ``angle``, rad."""
     return tuple(Segment(p.start, p.end, (angle + p.coefficients[0], *p.coefficients[1:])) for p in segments)
 
 
-def _motion(time: Array, values: Array, resolution: Array, name: str, *, of_speed: bool) -> ColumnMotion:
+def _fit_motion(time: Array, values: Array, resolution: Array, name: str, *, of_speed: bool) -> ColumnMotion:
     if len(time) < FEWEST:
         raise LinkproofError(f"crank's motion: expected {FEWEST} samples or more, got {len(time)}; export more of them")
     coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
-    rounding = np.maximum(resolution, FINEST * coarsest)  # the first angles of a run-up have more digits than any fit
+    rounding = np.maximum(
+        resolution, FINEST_ROUNDING * coarsest
+    )  # the first angles of a run-up have more digits than any fit
     known = known_fit(time, values, rounding, of_speed=of_speed)
     if known is not None:
         column = known.column  # of fewer samples than the file, if that has many
-        share, start = float(np.max(np.abs(known.rest) / column.rounding)), float(known.values[0]) / (ROUND * coarsest)
-        is_exact = share < EXACT and abs(start - round(start)) < EXACT
-        within = column.rounding * (max(share, NOTHING) if is_exact else 1.0)
-        trials = (replace(column, values=column.values + trial) for trial in _trials(within))
-        alike = tuple(trial.near(known.time).motion for trial in trials)
-        return ColumnMotion(known.column.name, known.motion.segments, known.motion.jumps, coarsest, alike)
-    within, pieces = _within(time, values, rounding)
-    columns = (values, *(values + trial for trial in _trials(within)))
+        share, start = (
+            float(np.max(np.abs(known.residual) / column.rounding)),
+            float(known.values[0]) / (ROUND_MULTIPLE * coarsest),
+        )
+        is_exact = share < EXACT_SHARE and abs(start - round(start)) < EXACT_SHARE
+        within = column.rounding * (max(share, LAST_BITS) if is_exact else 1.0)
+        trials = (replace(column, values=column.values + trial) for trial in _rounding_trials(within))
+        alike = tuple(trial.fit_near(known.time).motion for trial in trials)
+        return ColumnMotion(known.column.family, known.motion.segments, known.motion.jumps, coarsest, alike)
+    within, pieces = _noise_and_pieces(time, values, rounding)
+    columns = (values, *(values + trial for trial in _rounding_trials(within)))
     order = 1 if of_speed else 2
-    loose = [tuple(_fitted(time, column, *piece) for piece in pieces) for column in columns]
-    steps = _jumps(loose[0], loose[1:], order)
+    loose = [tuple(_fit_piece(time, column, *piece) for piece in pieces) for column in columns]
+    steps = _real_jumps(loose[0], loose[1:], order)
     if any(degree == DEGREES[-1] for *_, degree in pieces):
-        joined = [_joined(time, column, pieces, steps) for column in columns]
-        loose = min((loose, joined), key=lambda curves: _spread(time, curves, order))
-    finer = tuple(_fitted(time, values, *piece[:2], _finer(piece[2])) for piece in pieces)
+        joined = [_fit_spline(time, column, pieces, steps) for column in columns]
+        loose = min((loose, joined), key=lambda curves: _derivative_spread(time, curves, order))
+    finer = tuple(_fit_piece(time, values, *piece[:2], _second_degree(piece[2])) for piece in pieces)
     others = tuple(CrankMotion(name, segments) for segments in (*loose[1:], finer))
     return ColumnMotion(name, loose[0], steps, float(np.max(within)), others)
 
 
-def _finer(degree: int) -> int:
-    """A degree for a second fit of a piece: two higher if the piece may be no polynomial at all."""
+def _second_degree(degree: int) -> int:
+    """The degree of a piece's second fit, whose difference shows the doubt: two higher if it may be no polynomial."""
     return degree + 2 if degree == DEGREES[-1] else degree
 
 
-def _trials(within: Array) -> Array:
+def _rounding_trials(within: Array) -> Array:
     """Roundings of other columns that would be printed the same, (trials, n): random ones, and slow ones.
 
     Where every sample goes on by the same angle the last digit is off by the same, or changes slowly.
     """
-    random = np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, len(within)))
+    random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_TRIALS, len(within)))
     slow = np.cos(np.outer(WAVES, np.linspace(0.0, math.pi, len(within))))
     return np.asarray(np.concatenate([random, slow]) * within)
 
 
-def _spread(time: Array, curves: Sequence[Segments], order: int) -> float:
-    """By how much a derivative differs between the fits of columns that would be printed the same."""
+def _derivative_spread(time: Array, curves: Sequence[Segments], order: int) -> float:
+    """Largest difference of a derivative between the fits of columns that would be printed the same, SI."""
     values = [CrankMotion("", segments)._evaluate(time, order) for segments in curves]
     return float(max(np.max(np.abs(other - values[0])) for other in values[1:]))
 
 
-def _within(time: Array, values: Array, rounding: Array) -> tuple[Array, list[tuple[int, int, int]]]:
-    """The noise of the column and its pieces: the rounding, or more where that makes far fewer pieces."""
-    if len(values) > MOST:  # of a smooth column so finely sampled these differences are its noise
-        noise = float(np.median(np.abs(np.diff(values, 6)))) / SIXTH
-        rounding = np.maximum(rounding, BOUND * noise)
-    pieces = _pieces(time, values, SLACK * rounding)
+def _noise_and_pieces(time: Array, values: Array, rounding: Array) -> tuple[Array, list[tuple[int, int, int]]]:
+    """The noise (n,) of a column, and its pieces: the rounding, or more where that makes far fewer pieces."""
+    if len(values) > MOST_FITTED:  # of a smooth column so finely sampled these differences are its noise
+        noise = float(np.median(np.abs(np.diff(values, 6)))) / SIXTH_DIFFERENCE
+        rounding = np.maximum(rounding, NOISE_BOUND * noise)
+    pieces = _find_pieces(time, values, SLACK * rounding)
     most = LARGEST_NOISE * float(np.max(np.abs(values)))
-    while len(pieces) > MANY and float(np.max(rounding)) * WIDER < most:
-        fewer = _pieces(time, values, SLACK * WIDER * rounding)
-        if len(fewer) > FEWER * len(pieces):
+    while len(pieces) > MANY_PIECES and float(np.max(rounding)) * NOISE_FACTOR < most:
+        fewer = _find_pieces(time, values, SLACK * NOISE_FACTOR * rounding)
+        if len(fewer) > PIECES_SAVED * len(pieces):
             break
-        rounding, pieces = WIDER * rounding, fewer
+        rounding, pieces = NOISE_FACTOR * rounding, fewer
     return rounding, pieces
 
 
-def _joined(time: Array, values: Array, pieces: list[tuple[int, int, int]], steps: tuple[float, ...]) -> Segments:
-    """The pieces as one curve, with continuous acceleration but at its ``steps``, continuous speed everywhere."""
+def _fit_spline(time: Array, values: Array, pieces: list[tuple[int, int, int]], steps: tuple[float, ...]) -> Segments:
+    """Pieces of one spline: with continuous speed, and continuous acceleration but at its ``steps``."""
     degree, knots, before = DEGREES[-1], [float(time[0])] * (DEGREES[-1] + 1), 0
     for first, *_ in pieces[1:]:
         if first - before > degree and len(time) - 1 - first > degree:
@@ -177,7 +187,7 @@ def _joined(time: Array, values: Array, pieces: list[tuple[int, int, int]], step
             before = first
     knots += [float(time[-1])] * (degree + 1)
     if len(time) < len(knots) - degree - 1:
-        return tuple(_fitted(time, values, *piece) for piece in pieces)
+        return tuple(_fit_piece(time, values, *piece) for piece in pieces)
     curve = PPoly.from_spline(make_lsq_spline(time, values, knots, degree))
     borders = curve.x
     return tuple(
@@ -187,37 +197,39 @@ def _joined(time: Array, values: Array, pieces: list[tuple[int, int, int]], step
     )
 
 
-def _pieces(time: Array, values: Array, within: Array) -> list[tuple[int, int, int]]:
+def _find_pieces(time: Array, values: Array, within: Array) -> list[tuple[int, int, int]]:
     """First and last sample and degree of every piece; neighbours share a sample."""
     pieces, first, last = [], 0, len(time) - 1
     while first < last:
-        reached = {degree: _reach(time, values, within, first, degree) for degree in DEGREES}
-        degree = next(d for d in DEGREES if reached[d] - first >= (max(reached.values()) - first) / WORTH)
+        reached = {degree: _last_sample_fitted(time, values, within, first, degree) for degree in DEGREES}
+        degree = next(d for d in DEGREES if reached[d] - first >= (max(reached.values()) - first) / DEGREE_GAIN)
         pieces.append((first, reached[degree], degree))
         first = reached[degree]
-    return _centred(time, values, within, pieces)
+    return _centre_borders(time, values, within, pieces)
 
 
-def _centred(
+def _centre_borders(
     time: Array, values: Array, within: Array, pieces: list[tuple[int, int, int]]
 ) -> list[tuple[int, int, int]]:
     """The pieces with each border midway between where the one before ends at the latest and the next may begin."""
     borders = [0]
     for (before, end, _), (_, last, degree) in itertools.pairwise(pieces):
-        first = len(time) - 1 - _reach(-time[::-1], values[::-1], within[::-1], len(time) - 1 - last, degree)
+        first = (
+            len(time) - 1 - _last_sample_fitted(-time[::-1], values[::-1], within[::-1], len(time) - 1 - last, degree)
+        )
         borders.append(max((max(first, before) + end) // 2, borders[-1] + 1))
     borders.append(len(time) - 1)
     return [(*pair, degree) for pair, (*_, degree) in zip(itertools.pairwise(borders), pieces, strict=True)]
 
 
-def _reach(time: Array, values: Array, within: Array, first: int, degree: int) -> int:
-    """The last sample to which one polynomial stays within the rounding."""
+def _last_sample_fitted(time: Array, values: Array, within: Array, first: int, degree: int) -> int:
+    """Number of the last sample up to which one polynomial from the ``first`` stays within the rounding."""
 
     def fits(last: int) -> bool:
-        here = slice(first, last + 1, max(1, (last - first) // MOST))
+        here = slice(first, last + 1, max(1, (last - first) // MOST_FITTED))
         if last - first <= degree:
             return True
-        x = _scaled(time[here])
+        x = _scale_time(time[here])
         vandermonde = np.polynomial.chebyshev.chebvander(x, degree)
         coefficients = np.linalg.lstsq(vandermonde, values[here], rcond=None)[0]
         rest: Array = np.abs(vandermonde @ coefficients - values[here])
@@ -235,11 +247,11 @@ def _reach(time: Array, values: Array, within: Array, first: int, degree: int) -
     return good
 
 
-def _scaled(time: Array) -> Array:
+def _scale_time(time: Array) -> Array:
     return np.asarray(2.0 * (time - time[0]) / (time[-1] - time[0]) - 1.0)
 
 
-def _fitted(time: Array, values: Array, first: int, last: int, degree: int) -> Segment:
+def _fit_piece(time: Array, values: Array, first: int, last: int, degree: int) -> Segment:
     """One piece, its polynomial in powers of the time since its start."""
     here = slice(first, last + 1)
     start, end = float(time[first]), float(time[last])
@@ -248,24 +260,26 @@ def _fitted(time: Array, values: Array, first: int, last: int, degree: int) -> S
     return Segment(start, end, tuple(float(c) for c in power.coef))
 
 
-def _jumps(segments: Segments, others: Sequence[Segments], order: int) -> tuple[float, ...]:
+def _real_jumps(segments: Segments, others: Sequence[Segments], order: int) -> tuple[float, ...]:
     """Times, s, between two pieces at which the derivative of an ``order`` jumps by more than the rounding explains.
 
     ``others`` are fits of columns that would be printed the same: what differs among them is rounding.
     """
     scale = max(float(np.max(np.abs(s.value(np.array([s.start, s.end]), order)))) for s in segments)
-    sizes = np.array([_jumps_of(pieces, order) for pieces in (segments, *others)]).reshape(len(others) + 1, -1)
+    sizes = np.array([_border_jumps(pieces, order) for pieces in (segments, *others)]).reshape(len(others) + 1, -1)
     doubt = np.max(np.abs(sizes[1:] - sizes[0]), axis=0, initial=0.0)
     real = np.abs(sizes[0]) > np.maximum(4.0 * doubt, LEAST_JUMP * scale)
     return tuple(piece.start for piece, is_real in zip(segments[1:], real, strict=True) if is_real)
 
 
-def _jumps_of(segments: Segments, order: int) -> list[float]:
+def _border_jumps(segments: Segments, order: int) -> list[float]:
+    """By how much a derivative jumps between each piece and the next."""
     pairs = itertools.pairwise(segments)
     return [float(after.value(after.start, order) - before.value(after.start, order)) for before, after in pairs]
 
 
-def _integrated(segments: Segments, start_angle: float) -> Segments:
+def _integrate_pieces(segments: Segments, start_angle: float) -> Segments:
+    """Pieces of the angle, rad, from those of the speed, rad/s."""
     angle, result = start_angle, []
     for piece in segments:
         coefficients = (angle, *(c / (power + 1) for power, c in enumerate(piece.coefficients)))
@@ -274,14 +288,14 @@ def _integrated(segments: Segments, start_angle: float) -> Segments:
     return tuple(result)
 
 
-def unwrapped(angle: Array) -> Array:
+def unwrap_angles(angle: Array) -> Array:
     """Angles, rad, without the jumps of a whole turn that a tool makes at ±180° or 360°, even if they are degrees."""
     turn = next((turn for turn in (2.0 * math.pi, 360.0) if np.ptp(angle) <= SLACK * turn), None)
     return np.asarray(np.unwrap(angle, period=turn) if turn else angle)
 
 
-def regular(at: Array, resolution: Array) -> tuple[Array, Array]:
-    """The instants and what is unknown of them: equal steps, where the printed ones are such but for their rounding.
+def even_instants(at: Array, resolution: Array) -> tuple[Array, Array]:
+    """Instants or angles (n,) and their doubt: equal steps, where the printed ones are equal but for rounding.
 
     What is then unknown is the mean of n roundings; a step that is printed in full leaves nothing open.
     """

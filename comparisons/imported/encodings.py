@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Final
 
 from analytic.errors import LinkproofError, printable
-from comparisons.imported.header_words import TOKEN, known_parts, parsed, plain
+from comparisons.imported.header_words import TOKEN, compound_meanings, parse_unit, plain_letters
 
 # Bytes of a file, or of what is packed in it, and its numbers: what is read takes less than a GiB of memory.
 LARGEST: Final = 1 << 27
 MOST_NUMBERS: Final = 10_000_000
-MARKS: Final = (
+BYTE_ORDER_MARKS: Final = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),  # before UTF-16, whose mark it begins with
     (codecs.BOM_UTF16_LE, "utf-16"),
@@ -24,10 +24,10 @@ MARKS: Final = (
 # Of a file that is not UTF-8 the encoding in which most of its words are known, the first of equals: rows of numbers
 # leave statistics of letters, as charset-normalizer has them, too little to go by.
 ENCODINGS: Final = ("cp1252", "cp1251", "cp1250", "gb18030", "shift_jis")
-START: Final = 4096  # bytes looked at to tell an encoding
+START_BYTES: Final = 4096  # bytes looked at to tell an encoding
 CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
 # Signs that spreadsheets and text processors print for plain ones.
-PLAIN: Final = {"−": "-", "–": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " ", "“": '"', "”": '"'}
+PLAIN_SIGNS: Final = {"−": "-", "–": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " ", "“": '"', "”": '"'}
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,9 @@ def read_text(path: Path, expected: str = "a text file of results, such as a CSV
     """The text of a file; raises LinkproofError if it is not readable text."""
     check_file(path, f"expected {expected}")
     content, name = path.read_bytes(), printable(str(path))
-    encoding = next((encoding for mark, encoding in MARKS if content.startswith(mark)), None) or _without_mark(content)
+    encoding = next(
+        (encoding for mark, encoding in BYTE_ORDER_MARKS if content.startswith(mark)), None
+    ) or _guess_encoding(content)
     try:
         text = content.decode(encoding)
     except UnicodeDecodeError as error:
@@ -61,7 +63,7 @@ def read_text(path: Path, expected: str = "a text file of results, such as a CSV
         raise LinkproofError(f"{name}:{line}: expected {expected}, got a binary file; export the results as CSV")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if not text.isascii():  # sign by sign is faster than str.translate, by far
-        for sign, simple in PLAIN.items():
+        for sign, simple in PLAIN_SIGNS.items():
             text = text.replace(sign, simple)
     return ResultText(name, text)
 
@@ -84,12 +86,12 @@ def check_file(path: Path, expected: str) -> None:
         raise LinkproofError(f"{expected}, got '{path}' ({reason}); check the path") from error
 
 
-def _without_mark(content: bytes) -> str:
-    """The encoding of bytes that begin with no mark."""
+def _guess_encoding(content: bytes) -> str:
+    """The encoding of bytes without a byte order mark: UTF-8, or that in which most of their words are known."""
     try:
         content.decode("utf-8")
     except UnicodeDecodeError:
-        return max(ENCODINGS, key=lambda encoding: _known_words(content[:START], encoding))
+        return max(ENCODINGS, key=lambda encoding: _known_words(content[:START_BYTES], encoding))
     return "utf-8"
 
 
@@ -97,5 +99,5 @@ def _known_words(start: bytes, encoding: str) -> int:
     """How many bytes at the beginning of a file, of words in letters that are not English, are known in an encoding."""
     tokens = TOKEN.findall(start.decode(encoding, "ignore"))
     foreign = dict.fromkeys(token for token in tokens if not token.isascii() and len(token) > 1)
-    known = (token for token in foreign if known_parts(plain(token)) or parsed(token))
+    known = (token for token in foreign if compound_meanings(plain_letters(token)) or parse_unit(token))
     return sum(len(token.encode(encoding)) for token in known)

@@ -19,7 +19,7 @@ from analytic.description.linkage import GROUND, Linkage
 from analytic.errors import LinkproofError, listed, shortened
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.imported.columns import TIME, Column
-from comparisons.imported.header_words import Meanings, Table, Unit, named, parsed, words
+from comparisons.imported.header_words import Meanings, Table, Unit, header_words, name_meanings, parse_unit
 
 LONGEST: Final = 200  # characters of a header that is read
 # A name and its unit: "Torque (N*m)", "Torque [Nm]", "M{Nm}"; "M in Nm", "M / Nm", "M, Nm", "torque_Nm", "Torque Nm".
@@ -27,7 +27,7 @@ WITH_UNIT: Final = (
     r"(.*?)\s*[(\[{<]\s*([^()\[\]{}<>]*(?:\([^()]*\)[^()\[\]{}<>]*)?)\s*[)\]}>]\s*",
     r"(.+?)\s+in\s+(\S.*)", r"([^/]+?)\s*/\s*(\S.*)", r"(.+?)\s*[,:;]\s*(\S.*)", r"(.+)_([^_]+)", r"(.+)\s+(\S+)",
 )  # fmt: skip
-AGAIN: Final = re.compile(r"\s#\d+$")  # the number of a repeated header
+REPEAT_NUMBER: Final = re.compile(r"\s#\d+$")  # the number of a repeated header
 # What a signal in an SI unit measures, and what else is true of it.
 QUANTITIES: Final = {
     "s": {TIME}, "m": {"displacement"}, "m/s": {"speed"}, "m/s²": {"acceleration"}, "N": {"force"}, "N m": {"torque"},
@@ -47,16 +47,16 @@ class NotJudgedError(LinkproofError):
 
 @dataclass(frozen=True)
 class Meaning:
-    """The signal that a column means, the unit it is in (None: the header states none), and what was taken so."""
+    """The signal that a column means, its unit (None: the header states none), and the assumption made, "" for none."""
 
     signal: str
     unit: Unit | None
     printed: str
-    taken: str = ""
+    assumption: str = ""
 
 
 @dataclass(frozen=True)
-class _True:
+class _Vocabulary:
     """The vocabulary of a signal: words for its ``quantity``, each set that it ``needs`` one of, and all ``words``."""
 
     quantity: Meanings
@@ -66,13 +66,13 @@ class _True:
 
 def splits(header: str, unit: str) -> Iterator[tuple[str, str]]:
     """Name and unit of a header, the likeliest first, "" for none; ``unit`` is that which the file states apart."""
-    header = AGAIN.sub("", header)
-    if parsed(unit):
+    header = REPEAT_NUMBER.sub("", header)
+    if parse_unit(unit):
         yield header, unit
         return
     for form in WITH_UNIT:
         match = re.fullmatch(form, header)
-        if match and parsed(match[2].strip("()[]")):
+        if match and parse_unit(match[2].strip("()[]")):
             yield match[1], match[2].strip("()[]")
     yield header, ""
 
@@ -91,21 +91,26 @@ class HeaderParser:
     @cached_property
     def _names(self) -> Table:
         points = {point for link in self.linkage.links.values() for point in link.points} | {*self.linkage.ground}
-        return named({*self.linkage.links, *points, *self.linkage.joint_names} - {GROUND})
+        return name_meanings({*self.linkage.links, *points, *self.linkage.joint_names} - {GROUND})
 
     @cached_property
-    def _true(self) -> dict[str, _True]:
-        return {name: self._of(name) for name in (TIME, *self.signals) if not name.startswith("transmission_angle")}
+    def _vocabularies(self) -> dict[str, _Vocabulary]:
+        """The words that may mean each signal."""
+        return {
+            name: self._vocabulary_of(name)
+            for name in (TIME, *self.signals)
+            if not name.startswith("transmission_angle")
+        }
 
-    def _of(self, name: str) -> _True:
+    def _vocabulary_of(self, name: str) -> _Vocabulary:
         """The vocabulary of a signal or of time."""
         linkage, output = self.linkage, self.linkage.output
         kind, _, rest = name.partition(":")
         part, _, component = rest.rpartition(":")
         point, _, link = part.partition(":")
-        quantity, axes = QUANTITIES[self.si(name)], {component[-1:]} & {"x", "y"}
+        quantity, axes = QUANTITIES[self.si_unit_name(name)], {component[-1:]} & {"x", "y"}
         drive = {"drive", f":{linkage.crank}"}
-        others = {*AROUND} if "rad" in self.si(name) or "N m" in self.si(name) else {"linear"}
+        others = {*AROUND} if "rad" in self.si_unit_name(name) or "N m" in self.si_unit_name(name) else {"linear"}
         owner = {f":{part}"}
         if kind in DRIVE:
             owner = drive if linkage.is_linear and kind != "Peq" else quantity | drive
@@ -123,22 +128,22 @@ class HeaderParser:
             others |= {"torque"} if kind == "Jeq" else {"reaction"}  # "moment of inertia"
         others |= {"magnitude"} if name.endswith(signals.MAGNITUDE) else set()
         needs = (frozenset(owner), *([frozenset(axes)] if axes else []))
-        return _True(frozenset(quantity), needs, frozenset().union(quantity, others, *needs))
+        return _Vocabulary(frozenset(quantity), needs, frozenset().union(quantity, others, *needs))
 
     def unit(self, name: str) -> Unit:
         """SI unit of a signal or of time."""
-        unit = parsed(self.si(name))
+        unit = parse_unit(self.si_unit_name(name))
         assert unit is not None, name
         return unit
 
-    def si(self, name: str) -> str:
+    def si_unit_name(self, name: str) -> str:
         """The name of the SI unit of a signal or of time."""
         return "s" if name == TIME else signals.unit(name, self.linkage)
 
     def in_stated_unit(self, signal: str, column: Column) -> Meaning:
         """A signal in the unit that a header states where it measures the signal."""
         for _, text in splits(column.header, column.unit):
-            unit = parsed(text)
+            unit = parse_unit(text)
             if unit is not None and unit.measures(self.unit(signal).dimension):
                 return Meaning(signal, unit, text)
         return Meaning(signal, None, "")
@@ -150,7 +155,7 @@ class HeaderParser:
         reasons = []
         for name, text in splits(column.header, column.unit):
             try:
-                return self._meaning(name.strip(), parsed(text), text, column)
+                return self._meaning(name.strip(), parse_unit(text), text, column)
             except NotJudgedError as reason:
                 reasons.append(reason)
         raise reasons[0]
@@ -162,7 +167,7 @@ class HeaderParser:
                 raise NotJudgedError(f"'{printed}' is no unit of {name}")
             return Meaning(name, unit, printed)
         read = []
-        for word, meanings in words(name, self._names):
+        for word, meanings in header_words(name, self._names):
             if not meanings:
                 raise NotJudgedError(
                     f"'{shortened(word)}' in its name is no unit, link, point or joint, nor a known word"
@@ -171,18 +176,20 @@ class HeaderParser:
         fitting = self._fitting(read, unit)
         if not fitting:
             others = self._fitting(read, None) if unit else {}
-            raise NotJudgedError(f"'{printed}' is no unit of {listed(others)}" if others else self._why(read, unit))
-        named = {name: sum(word.startswith(":") for word in stated) for name, stated in fitting.items()}
-        best = [name for name in fitting if named[name] == max(named.values())]
+            raise NotJudgedError(
+                f"'{printed}' is no unit of {listed(others)}" if others else self._why_no_signal(read, unit)
+            )
+        names_stated = {name: sum(word.startswith(":") for word in stated) for name, stated in fitting.items()}
+        best = [name for name in fitting if names_stated[name] == max(names_stated.values())]
         best = [name for name in best if ":" not in name] or best
         if len(best) > 1:
             raise NotJudgedError(f"it may be {listed(best)}: add its unit, or the name and component that it lacks")
-        return Meaning(best[0], unit, printed, self._taken(best[0], fitting[best[0]], column))
+        return Meaning(best[0], unit, printed, self._assumption(best[0], fitting[best[0]], column))
 
     def _fitting(self, read: Sequence[Meanings], unit: Unit | None) -> dict[str, Meanings]:
-        """The signals that all words fit and that need no other word, each with the meanings that fit it."""
+        """Signals of which all words read are true and whose required words are there, each with what fits."""
         fitting = {}
-        for name, true in self._true.items():
+        for name, true in self._vocabularies.items():
             if unit is not None and not unit.measures(self.unit(name).dimension):
                 continue
             every = frozenset[str]().union(*(meanings & true.words for meanings in read))
@@ -194,16 +201,16 @@ class HeaderParser:
                 fitting[name] = every
         return fitting
 
-    def _why(self, read: Sequence[Meanings], unit: Unit | None) -> str:
-        """Why words that are all known mean no signal: what there is of their kind."""
+    def _why_no_signal(self, read: Sequence[Meanings], unit: Unit | None) -> str:
+        """Why a header whose words are all known means no signal; names the signals of that kind."""
         stated = frozenset[str]().union(*read)
-        kind = [name for name, true in self._true.items() if stated & true.quantity]
-        kind = kind or [name for name in self._true if unit and unit.measures(self.unit(name).dimension)]
+        kind = [name for name, true in self._vocabularies.items() if stated & true.quantity]
+        kind = kind or [name for name in self._vocabularies if unit and unit.measures(self.unit(name).dimension)]
         if "elsewhere" in stated or not kind:
             return "the closed form has no such quantity"
         return f"its name fits none of {listed(dict.fromkeys(name.rpartition(':')[0] or name for name in kind))}"
 
-    def _taken(self, signal: str, stated: Meanings, column: Column) -> str:
+    def _assumption(self, signal: str, stated: Meanings, column: Column) -> str:
         """The assumption behind a column's signal, "" for none; raises NotJudgedError if its values contradict."""
         output = self.linkage.output
         if signal in DRIVE and not stated & {"drive", f":{self.linkage.crank}"}:

@@ -20,71 +20,76 @@ Table = Mapping[tuple[str, ...], Meanings]
 TOKEN: Final = re.compile(r"[^\W\d_]+|\d+")
 # Where a word begins inside another: camelCase, and the last capital of a run of them.
 CAMEL: Final = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
-NOTHING: Final = frozenset({"nothing"})  # the meaning of words that change nothing
+NO_MEANING: Final = frozenset({"nothing"})  # the meaning of words that change nothing
 SHORTEST, SHORTEST_FOREIGN = 3, 2  # letters of a word written together with others
 
 
-def plain(text: str) -> str:
+def plain_letters(text: str) -> str:
     """A text without case, accents and the marks of letters."""
     decomposed = unicodedata.normalize("NFKD", text.casefold())
     letters = "".join(c for c in decomposed if not unicodedata.combining(c) or c in "\u3099\u309a")
     return unicodedata.normalize("NFC", letters).replace("ł", "l").replace("ø", "o")
 
 
-def tokens(text: str) -> list[str]:
+def split_tokens(text: str) -> list[str]:
     """The words and numbers of a text."""
     return TOKEN.findall(CAMEL.sub(" ", text))
 
 
-def _table(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
+def _merge_meanings(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
+    """All meanings of each group of words."""
     table: dict[tuple[str, ...], Meanings] = defaultdict(frozenset)
-    for words, meaning in pairs:
-        table[words] |= {meaning}
+    for header_words, meaning in pairs:
+        table[header_words] |= {meaning}
     return dict(table)
 
 
 _FILE: Final = tomllib.loads(Path(__file__).with_name("header_words.toml").read_text(encoding="utf-8"))
-WORDS: Final = _table((tuple(plain(word).split()), meaning) for meaning, words in _FILE.items() for word in words)
+WORDS: Final = _merge_meanings(
+    (tuple(plain_letters(word).split()), meaning) for meaning, texts in _FILE.items() for word in texts
+)
 
 
-def named(names: Iterable[str]) -> Table:
+def name_meanings(names: Iterable[str]) -> Table:
     """Meanings, ``:name``, of names by their words; a number alone is a plot's, "Angular Velocity2", and no name."""
-    return _table((key, f":{name}") for name in names if not all(map(str.isdigit, key := _key(tokens(name)))))
+    return _merge_meanings(
+        (key, f":{name}") for name in names if not all(map(str.isdigit, key := _name_key(split_tokens(name))))
+    )
 
 
-def _key(words: Iterable[str]) -> tuple[str, ...]:
-    """Words of a name: single letters differ by case."""
-    return tuple(word if len(word) == 1 else word.casefold() for word in words)
+def _name_key(texts: Iterable[str]) -> tuple[str, ...]:
+    """The key of a name in a table of meanings: its words in lower case, but for single letters."""
+    return tuple(word if len(word) == 1 else word.casefold() for word in texts)
 
 
-def words(header: str, names: Table) -> Iterator[tuple[str, Meanings]]:
+def header_words(header: str, names: Table) -> Iterator[tuple[str, Meanings]]:
     """The words of a header with all that each may mean, of which an unknown one has nothing.
 
     Numbers that belong to no name are left out, and words that change nothing.
     """
-    every, at = tokens(header), 0
+    every, at = split_tokens(header), 0
     longest = max(map(len, [*WORDS, *names]))
     while at < len(every):
         for end in range(min(len(every), at + longest), at, -1):
             part = every[at:end]
-            meanings = names.get(_key(part), frozenset()) | WORDS.get(tuple(map(plain, part)), frozenset())
+            meanings = names.get(_name_key(part), frozenset()) | WORDS.get(tuple(map(plain_letters, part)), frozenset())
             if meanings:
                 break
         text, at = " ".join(part), end
         if meanings or not text.isdigit():
-            together = [meanings] if meanings else known_parts(plain(text)) or [meanings]
-            yield from ((text, texts) for texts in together if texts != NOTHING)
+            together = [meanings] if meanings else compound_meanings(plain_letters(text)) or [meanings]
+            yield from ((text, texts) for texts in together if texts != NO_MEANING)
 
 
 @lru_cache(maxsize=4096)
-def known_parts(word: str) -> tuple[Meanings, ...]:
+def compound_meanings(word: str) -> tuple[Meanings, ...]:
     """The meanings of known words that are written together in one, as in German and Chinese; () if any is unknown."""
     if (word,) in WORDS:
         return (WORDS[word,],)
     least = SHORTEST if word.isascii() else SHORTEST_FOREIGN
     for cut in range(len(word) - least, least - 1, -1):
         first = WORDS.get((word[:cut],))
-        if first and (rest := known_parts(word[cut:])):
+        if first and (rest := compound_meanings(word[cut:])):
             return (first, *rest)
     return ()
 
@@ -119,8 +124,8 @@ class Unit:
         return self.dimension == dimension or (turns and self.dimension == (*dimension[:3], 0))
 
 
-def _named() -> dict[str, Unit]:
-    """Every unit by every name it has."""
+def _units_by_name() -> dict[str, Unit]:
+    """All units by each of their names."""
     units: dict[str, Unit] = {}
     for kind, dimension in _UNITS_FILE["dimensions"].items():
         values = {**UNITS.get(kind, {}), **_UNITS_FILE.get(kind, {})}
@@ -128,21 +133,24 @@ def _named() -> dict[str, Unit]:
     return units | {name: units[plain] for plain, names in _UNITS_FILE["names"].items() for name in names}
 
 
-NAMED: Final[Mapping[str, Unit]] = _named()
-_LOWER: Final = {name.lower(): unit for name, unit in reversed(tuple(NAMED.items())) if len(name) > 1}
+UNITS_BY_NAME: Final[Mapping[str, Unit]] = _units_by_name()
+_UNITS_BY_LOWER_CASE: Final = {
+    name.lower(): unit for name, unit in reversed(tuple(UNITS_BY_NAME.items())) if len(name) > 1
+}
 DIMENSIONLESS: Final = Unit(1.0, (0, 0, 0, 0))
 SUPERSCRIPTS: Final = str.maketrans("²³⁻¹", "23-1")
-BETWEEN: Final = re.compile(r"\s*[*·.⋅×]\s*|(?<=\w)-(?=[^\W\d])|\s+")
+FACTOR_SIGN: Final = re.compile(r"\s*[*·.⋅×]\s*|(?<=\w)-(?=[^\W\d])|\s+")
 POWER: Final = re.compile(r"(.+?)(?:\^?\s*\(?(-?[1-4])\)?)?")
 LONGEST: Final = 40  # characters of a unit
 
 
-def _unit(name: str) -> Unit | None:
-    return NAMED.get(name) or _LOWER.get(name.lower())
+def _find_unit(name: str) -> Unit | None:
+    """A unit by its name, in any case where that is unknown as written; None for no unit."""
+    return UNITS_BY_NAME.get(name) or _UNITS_BY_LOWER_CASE.get(name.lower())
 
 
 @lru_cache(maxsize=1024)
-def parsed(text: str) -> Unit | None:
+def parse_unit(text: str) -> Unit | None:
     """The unit that a text names, such as ``a*b/c^2``, None if it names none; "-" is that of a plain number.
 
     Of two solidi the meaning is open, so there may be one.
@@ -150,16 +158,16 @@ def parsed(text: str) -> Unit | None:
     text = text.strip()
     if not text or len(text) > LONGEST:
         return None
-    if text == "-" or _unit(text):
-        return _unit(text) or DIMENSIONLESS
+    if text == "-" or _find_unit(text):
+        return _find_unit(text) or DIMENSIONLESS
     above, *below = text.translate(SUPERSCRIPTS).replace("**", "^").split("/")
     parts = [] if below and above.strip() in ("", "1") else [(above, 1)]
     parts += [(part.strip().removeprefix("(").removesuffix(")"), -1) for part in below]
     result = DIMENSIONLESS
     for part, sign in parts:
-        for word in BETWEEN.split(part.strip()):
+        for word in FACTOR_SIGN.split(part.strip()):
             power = POWER.fullmatch(word)
-            unit = _unit(power[1]) if power else None
+            unit = _find_unit(power[1]) if power else None
             if power is None or unit is None or len(below) > 1:
                 return None
             result = result.times(unit, sign * int(power[2] or 1))

@@ -17,8 +17,14 @@ from comparisons.faults.ranking import Explanation, explain, proposals
 from comparisons.faults.settings import CrankColumn
 from comparisons.faults.simulation import Simulation, is_angle
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
-from comparisons.imported.crank_column import ColumnMotion, motion_of_angles, motion_of_speeds, regular, unwrapped
-from comparisons.imported.judgement import DEFAULT_LIMIT, Samples, SignalVerdict, floor, verdicts
+from comparisons.imported.crank_column import (
+    ColumnMotion,
+    even_instants,
+    motion_of_angles,
+    motion_of_speeds,
+    unwrap_angles,
+)
+from comparisons.imported.judgement import DEFAULT_LIMIT, Samples, SignalVerdict, judge_signals, rounding_floors
 from comparisons.judging.records import Verdict
 from comparisons.reference.motion import Motion
 
@@ -69,7 +75,7 @@ class ImportedJudgement:
         if finding is None:
             return "", None
         fault, numbers, correction = finding.likeliest.fault, finding.likeliest.numbers, finding.aligned
-        (wrong,) = fault.apply(self.model, numbers).predicted([verdict.samples])
+        (wrong,) = fault.apply(self.model, numbers).predict([verdict.samples])
         right = correction.get(verdict.name, Correction())
         values = right.sign * right.factor * verdict.samples.values + verdict.truth - wrong
         return finding.likeliest.words, np.where(verdict.counted, values, np.nan)
@@ -89,9 +95,9 @@ def judge(
     Without a ``motion`` the crank follows the file's column of its angle, or of its speed from ``start_angle``, rad.
     ``gives_speed`` is False where the user states no speed, which moving signals over the crank angle need.
     """
-    moved, source, crank = _motion(imported, motion, start_angle)
+    moved, source, crank = _crank_motion(imported, motion, start_angle)
     model = Simulation(linkage, moved)
-    every = [_sampled(signal, moved) for signal in imported.signals if signal is not crank]
+    every = [_samples_of(signal, moved) for signal in imported.signals if signal is not crank]
     _check_speed(model, every, gives_speed=gives_speed)
     signals = [signal for signal in every if len(signal.time) >= FEWEST]
     if not signals:
@@ -100,9 +106,9 @@ def judge(
             f"expected a signal to judge, got none besides the crank's motion ({source}){reasons}; name columns in a "
             "mapping, or export more of them"
         )
-    truth = model.predicted(signals)
+    truth = model.predict(signals)
     signals = [_without_turns(signal, values) for signal, values in zip(signals, truth, strict=True)]
-    judged = verdicts(model, signals, truth, floor(model, signals, truth), limit)
+    judged = judge_signals(model, signals, truth, rounding_floors(model, signals, truth), limit)
     column = None
     if crank is not None:
         name = "" if linkage.is_linear else crank.name
@@ -118,22 +124,22 @@ def judge(
         imported,
         source,
         limit,
-        tuple(_missed(model, judged)),
+        tuple(_missed_peaks(model, judged)),
     )
 
 
-def _motion(
+def _crank_motion(
     imported: ImportedResults, motion: Motion | None, start_angle: float
 ) -> tuple[Motion, str, ImportedSignal | None]:
-    """The crank's motion, where it comes from, and the column that gives it."""
+    """The crank's motion, its source in words, and the column that gives it; None where the motion is stated."""
     signals = imported.signals
     if motion is not None:
         return motion, f"regime {motion.regime}", None
     over_time = {signal.name: signal for signal in signals if signal.axis == "time"}
     angle, speed = over_time.get("phi"), over_time.get("omega")
-    made = [(motion_of_angles(*_at(angle)), angle)] if angle else []
+    made = [(motion_of_angles(*_motion_samples(angle)), angle)] if angle else []
     if speed and not (made and made[0][0].is_known):
-        made += [(motion_of_speeds(*_at(speed), float(angle.values[0]) if angle else start_angle), speed)]
+        made += [(motion_of_speeds(*_motion_samples(speed), float(angle.values[0]) if angle else start_angle), speed)]
     if made:
         best, column = min(made, key=lambda pair: pair[0].doubt)
         return best, f"column '{column.column.header}'", column
@@ -145,16 +151,16 @@ def _motion(
     )
 
 
-def _at(signal: ImportedSignal) -> tuple[Array, Array, Array]:
+def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
     """Times, values and roundings of a column of the crank's motion, whose times are rounded too."""
-    time, open_ = regular(signal.at, signal.at_resolution)
-    values = unwrapped(signal.values) if signal.name == "phi" else signal.values
+    time, open_ = even_instants(signal.at, signal.at_resolution)
+    values = unwrap_angles(signal.values) if signal.name == "phi" else signal.values
     return time, values, signal.resolution + open_ * np.abs(np.gradient(values, time))
 
 
-def _sampled(signal: ImportedSignal, motion: Motion) -> Samples:
+def _samples_of(signal: ImportedSignal, motion: Motion) -> Samples:
     """A signal at its times; over the crank angle those of a constant speed."""
-    at, rounding = regular(signal.at, signal.at_resolution)
+    at, rounding = even_instants(signal.at, signal.at_resolution)
     if signal.axis == "phi":
         speed = float(motion.speed(0.0))
         at, rounding = (at - float(motion.angle(0.0))) / speed, rounding / abs(speed)
@@ -164,6 +170,7 @@ def _sampled(signal: ImportedSignal, motion: Motion) -> Samples:
 
 
 def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: bool) -> None:
+    """Raise LinkproofError for moving signals over the crank angle where the user states no speed."""
     known = table(model.mechanism)
     over_angle = [signal.name for signal in signals if signal.imported.axis == "phi"]
     moving = [name for name in over_angle if name not in known or not known[name].is_still]
@@ -179,20 +186,20 @@ def _without_turns(signal: Samples, truth: Array) -> Samples:
         return signal
     if signal.name.startswith("transmission_angle"):
         return replace(signal, values=np.abs(signal.values - np.pi * np.round(signal.values / np.pi)))
-    values = unwrapped(signal.values)
+    values = unwrap_angles(signal.values)
     turns = np.round(np.median(truth - values) / (2.0 * np.pi))
     return replace(signal, values=values + 2.0 * np.pi * turns)
 
 
-def _missed(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:
-    """Signals whose closed form peaks between the samples by more than the limit."""
+def _missed_peaks(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:
+    """Signals whose closed form peaks between the samples by more than the limit, each with the share missed."""
     for verdict in judged:
         time = verdict.samples.time
         if len(time) > FINE or (isinstance(model.motion, ColumnMotion) and len(time) < 4):
             continue
         between = np.linspace(0.0, 1.0, max(9, FINE // len(time)))[:-1]
         fine = (time[:-1, None] + np.diff(time)[:, None] * between).ravel()
-        whole = model.predicted([replace(verdict.samples, time=fine)])[0]
+        whole = model.predict([replace(verdict.samples, time=fine)])[0]
         peak = float(np.max(np.abs(whole)))
         share = 1.0 - float(np.max(np.abs(verdict.truth))) / peak if peak else 0.0
         if share > SPARSE * verdict.limit and not verdict.near_zero:

@@ -38,23 +38,23 @@ class Samples:
     imported: ImportedSignal
 
 
-def floor(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
+def rounding_floors(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
     """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles."""
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
-    others = [model.moving(motion).predicted(samples) for motion in likewise]
-    early, late = (model.predicted([_moved(sample, sign) for sample in samples]) for sign in (-1.0, 1.0))
+    others = [model.with_motion(motion).predict(samples) for motion in likewise]
+    early, late = (model.predict([_shift_times(sample, sign) for sample in samples]) for sign in (-1.0, 1.0))
     for number, signal in enumerate(samples):
         by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
         apart = [
             np.where(near_jumps(signal.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others
         ]
-        by_angle = _near_largest(apart, model.motion) if apart else 0.0
+        by_angle = _largest_nearby(apart, model.motion) if apart else 0.0
         floors.append(signal.rounding + np.where(signal.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
     return floors
 
 
-def _near_largest(differences: Sequence[Array], motion: Motion) -> Array:
+def _largest_nearby(differences: Sequence[Array], motion: Motion) -> Array:
     """The largest of a few trials' differences near each sample; anywhere, where the motion may be any at all."""
     largest = np.max(differences, axis=0)
     if not (isinstance(motion, ColumnMotion) and motion.is_known):
@@ -63,20 +63,21 @@ def _near_largest(differences: Sequence[Array], motion: Motion) -> Array:
     return np.asarray(maximum_filter1d(largest, size, mode="nearest"))
 
 
-def _moved(signal: Samples, sign: float) -> Samples:
+def _shift_times(signal: Samples, sign: float) -> Samples:
+    """A signal at its earliest (-1) or latest (1) times within their rounding."""
     return replace(signal, time=signal.time + sign * signal.time_rounding)
 
 
-def jumps_of(model: Simulation, signal: Samples) -> Array:
+def jump_sizes(model: Simulation, signal: Samples) -> Array:
     """By how much the closed form of a signal changes at the jump near each sample, (n,); 0 away from jumps."""
     sizes = np.zeros(len(signal.time))
     if not holds_acceleration(signal.name):
         return sizes
     for jump in model.motion.jumps:
-        at_rest = model.moving(ChangedMotion(model.motion, order=0))  # as the crank is before the start
+        at_rest = model.with_motion(ChangedMotion(model.motion, order=0))  # as the crank is before the start
         earlier = model if jump > 0.0 else at_rest
-        (after,) = model.predicted([replace(signal, time=np.array([jump]))])
-        (before,) = earlier.predicted([replace(signal, time=np.array([np.nextafter(jump, 0.0)]))])
+        (after,) = model.predict([replace(signal, time=np.array([jump]))])
+        (before,) = earlier.predict([replace(signal, time=np.array([np.nextafter(jump, 0.0)]))])
         size = float((after - before)[0]) or np.finfo(float).tiny
         larger = near_jump(signal.time, model.motion, jump) & (np.abs(size) > np.abs(sizes))
         sizes = np.where(larger, np.where(signal.time < jump, size, -size), sizes)
@@ -132,7 +133,7 @@ class SignalVerdict:
 
     @property
     def evidence(self) -> Evidence:
-        """The signal in the form to which causes are fitted."""
+        """The signal as evidence, to which causes of its difference are fitted."""
         own, over = self.samples, np.abs(self.samples.values - self.truth) > self.limit * self.scale
         alone = self.over & ~np.any(over & self.counted)  # nothing but samples at a jump is off
         return Evidence(
@@ -146,7 +147,7 @@ class SignalVerdict:
 
     @property
     def value_there(self) -> float:
-        """The file's value there."""
+        """The file's value, SI, at the largest error."""
         return float(self.samples.values[self.worst])
 
     @property
@@ -156,7 +157,7 @@ class SignalVerdict:
 
     @property
     def detail(self) -> str:
-        """Why it did not pass."""
+        """Why the signal did not pass; "" where it did."""
         if self.outcome is Verdict.PASSED:
             return ""
         if self.outcome is Verdict.UNDEFINED:
@@ -169,7 +170,7 @@ class SignalVerdict:
         return f"error {self.error_max:.2g} of peak is over its limit {self.limit:.2g}"
 
     def deviation(self, motion: Motion) -> Deviation:
-        """The curves behind the record."""
+        """The curves of the signal, which a campaign keeps beside its record."""
         time = self.samples.time
         return Deviation(
             time, motion.angle(time), self.samples.values, self.truth, self.scale, self.error_max, self.error_rms,
@@ -177,7 +178,7 @@ class SignalVerdict:
         )  # fmt: skip
 
     def record(self, blank: Record) -> Record:
-        """The record of a campaign's tables."""
+        """The signal's record in a campaign's tables; ``blank`` has what all signals share."""
         judged = self.outcome is not Verdict.UNDEFINED
         return replace(
             blank,
@@ -197,21 +198,21 @@ class SignalVerdict:
         )
 
 
-def verdicts(
+def judge_signals(
     model: Simulation, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
 ) -> list[SignalVerdict]:
     """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
     scales = natural_scales(model, samples, truth)
     return [
-        _verdict(model, signal, values, open_, limit=limit, natural=natural)
+        _judge_signal(model, signal, values, open_, limit=limit, natural=natural)
         for signal, values, open_, natural in zip(samples, truth, floors, scales, strict=True)
     ]
 
 
-def _verdict(
+def _judge_signal(
     model: Simulation, signal: Samples, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
-    jump = jumps_of(model, signal)
+    jump = jump_sizes(model, signal)
     counted, size = jump == 0.0, np.abs(jump)
     peak = float(np.max(np.abs(truth[counted] if counted.any() else truth)))
     least = NEAR_ZERO * natural
@@ -242,11 +243,11 @@ def _verdict(
         worst_angle=float(model.motion.angle(signal.time[worst])),
         truth_there=min(sides, key=lambda side: abs(side - signal.values[worst])),
         outcome=outcome,
-        shown=in_file_units(unit(signal.name, model.linkage), model.linkage.units),
+        shown=file_unit_of(unit(signal.name, model.linkage), model.linkage.units),
     )
 
 
-def in_file_units(si: str, units: Mapping[str, str]) -> tuple[str, float]:
+def file_unit_of(si: str, units: Mapping[str, str]) -> tuple[str, float]:
     """The unit of a linkage's file in which what has an SI unit is shown, and its SI value."""
     base, solidus, rate = si.partition("/")
     kind = next((kind for kind in ("length", "angle", "force", "torque") if SI[kind] == base), "")

@@ -16,10 +16,10 @@ from analytic.description.loading import check_characters, tables
 from analytic.description.schema import Finite, Tables, TomlTable
 from analytic.errors import DescriptionError, UnknownNameError, printable, shortened
 from comparisons.faults.fault import Correction
-from comparisons.imported.columns import TIME, Column, keys
+from comparisons.imported.columns import TIME, Column, correction_keys
 from comparisons.imported.encodings import read_text
 from comparisons.imported.header_meaning import HeaderParser, Meaning, NotJudgedError
-from comparisons.imported.header_words import NAMED, parsed
+from comparisons.imported.header_words import UNITS_BY_NAME, parse_unit
 
 LARGEST: Final = 1 << 20  # characters
 HEAD: Final = """# Columns of result files as signals of {}: correct what is wrong, and give this file
@@ -60,56 +60,62 @@ class ColumnMapping:
 
     def check(self, headers: Iterable[str]) -> None:
         """Refuse a header that no column has, or that has two entries."""
-        known, seen = {_plain(header) for header in headers}, set()
+        known, seen = {_comparable(header) for header in headers}, set()
         every = [(["column", str(n), "header"], column.header) for n, column in enumerate(self.document.column)]
         every += [(["ignore", str(n)], header) for n, header in enumerate(self.document.ignore)]
         for place, header in every:
-            if _plain(header) not in known:
+            if _comparable(header) not in known:
                 raise DescriptionError(f"{self.source.at(place)}: {UnknownNameError('column', header, known)}")
-            if _plain(header) in seen:
+            if _comparable(header) in seen:
                 raise DescriptionError(
                     f"{self.source.at(place)}: expected one entry for '{shortened(header)}', got two; leave one out"
                 )
-            seen.add(_plain(header))
+            seen.add(_comparable(header))
 
     def ignores(self, column: Column) -> bool:
         """Whether a column is not to be judged."""
-        return _plain(column.header) in map(_plain, self.document.ignore)
+        return _comparable(column.header) in map(_comparable, self.document.ignore)
 
     def meaning(self, recognition: HeaderParser, column: Column) -> tuple[Meaning, Correction]:
         """The meaning of a column by the mapping or by its header, and the accepted corrections.
 
         Raises NotJudgedError for one whose meaning is unknown, DescriptionError for an entry that cannot be.
         """
-        entries = (pair for pair in enumerate(self.document.column) if _plain(pair[1].header) == _plain(column.header))
+        entries = (
+            pair
+            for pair in enumerate(self.document.column)
+            if _comparable(pair[1].header) == _comparable(column.header)
+        )
         at, entry = next(entries, (0, None))
         if entry is None:
             return recognition.meaning(column), Correction()
         known = (TIME, *recognition.signals)
         if entry.signal is not None and entry.signal not in known:
-            raise self._fault(at, "signal", str(UnknownNameError("signal", entry.signal, known)))
+            raise self._entry_error(at, "signal", str(UnknownNameError("signal", entry.signal, known)))
         try:
             meaning = recognition.in_stated_unit(entry.signal, column) if entry.signal else recognition.meaning(column)
         except NotJudgedError as reason:
             message = f'expected a signal for this column, got none, and {reason}; add signal = "..."'
-            raise self._fault(at, "header", message) from None
+            raise self._entry_error(at, "header", message) from None
         if entry.unit is not None:
-            unit, si = parsed(entry.unit), recognition.unit(meaning.signal)
+            unit, si = parse_unit(entry.unit), recognition.unit(meaning.signal)
             if unit is None or not unit.measures(si.dimension):
-                fitting = [name for name, item in NAMED.items() if item.dimension == si.dimension and name.isascii()]
+                fitting = [
+                    name for name, item in UNITS_BY_NAME.items() if item.dimension == si.dimension and name.isascii()
+                ]
                 fault = UnknownNameError(
-                    f"unit of {meaning.signal}", entry.unit, [recognition.si(meaning.signal), *fitting]
+                    f"unit of {meaning.signal}", entry.unit, [recognition.si_unit_name(meaning.signal), *fitting]
                 )
-                raise self._fault(at, "unit", str(fault))
+                raise self._entry_error(at, "unit", str(fault))
             meaning = replace(meaning, unit=unit, printed=entry.unit)
         factor = meaning.unit.factor if meaning.unit else 1.0
         return meaning, Correction(entry.sign, entry.factor, entry.time_shift, entry.offset * factor)
 
-    def _fault(self, entry: int, key: str, message: str) -> DescriptionError:
+    def _entry_error(self, entry: int, key: str, message: str) -> DescriptionError:
         return DescriptionError(f"{self.source.at(['column', str(entry), key])}: {message}")
 
 
-def _plain(header: str) -> str:
+def _comparable(header: str) -> str:
     return printable(header).strip()
 
 
@@ -134,7 +140,7 @@ def read_mapping(path: Path) -> ColumnMapping:
     return ColumnMapping(source, document)
 
 
-def mapping_text(linkage: str, entries: Iterable[Sequence[str]], ignored: Iterable[str]) -> str:
+def format_mapping(linkage: str, entries: Iterable[Sequence[str]], ignored: Iterable[str]) -> str:
     """The text of a mapping with these entries, which leave out the headers that are ignored."""
     headers = ", ".join(map(_quoted, ignored))
     head = [f"ignore = [{headers}]"] if headers else []
@@ -145,8 +151,8 @@ def mapping_text(linkage: str, entries: Iterable[Sequence[str]], ignored: Iterab
     )
 
 
-def written(header: str, meaning: Meaning | None, reason: str, correction: Correction) -> list[str]:
-    """The lines of a column: its header and what it is.
+def column_lines(header: str, meaning: Meaning | None, reason: str, correction: Correction) -> list[str]:
+    """The lines of a mapping about one column: its header and what it means.
 
     A unit that is not known is left to be filled in, what is not judged is a comment.
     """
@@ -154,7 +160,7 @@ def written(header: str, meaning: Meaning | None, reason: str, correction: Corre
     if meaning is None or reason:
         return [f"# not judged: {printable(reason)}", *(f"# {line}" for line in (*lines, 'signal = ""', 'unit = ""'))]
     unit = _quoted(meaning.printed) if meaning.printed else '""  # fill in'
-    own = keys(correction, meaning.unit.factor if meaning.unit else 1.0)
+    own = correction_keys(correction, meaning.unit.factor if meaning.unit else 1.0)
     return [*lines, f"signal = {_quoted(meaning.signal)}", f"unit = {unit}", *own]
 
 
@@ -171,7 +177,7 @@ def with_proposals(text: str, proposals: Mapping[str, Correction], units: Mappin
     for signal, correction in proposals.items():
         lines = "".join(
             f"\n# {line}  # estimated: remove the first # to accept"
-            for line in keys(correction, units.get(signal, 1.0), 9)
+            for line in correction_keys(correction, units.get(signal, 1.0), 9)
         )
         pattern = rf"(?m)^(signal = {re.escape(_quoted(signal))}\nunit = .*)$"
         text = re.sub(pattern, lambda entry, added=lines: entry[1] + added, text)  # type: ignore[misc]

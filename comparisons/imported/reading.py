@@ -28,14 +28,14 @@ from comparisons.imported.columns import (
     ResultTable,
 )  # fmt: skip
 from comparisons.imported.header_meaning import HeaderParser, Meaning, NotJudgedError
-from comparisons.imported.mapping import ColumnMapping, mapping_text, read_mapping, written
-from comparisons.imported.result_files import numbered, result_tables
+from comparisons.imported.mapping import ColumnMapping, column_lines, format_mapping, read_mapping
+from comparisons.imported.result_files import number_headers, result_tables
 
 FEWEST: Final = 4  # instants of a curve
 
 
 @dataclass
-class _Read:
+class _ReadColumn:
     """A column with its meaning, or the reason why it has none."""
 
     table: ResultTable
@@ -62,12 +62,12 @@ class _Reading:
         self.columns = [self._read(table, column) for table in tables for column in table.columns]
         self.axes = {id(table): self._axis(table) for table in tables}
 
-    def of(self, table: ResultTable | None = None) -> list[tuple[_Read, Meaning]]:
-        """Columns of a table, or of all, that mean something."""
+    def with_meaning(self, table: ResultTable | None = None) -> list[tuple[_ReadColumn, Meaning]]:
+        """The columns of a table, or of all tables, that have a meaning, each with it."""
         every = [column for column in self.columns if table is None or column.table is table]
         return [(column, column.meaning) for column in every if column.meaning is not None]
 
-    def ask(self, message: str) -> MappingNeededError:
+    def mapping_needed(self, message: str) -> MappingNeededError:
         """The error to raise where the user must decide, with a mapping of everything recognised."""
         return MappingNeededError(message, self.mapping_text())
 
@@ -75,65 +75,66 @@ class _Reading:
         """A mapping of everything recognised."""
         every = [column for column in self.columns if not self.mapping.ignores(column.column)]
         entries = {
-            column.column.header: written(column.column.header, column.meaning, column.reason, column.correction)
+            column.column.header: column_lines(column.column.header, column.meaning, column.reason, column.correction)
             for column in every
         }
         ignored = dict.fromkeys(column.column.header for column in self.columns if self.mapping.ignores(column.column))
-        return mapping_text(self.recognition.linkage.name, entries.values(), ignored)
+        return format_mapping(self.recognition.linkage.name, entries.values(), ignored)
 
-    def _read(self, table: ResultTable, column: Column) -> _Read:
+    def _read(self, table: ResultTable, column: Column) -> _ReadColumn:
+        """A column with its meaning and correction, or the reason why it has none."""
         if self.mapping.ignores(column):
-            return _Read(table, column, reason="the mapping ignores it")
+            return _ReadColumn(table, column, reason="the mapping ignores it")
         try:
             meaning, correction = self.mapping.meaning(self.recognition, column)
         except NotJudgedError as reason:
-            return _Read(table, column, reason=str(reason))
+            return _ReadColumn(table, column, reason=str(reason))
         if meaning.unit is None and table.is_si:
-            signal, taken = meaning.signal, "no unit: in SI units, as Modelica writes it"
-            taken = "; ".join(filter(None, (taken, meaning.taken)))
-            meaning = Meaning(signal, self.recognition.unit(signal), self.recognition.si(signal), taken)
-        return _Read(table, column, meaning, correction)
+            signal, assumption = meaning.signal, "no unit: in SI units, as Modelica writes it"
+            assumption = "; ".join(filter(None, (assumption, meaning.assumption)))
+            meaning = Meaning(signal, self.recognition.unit(signal), self.recognition.si_unit_name(signal), assumption)
+        return _ReadColumn(table, column, meaning, correction)
 
-    def _axis(self, table: ResultTable) -> _Read | None:
-        """The axis of a table: time, or without time the crank angle."""
-        every = self.of(table)
+    def _axis(self, table: ResultTable) -> _ReadColumn | None:
+        """The axis of a table: time, else the crank angle; None where no column has a meaning."""
+        every = self.with_meaning(table)
         axes = [column for name in (TIME, "phi") for column, meaning in every if meaning.signal == name]
         if every and not axes:
-            raise self.ask(
+            raise self.mapping_needed(
                 f"{table.file}:{table.line}: expected a column of time or crank angle, got "
                 f"{listed(column.header for column in table.columns)}; name its column in a mapping, with "
                 f'signal = "{TIME}", or export it as well'
             )
         return axes[0] if axes else None
 
-    def refuse_twice(self) -> None:
+    def refuse_duplicates(self) -> None:
         """Refuse two columns for one signal or axis; one that names the signal goes before one taken for it."""
-        seen: dict[tuple[str, int], _Read] = {}
-        for column, meaning in self.of():
+        seen: dict[tuple[str, int], _ReadColumn] = {}
+        for column, meaning in self.with_meaning():
             axis = self.axes[id(column.table)]
             is_axis = axis is not None and axis.meaning is not None and axis.meaning.signal == meaning.signal
             place = (meaning.signal, id(column.table) if is_axis else 0)
             before = seen.setdefault(place, column)
             if before is column or before.meaning is None:
                 continue
-            if is_axis or bool(before.meaning.taken) == bool(meaning.taken):
-                raise self.ask(
+            if is_axis or bool(before.meaning.assumption) == bool(meaning.assumption):
+                raise self.mapping_needed(
                     f"expected one column for {meaning.signal}, got '{shortened(before.column.header)}' "
                     f"({before.column.place}) and '{shortened(column.column.header)}' ({column.column.place}); "
                     "name one in a mapping, and the other under ignore"
                 )
-            weaker, seen[place] = (column, before) if meaning.taken else (before, column)
+            weaker, seen[place] = (column, before) if meaning.assumption else (before, column)
             weaker.meaning, weaker.reason = None, f"'{shortened(seen[place].column.header)}' names {meaning.signal}"
 
     def ask_for_units(self) -> None:
         """Ask for the units that neither header nor tool states."""
-        without = [(column, meaning) for column, meaning in self.of() if meaning.unit is None]
+        without = [(column, meaning) for column, meaning in self.with_meaning() if meaning.unit is None]
         for first, meaning in without[:1]:
             more = f" and {len(without) - 1} more" if len(without) > 1 else ""
-            raise self.ask(
+            raise self.mapping_needed(
                 f"{first.column.place}: expected a unit of {meaning.signal} in the header "
                 f"'{shortened(first.column.header)}'{more}, got none; fill in "
-                f'unit = "{self.recognition.si(meaning.signal)}", or what it is, in a mapping'
+                f'unit = "{self.recognition.si_unit_name(meaning.signal)}", or what it is, in a mapping'
             )
 
     def signals(self, table: ResultTable) -> Iterator[ImportedSignal]:
@@ -142,19 +143,19 @@ class _Reading:
         if axis is None or axis.meaning is None:
             return
         name: Axis = "time" if axis.meaning.signal == TIME else "phi"
-        rows, repeated = _instants(axis.column, name)
+        rows, repeated = _distinct_rows(axis.column, name)
         at, sharpness = axis.in_si()
         at = at + axis.correction.time_shift if name == "time" else at
-        axis_taken = f"{name}: {axis.meaning.taken}" if axis.meaning.taken else ""
-        for column, meaning in self.of(table):
+        axis_assumption = f"{name}: {axis.meaning.assumption}" if axis.meaning.assumption else ""
+        for column, meaning in self.with_meaning(table):
             if column is axis:
                 continue
-            row = () if axis.meaning.taken == meaning.taken else (axis_taken,)
-            taken = "; ".join(filter(None, (meaning.taken, *row, repeated)))
+            row = () if axis.meaning.assumption == meaning.assumption else (axis_assumption,)
+            assumption = "; ".join(filter(None, (meaning.assumption, *row, repeated)))
             values, resolution = column.in_si()
             yield ImportedSignal(
                 meaning.signal, name, at[rows] + column.correction.time_shift, values[rows], resolution[rows],
-                replace(column.column, unit=meaning.printed), sharpness[rows], taken,
+                replace(column.column, unit=meaning.printed), sharpness[rows], assumption,
             )  # fmt: skip
 
 
@@ -164,28 +165,30 @@ def read_results(paths: Sequence[Path], linkage: Linkage, mapping: Path | None =
     Raises LinkproofError with file and line for what cannot be read, and MappingNeededError, which has a mapping to
     fill in, where only the user can tell what a column is.
     """
-    tables = numbered(table for path in dict.fromkeys(paths) for table in result_tables(Path(path)))
+    tables = number_headers(table for path in dict.fromkeys(paths) for table in result_tables(Path(path)))
     if not tables:
         raise LinkproofError("expected at least one file of results, got none; name the files")
     agreed = read_mapping(mapping) if mapping else ColumnMapping()
     agreed.check(column.header for table in tables for column in table.columns)
     reading = _Reading(linkage, agreed, tables)
-    reading.refuse_twice()
+    reading.refuse_duplicates()
     reading.ask_for_units()
     signals = [signal for table in tables for signal in reading.signals(table)]
     not_judged = tuple((entry.column, entry.reason) for entry in reading.columns if entry.reason)
     if not signals:
         column, reason = not_judged[0] if not_judged else (tables[0].columns[0], "it is an axis")
-        raise reading.ask(
+        raise reading.mapping_needed(
             f"{tables[0].file}:{tables[0].line}: expected a column that is a signal of {printable(linkage.name)}, got "
             f"none: '{shortened(column.header)}' is not judged, since {reason}; name the columns in a mapping"
         )
-    corrections = {m.signal: entry.correction for entry, m in reading.of() if entry.correction != Correction()}
-    units = {m.signal: m.unit.factor for _, m in reading.of() if m.unit}
+    corrections = {
+        m.signal: entry.correction for entry, m in reading.with_meaning() if entry.correction != Correction()
+    }
+    units = {m.signal: m.unit.factor for _, m in reading.with_meaning() if m.unit}
     return ImportedResults(tuple(signals), not_judged, corrections, reading.mapping_text(), units)
 
 
-def _instants(column: Column, name: Axis) -> tuple[NDArray[np.intp], str]:
+def _distinct_rows(column: Column, name: Axis) -> tuple[NDArray[np.intp], str]:
     """The rows of an axis that are instants of their own, the last of equal ones, and a word on those left out.
 
     Tools write an instant twice where an event changes the motion. Raises LinkproofError for an axis that turns back.

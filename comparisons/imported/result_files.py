@@ -14,10 +14,10 @@ from xml.etree import ElementTree
 import numpy as np
 
 from analytic.errors import LinkproofError, printable
-from comparisons.imported.binary_files import fmu_columns, matlab_columns, sheets
+from comparisons.imported.binary_files import fmu_columns, matlab_columns, read_workbook
 from comparisons.imported.columns import Column, ResultTable
 from comparisons.imported.encodings import ResultText, check_file, read_text
-from comparisons.imported.text_tables import tables
+from comparisons.imported.text_tables import read_tables
 
 # Adams result files (``.res``): XML of schema xrf 2.0, as Adams/Solver and the solver in SolidWorks Motion write it.
 #
@@ -25,7 +25,7 @@ from comparisons.imported.text_tables import tables
 # its numbers in the order of the ids.
 
 
-NOT_INSTANTS: Final = ("input", "output")  # types of steps that are no instants of the motion
+STEPS_WITHOUT_INSTANT: Final = ("input", "output")  # types of steps that are no instants of the motion
 
 
 def is_adams(text: str) -> bool:
@@ -49,14 +49,14 @@ def adams_columns(file: ResultText) -> list[Column]:
                 header = name if entity.lower() == name.lower() else f"{entity}.{name}"
                 names[int(element.get("id", "")[:9])] = (header, element.get("unitsValue", ""))
             elif event == "end" and tag == "Step":
-                if element.get("type") not in NOT_INSTANTS:
+                if element.get("type") not in STEPS_WITHOUT_INSTANT:
                     steps.append("\t".join((element.text or "").split()))
                 element.clear()
     except ElementTree.ParseError as error:
         raise file.fail(error.position[0], f"expected valid XML of Adams, got {error.msg}; export it again") from error
     except ValueError as error:
         raise file.fail(1, f"expected a number for the id of '{entity}', got another; export it again") from error
-    blocks = [*tables(ResultText(f"{file.name}[steps]", "\n".join(steps)))]
+    blocks = [*read_tables(ResultText(f"{file.name}[steps]", "\n".join(steps)))]
     if len(blocks) > 1 or len(blocks[0][1]) != len(names):
         raise file.fail(1, f"expected {len(names)} numbers in every step, got another count; export the results again")
     every = zip(blocks[0][1], sorted(names.items()), strict=True)
@@ -65,7 +65,7 @@ def adams_columns(file: ResultText) -> list[Column]:
 
 MOST_TABLES: Final = 1000  # of a file
 # Modelica tools, FMU and Simscape exports print names of variables, which may be elements of arrays, and no units.
-BARE: Final = re.compile(r"[^()\[\]/ ]+(?:\[[\d,]+\])?")
+MODELICA_NAME: Final = re.compile(r"[^()\[\]/ ]+(?:\[[\d,]+\])?")
 
 
 def result_tables(path: Path) -> list[ResultTable]:
@@ -80,8 +80,8 @@ def result_tables(path: Path) -> list[ResultTable]:
         time, *outputs = fmu_columns(path)
         every = [ResultTable(name, 1, not any(part.unit for part in outputs), (time, *outputs))] if outputs else []
     else:
-        for file in sheets(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
-            for table in _tables_of(file):
+        for file in read_workbook(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
+            for table in _read_tables(file):
                 every.append(table)
                 if len(every) > MOST_TABLES:
                     raise file.fail(table.line, f"expected at most {MOST_TABLES} tables, got more; export fewer")
@@ -93,23 +93,25 @@ def result_tables(path: Path) -> list[ResultTable]:
     return every
 
 
-def _tables_of(file: ResultText) -> Iterator[ResultTable]:
+def _read_tables(file: ResultText) -> Iterator[ResultTable]:
     """Every table of a text."""
     if not file.text.strip():
         raise file.fail(1, "expected a table of results, got an empty file; export it again")
     if is_adams(file.text):
         yield ResultTable(file.name, 1, False, tuple(adams_columns(file)))
         return
-    for line, columns in tables(file):
-        is_si = columns[0].header == "time" and all(BARE.fullmatch(c.header) and not c.unit for c in columns)
-        yield from (ResultTable(file.name, line, is_si, tuple(part)) for part in _by_axis(columns) if len(part) > 1)
+    for line, columns in read_tables(file):
+        is_si = columns[0].header == "time" and all(MODELICA_NAME.fullmatch(c.header) and not c.unit for c in columns)
+        yield from (
+            ResultTable(file.name, line, is_si, tuple(part)) for part in _split_at_axis(columns) if len(part) > 1
+        )
 
 
-def _by_axis(columns: Sequence[Column]) -> Iterator[list[Column]]:
+def _split_at_axis(columns: Sequence[Column]) -> Iterator[list[Column]]:
     """Columns parted where the first of them, the axis, is written again, be it without a header, as Adams does."""
     part: list[Column] = []
     for column in columns:
-        if part and _is_again(column, columns[0]):
+        if part and _repeats_axis(column, columns[0]):
             yield part
             part = [replace(column, header=columns[0].header)]
         else:
@@ -117,13 +119,14 @@ def _by_axis(columns: Sequence[Column]) -> Iterator[list[Column]]:
     yield part
 
 
-def _is_again(column: Column, first: Column) -> bool:
+def _repeats_axis(column: Column, first: Column) -> bool:
+    """Whether a column is the first one, the axis, again."""
     if column.header or not first.header:
         return bool(first.header) and column.header == first.header
     return bool(column.values[0] == first.values[0] and np.all(np.diff(column.values) > 0.0))
 
 
-def numbered(every: Iterable[ResultTable]) -> list[ResultTable]:
+def number_headers(every: Iterable[ResultTable]) -> list[ResultTable]:
     """Tables with a header of its own for every column but the axes, so that a mapping can name each: ``Torque #2``."""
     counts: Counter[str] = Counter()
     result = []

@@ -19,10 +19,10 @@ import pandas
 from analytic.errors import LinkproofError, shortened
 from comparisons.imported.columns import Array, Column
 from comparisons.imported.encodings import MOST_NUMBERS, ResultText
-from comparisons.imported.header_words import parsed
+from comparisons.imported.header_words import parse_unit
 
 # A line with anything but numbers; its first part cannot give back what it took, so a search is linear.
-WORDS: Final = re.compile(r"^[0-9eEdD+\-.,;|\t \"]*+[^0-9eEdD+\-.,;|\t \"\n].*$", re.MULTILINE)
+TEXT_LINE: Final = re.compile(r"^[0-9eEdD+\-.,;|\t \"]*+[^0-9eEdD+\-.,;|\t \"\n].*$", re.MULTILINE)
 # Empty cells at the end of a line, looked for at the beginning of a run of signs only, so that a search is linear.
 TRAILING: Final = re.compile(r"(?<![,;|\t ])[,;|\t ]++$", re.MULTILINE)
 COMMENT: Final = re.compile(r"\s*(?:[#%!*]+|//+)\s*")
@@ -34,9 +34,9 @@ LAYOUTS: Final = (
     *(("\t", "."), (";", "."), (",", "."), ("|", "."), (BLANK, ".")),
     *(("\t", ","), (";", ","), (",", ","), (BLANK, ",")),
 )
-SAMPLE: Final = 50  # rows looked at to tell a layout
-DIGITS_OF: Final = 300  # rows whose digits are counted
-GREATEST: Final = 1e100  # of a number: squares of larger ones are beyond all numbers
+LAYOUT_ROWS: Final = 50  # rows looked at to tell a layout
+RESOLUTION_ROWS: Final = 300  # rows whose digits are counted
+LARGEST_NUMBER: Final = 1e100  # of a number: squares of larger ones are beyond all numbers
 LONGEST: Final = 60  # characters of a number
 MOST_LINES: Final = 20_000  # of text before or behind a table
 MOST_COLUMNS: Final = 10_000
@@ -69,7 +69,7 @@ class Layout:
 
     def cells(self, row: str) -> list[str]:
         """The cells of a row, numbers with a decimal point."""
-        cells = row.replace('"', "").split() if self.delimiter == BLANK else _parted(row, self.delimiter)
+        cells = row.replace('"', "").split() if self.delimiter == BLANK else _split_cells(row, self.delimiter)
         return [cell.replace(",", ".") for cell in cells] if self.decimal == "," else cells
 
     def width(self, row: str) -> int:
@@ -82,10 +82,11 @@ class Layout:
 def is_number(cell: str) -> bool:
     """Whether a cell is a finite number with a decimal point."""
     plain = cell.replace("d", "e").replace("D", "e")
-    return len(cell) <= LONGEST and bool(NUMBER.fullmatch(cell)) and abs(float(plain)) < GREATEST
+    return len(cell) <= LONGEST and bool(NUMBER.fullmatch(cell)) and abs(float(plain)) < LARGEST_NUMBER
 
 
-def _parted(row: str, delimiter: str) -> list[str]:
+def _split_cells(row: str, delimiter: str) -> list[str]:
+    """The cells of a row between delimiters, quotes taken away."""
     try:
         cells = next(csv.reader([row], delimiter=delimiter, skipinitialspace=True), [])
     except csv.Error:  # a cell that is too long
@@ -93,7 +94,7 @@ def _parted(row: str, delimiter: str) -> list[str]:
     return [" ".join(cell.split()) for cell in cells]
 
 
-def _layout(rows: Sequence[str]) -> Layout:
+def _find_layout(rows: Sequence[str]) -> Layout:
     """The layout in which most of the first rows are numbers, as many in each as in the first."""
 
     def fit(layout: Layout) -> int:
@@ -103,35 +104,35 @@ def _layout(rows: Sequence[str]) -> Layout:
     return max((Layout(*signs) for signs in LAYOUTS), key=fit)
 
 
-def tables(file: ResultText) -> Iterator[tuple[int, list[Column]]]:
+def read_tables(file: ResultText) -> Iterator[tuple[int, list[Column]]]:
     """The line of the header of every table of a text, and its columns; raises LinkproofError with file and line.
 
     A table without a header, which only numbers alone are, has columns without names.
     """
     above: list[_Part] = []  # lines since the last rows of numbers
     numbers, layout, width = 0, Layout(",", "."), 0
-    for part in _parts(TRAILING.sub("", file.text)):
+    for part in _split_blocks(TRAILING.sub("", file.text)):
         if not part.is_rows:
             above.append(part)
             if len(above) > MOST_LINES:
                 raise file.fail(part.line, f"expected rows of numbers, got {MOST_LINES} lines of text; leave them out")
             continue
-        first = [row for row in part.text[:LONGEST_ROW].split("\n") if row.strip()][:SAMPLE]
+        first = [row for row in part.text[:LONGEST_ROW].split("\n") if row.strip()][:LAYOUT_ROWS]
         if max(first[0].count(sign) for sign in ",;\t| ") >= MOST_COLUMNS or len(first[0]) == LONGEST_ROW:
             raise file.fail(
                 part.line, f"expected at most {MOST_COLUMNS} columns, got more; export fewer, or a row an instant"
             )
-        layout = _layout(first)
+        layout = _find_layout(first)
         row = layout.cells(first[0])
         nothing = [""] * len(row)
         header = _Header(part.line, nothing, nothing)
         if above or width:
-            header = _header(file, above, layout, row, part.line)
+            header = _find_header(file, above, layout, row, part.line)
         above, width = [], len(row)
         numbers += width * part.text.count("\n")
         if numbers > MOST_NUMBERS:
             raise file.fail(part.line, f"expected at most {MOST_NUMBERS} numbers, got more; export a coarser step")
-        yield header.line, [*_columns(file, part, layout, header)]
+        yield header.line, [*_read_columns(file, part, layout, header)]
     _refuse_rows(file, above[:1000], layout, width)
     if not width:
         number, text, _ = above[-1] if above else _Part(1, "", False)
@@ -142,10 +143,10 @@ def tables(file: ResultText) -> Iterator[tuple[int, list[Column]]]:
         )
 
 
-def _parts(text: str) -> Iterator[_Part]:
+def _split_blocks(text: str) -> Iterator[_Part]:
     """Blocks of rows of numbers and the lines between them."""
     start, line = 0, 1
-    for words in chain(WORDS.finditer(text), [None]):
+    for words in chain(TEXT_LINE.finditer(text), [None]):
         end = words.start() if words else len(text)
         first = start + len(text[start:end]) - len(text[start:end].lstrip("\n"))
         line += first - start
@@ -157,7 +158,7 @@ def _parts(text: str) -> Iterator[_Part]:
         start = words.end() if words else end
 
 
-def _header(file: ResultText, above: Sequence[_Part], layout: Layout, row: Sequence[str], at: int) -> _Header:
+def _find_header(file: ResultText, above: Sequence[_Part], layout: Layout, row: Sequence[str], at: int) -> _Header:
     """The last line above a block of rows that has a header for every column, and the row of units below it, if any."""
     fitting = []
     for line, text, _ in above:
@@ -174,7 +175,7 @@ def _header(file: ResultText, above: Sequence[_Part], layout: Layout, row: Seque
             "leave this line out",
         )
     units = [cell.strip("[](){} ") for cell in fitting[-1].names]
-    if fitting[-2:-1] and fitting[-2].line == fitting[-1].line - 1 and all(parsed(u) for u in units if u):
+    if fitting[-2:-1] and fitting[-2].line == fitting[-1].line - 1 and all(parse_unit(u) for u in units if u):
         return fitting[-2]._replace(units=units)
     return fitting[-1]
 
@@ -184,13 +185,13 @@ def _header_cells(line: str, layout: Layout) -> Iterator[list[str]]:
     line = COMMENT.sub("", line, count=1) if COMMENT.match(line) else line
     for delimiter in dict.fromkeys((layout.delimiter, "\t", ";", ",")):
         if delimiter != BLANK and delimiter in line:
-            yield _parted(line, delimiter)
+            yield _split_cells(line, delimiter)
     if layout.delimiter in (BLANK, "\t"):
         yield re.split(r"\s{2,}|\t+", line.strip())
         yield [" ".join((quoted or bare).split()) for quoted, bare in re.findall(r'"([^"]*)"|(\S+)', line)]
 
 
-def _columns(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> Iterator[Column]:
+def _read_columns(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> Iterator[Column]:
     """The columns of a block of rows; one that is empty throughout, as between tables side by side, is left out."""
     data, width = (
         rows.text.replace("D", "e").replace("d", "e").encode(),
@@ -198,7 +199,7 @@ def _columns(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> 
     )  # as Fortran writes exponents
     count = sum(not row.isspace() for row in io.BytesIO(data))
     lines = (row.decode() for row in io.BytesIO(data) if not row.isspace())
-    printed = [layout.cells(row) for row in islice(lines, 0, None, max(1, count // DIGITS_OF))]
+    printed = [layout.cells(row) for row in islice(lines, 0, None, max(1, count // RESOLUTION_ROWS))]
     gaps = [not cell for cell in printed[0]]
     signs = {"sep": layout.delimiter, "decimal": layout.decimal, "names": range(width)}
     try:
@@ -207,18 +208,18 @@ def _columns(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> 
         )
         numbers = frame.to_numpy()
         is_read = len(numbers) == count and bool((np.isnan(numbers) == gaps).all())
-        is_read &= bool(np.abs(numbers[:, np.logical_not(gaps)]).max() < GREATEST)
+        is_read &= bool(np.abs(numbers[:, np.logical_not(gaps)]).max() < LARGEST_NUMBER)
     except (ValueError, OverflowError):  # of pandas' own, all of them
         is_read = False
     if not is_read:
-        raise _bad_row(file, rows, layout, header)
+        raise _row_error(file, rows, layout, header)
     for number, words in enumerate(zip(*printed, strict=True)):
         if not gaps[number]:
             values, place = frame[number].to_numpy(), f"{file.name}:{header.line} (column {number + 1})"
             yield Column(header.names[number], header.units[number], values, resolution(values, words), place)
 
 
-def _bad_row(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> LinkproofError:
+def _row_error(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> LinkproofError:
     """The message about the first row with another number of cells, or with a cell that is not a number."""
     gaps = None
     for number, row in enumerate(io.BytesIO(rows.text.encode()), start=rows.line):
@@ -233,7 +234,7 @@ def _bad_row(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> 
             )
         gaps = [not cell for cell in cells] if gaps is None else gaps
         if any(is_number(cell) is is_gap for cell, is_gap in zip(cells, gaps, strict=True)):
-            return bad_cell(file, number, cells)
+            return cell_error(file, number, cells)
     return file.fail(rows.line, "expected rows of numbers, got others; export the results again")
 
 
@@ -258,10 +259,10 @@ def _refuse_rows(file: ResultText, lines: Sequence[_Part], layout: Layout, width
         cells = layout.cells(text)
         known = any(is_number(cell) or NOT_FINITE.fullmatch(cell) for cell in cells)
         if known and (len(cells) == width or len(cells) > 1 > width) and not COMMENT.match(text):
-            raise bad_cell(file, number, cells)
+            raise cell_error(file, number, cells)
 
 
-def bad_cell(file: ResultText, line: int, cells: Sequence[str]) -> LinkproofError:
+def cell_error(file: ResultText, line: int, cells: Sequence[str]) -> LinkproofError:
     """The message about the first cell of a row that is not a finite number, or not empty as in other rows."""
     column = next((n for n, cell in enumerate(cells, start=1) if not is_number(cell)), 1)
     cell = cells[column - 1]

@@ -28,7 +28,7 @@ from analytic.signals import SINGLE_SIGNALS, unit_of
 from comparisons.observation.interpolation import SHARP, peak, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from comparisons.reference.motion import farthest
+from comparisons.reference.motion import zero_of_output
 from engines.contract import Origin, Signal
 from engines.scene import Channel
 
@@ -149,7 +149,7 @@ def _output(channel: Channel, order: int, case: Case, motion: ObservedMotion) ->
 
 
 def _top(case: Case) -> float:
-    return farthest(case.mechanism, case.motion)
+    return zero_of_output(case.mechanism, case.motion)
 
 
 def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 POINTS = 6
 SHARP = 16  # points where a value between samples is itself the zero that all others are counted from
 # Places between the neighbours of the largest value, and how often they are looked at: to a millionth of a sample.
-BETWEEN, CLOSER = 65, 3
+PEAK_PLACES, PEAK_ROUNDS = 65, 3
 
 
 def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
@@ -41,7 +41,9 @@ def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
 
 
 def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float], points: int = POINTS) -> Array:
-    """The same with nodes from one side of each break alone: a derivative jumps there, and no polynomial follows it.
+    """Values of a signal at other times, (len(time), ...), from nodes on one side of each break, s, alone.
+
+    A derivative jumps at a break, and no polynomial follows it.
 
     A piece with fewer nodes takes what it has; one with a single node is read across the break.
     """
@@ -62,11 +64,11 @@ def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
     time = signal.time
     at = int(np.argmax(signal.values))
     low, high = time[max(at - 1, 0)], time[min(at + 1, len(time) - 1)]
-    for _ in range(CLOSER):
-        places = np.linspace(low, high, BETWEEN)
+    for _ in range(PEAK_ROUNDS):
+        places = np.linspace(low, high, PEAK_PLACES)
         values = resample_piecewise(signal, places, breaks, min(SHARP, len(time)))
         at = int(np.argmax(values))
-        low, high = places[max(at - 1, 0)], places[min(at + 1, BETWEEN - 1)]
+        low, high = places[max(at - 1, 0)], places[min(at + 1, PEAK_PLACES - 1)]
     return float(values[at])
 
 
@@ -91,14 +93,14 @@ def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> A
     for start, end in itertools.pairwise(borders):
         inside = (time >= start) & (time <= end) & ~on_jump
         nodes = np.unique(np.concatenate([[start], time[inside], [end]]))
-        sums = total + _cumulative(nodes, Signal(time[inside], signal.values[inside]), order)
+        sums = total + _integrate_stretch(nodes, Signal(time[inside], signal.values[inside]), order)
         here = (time >= start - near) & (time <= end + near)
         result[here] = sums[np.clip(np.searchsorted(nodes, time[here] - near), 0, len(nodes) - 1)]
         total = float(sums[-1])
     return result
 
 
-def _cumulative(nodes: Array, stretch: Signal, order: int) -> Array:
+def _integrate_stretch(nodes: Array, stretch: Signal, order: int) -> Array:
     """∫ dt from the first node to each; a stretch of few samples is taken for a polygon."""
     step = np.diff(nodes)
     places = (nodes[:-1, None] + 0.5 * step[:, None] * (1.0 + PLACES)).ravel()

@@ -81,9 +81,10 @@ class ObservedMotion:
 
     @cached_property
     def last_turn(self) -> slice | None:
-        """The position's samples of the crank's last full turn in one direction; None without one.
+        """The position's samples of the crank's last full turn in one direction.
 
-        Fewer samples than DENSE do not show what lies between them: reading there would be an error of ours.
+        None without one, or with fewer than DENSE samples, between which interpolation would add an error that is not
+        the engine's.
         """
         if self.is_linear:
             return None
@@ -110,7 +111,7 @@ class ObservedMotion:
         return np.asarray(with_ground(self.on_clock(channel, time)), dtype=float)
 
     def pose(self, time: Array) -> Pose:
-        """Positions of the bodies."""
+        """Poses of all bodies and the ground at times (n,), s."""
         return pose_of(self.bodies(Channel.POSITION, time))
 
     def crank(self, channel: Channel, time: Array) -> Array:
@@ -143,6 +144,7 @@ class ObservedMotion:
         return np.maximum(-self._power(damped, time), 0.0)
 
     def _power(self, scene: Scene, time: Array) -> Array:
+        """Power (n,), W, of the loads of a scene."""
         if not (scene.forces or scene.torques or scene.dampers or scene.springs):
             return np.zeros(len(time))
         rate = self.bodies(Channel.VELOCITY, time)

@@ -28,7 +28,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
 from analytic.moving import LinkageInMotion
-from comparisons.reference.motion import INSTANTS, Motion, farthest
+from comparisons.reference.motion import INSTANTS, Motion, zero_of_output
 from comparisons.reference.start_state import scene
 from engines.scene import Channel, Drive, Free, Prescribed, Scene
 
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 # Jeq = 2T/ω² says nothing near standstill: samples slower than this share of the peak speed are left out.
 SLOW_SHARE = 0.05
 # Steps, rad, at which a motion is checked before it is run.
-LOOK: Final = math.radians(0.5)
+CHECK_STEP: Final = math.radians(0.5)
 # Clocks whose truth is cached. A run has no more than two or three, and no other run has the same.
 MOST_CLOCKS: Final = 4
 AT_REST: Final = 1e-9  # of the peak speed
@@ -69,7 +69,7 @@ class Truth(LinkageInMotion):
     @property
     def farthest(self) -> float:
         """The output's coordinate at which S is 0, m."""
-        return farthest(self.mechanism, self.motion)
+        return zero_of_output(self.mechanism, self.motion)
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class Case:
         low, high = self.reach
         self._check_change_points(low, high)
         turns = not self.mechanism.linkage.is_linear
-        look = LOOK * (1.0 if turns else self.mechanism.linkage.extent())
+        look = CHECK_STEP * (1.0 if turns else self.mechanism.linkage.extent())
         passed = np.linspace(low, high, math.ceil((high - low) / look) + 2)
         reached = self.mechanism.turn if turns and high - low >= FULL_TURN else self.mechanism.sweep(passed)
         try:
@@ -146,7 +146,7 @@ class Case:
         return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
     def start(self) -> Sweep:
-        """The linkage in its first instant."""
+        """The linkage at the first instant of the motion."""
         return self.sweep(np.zeros(1))
 
     def scene(self, channels: Iterable[Channel]) -> Scene:
@@ -188,18 +188,18 @@ class Case:
 
 
 @lru_cache(maxsize=16)  # a megabyte each, or tens where a crank is released for long
-def unpickled(case: bytes) -> Case:
+def unpickle_case(case: bytes) -> Case:
     """The case of a worker's job, the same for all its jobs, so that they share its results.
 
-    Cases are pickled even for jobs in this process: an array that has travelled lies otherwise in memory, and linear
-    algebra adds it up in another order.
+    Pickled even within this process: unpickling may change an array's memory order, and with it the last bits of sums;
+    so all workers get the same bits.
     """
     result: Case = pickle.loads(case)
     return result
 
 
-def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:
-    """The motion of a released crank; ``half_slope`` names the model of ½ Jeq'."""
+def motion_of_file_regime(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:
+    """The motion of a crank released as a regime of the file says; ``half_slope`` names the model of ½ Jeq'."""
     motion = free_motion(
         mechanism,
         torque=own.torque if own.over_angle is None else own.over_angle,
@@ -212,33 +212,37 @@ def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exa
     return replace(motion, regime=own.name)
 
 
-def _released(linkage: Linkage, own: ReleasedRegime) -> str:
-    """The angle and speed at which a driver is released, and its drive."""
+def _release_words(linkage: Linkage, own: ReleasedRegime) -> str:
+    """Words on how a driver is released: its angle and speed, and its drive."""
     if linkage.is_linear:
         speed = linkage.written(own.start_speed)
-        return f"released at {linkage.written(own.start_angle)} with {speed}/s, force of the drive {_torque(own, 'N')}"
+        return (
+            f"released at {linkage.written(own.start_angle)} with {speed}/s, "
+            f"force of the drive {_torque_words(own, 'N')}"
+        )
     start = f"{math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s"
-    return f"released at {start}, crank torque {_torque(own, 'N m')}"
+    return f"released at {start}, crank torque {_torque_words(own, 'N m')}"
 
 
-def own_case(mechanism: Mechanism, own: FileRegime) -> Case:
-    """The case of a regime of the linkage's own: its motion, or a released crank's by the equation of motion.
+def case_of_file_regime(mechanism: Mechanism, own: FileRegime) -> Case:
+    """The case of a regime of the linkage's file: a prescribed motion, or a released crank by the equation of motion.
 
     A crank torque over the angle is a load like any other: it is put among the linkage's.
     """
     gravity = "gravity on" if any(mechanism.linkage.gravity) else "gravity off"
     if isinstance(own, PrescribedRegime):
         return Case(mechanism, own.motion, conditions=f"{own.conditions}, {gravity}")
-    motion = own_motion(mechanism, own)
+    motion = motion_of_file_regime(mechanism, own)
     if own.over_angle is not None:
         linkage = mechanism.linkage
         loads = (*linkage.torques, LinkTorque(linkage.crank, own.over_angle))
         mechanism = Mechanism(replace(linkage, torques=loads))
-    conditions = _released(mechanism.linkage, own) + f", {own.duration:g} s, {gravity}"
+    conditions = _release_words(mechanism.linkage, own) + f", {own.duration:g} s, {gravity}"
     return Case(mechanism, motion, free_drive(motion, own), conditions)
 
 
-def _torque(own: ReleasedRegime, unit: str) -> str:
+def _torque_words(own: ReleasedRegime, unit: str) -> str:
+    """A released crank's torque in words."""
     if own.over_angle is not None:
         return f"{len(own.over_angle.values)} values over the angle"
     if own.over_time is not None:
@@ -247,9 +251,9 @@ def _torque(own: ReleasedRegime, unit: str) -> str:
 
 
 def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
-    """An engine's information on a released crank: how fast it turns or swings is what its user expects of the machine.
+    """The drive of a released crank for an engine: torque, duration, and the fastest change of speed to expect, rad/s.
 
-    Its speed at most, and how fast that changes.
+    From the last an engine chooses its steps.
     """
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
     return Free(own.torque, own.duration, motion.peak_speed + hardest / motion.peak_speed, own.over_time)
@@ -258,8 +262,8 @@ def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
 # The closed form of what an engine records, channel by channel.
 
 
-def truth(of: Case, channel: Channel, part: str, time: Array) -> Array:
-    """The closed form of a channel: of a body (n, 3), of a joint (n, 2), or of the drive (n,)."""
+def channel_truth(of: Case, channel: Channel, part: str, time: Array) -> Array:
+    """The closed form, SI, of a channel at times (n,), s: of a body (n, 3), of a joint (n, 2), or of the drive (n,)."""
     at = of.at(time)
     if channel is Channel.TORQUE:
         return at.torque

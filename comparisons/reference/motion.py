@@ -59,17 +59,18 @@ class Motion(Spin, Protocol):
 # The zero of S: the top dead centre, or the farthest point of a motion whose crank cannot turn fully.
 
 
-def farthest(mechanism: Mechanism, motion: Motion) -> float:
+def zero_of_output(mechanism: Mechanism, motion: Motion) -> float:
     """The output's coordinate at which S is 0, m.
 
     It is that of the top dead centre where the crank can turn fully, else of the farthest point the motion reaches,
     between instants too. Raises LinkproofError where the output of a full turn stands still along its direction.
     """
     top = top_of_turn(mechanism)
-    return _reached(mechanism, motion) if top is None else top
+    return _farthest_reached(mechanism, motion) if top is None else top
 
 
-def _reached(mechanism: Mechanism, motion: Motion) -> float:
+def _farthest_reached(mechanism: Mechanism, motion: Motion) -> float:
+    """The largest coordinate, m, of the output over a motion, between instants too."""
     time = np.linspace(0.0, motion.duration, INSTANTS)
 
     def coordinate(instants: Array) -> Array:

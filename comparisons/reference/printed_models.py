@@ -13,7 +13,7 @@ from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import fixed_step
 from comparisons.observation.interpolation import resample
-from comparisons.reference.case import own_motion
+from comparisons.reference.case import motion_of_file_regime
 from comparisons.reference.motion import Spin
 from engines.contract import Signal
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Stepped:
+class InterpolatedMotion:
     """A motion known at the fixed steps of an integrator, interpolated between them."""
 
     angles: Signal
@@ -36,12 +36,15 @@ class Stepped:
         return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
 
 
-def printed_motion(linkage: Linkage, erratum: Erratum) -> Spin:
-    """The crank's motion by the printed model, by the printed integrator if that is the erratum."""
+def erratum_motion(linkage: Linkage, erratum: Erratum) -> Spin:
+    """The crank's motion as the source computed it, with its error.
+
+    Its wrong model, and its fixed-step integrator where the erratum names steps.
+    """
     own = linkage.released[erratum.regime]
     mechanism = Mechanism(in_variant(linkage, erratum.variant) if erratum.variant else linkage)
     if erratum.steps is None:
-        return own_motion(mechanism, own, erratum.half_slope)
+        return motion_of_file_regime(mechanism, own, erratum.half_slope)
     stepped = fixed_step(
         mechanism,
         torque=own.torque,
@@ -51,4 +54,4 @@ def printed_motion(linkage: Linkage, erratum: Erratum) -> Spin:
         steps=erratum.steps,
         half_slope=erratum.half_slope,
     )
-    return Stepped(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))
+    return InterpolatedMotion(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))

@@ -19,10 +19,11 @@ def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, Bo
 
     The crank's speed ω is in rad/s, its acceleration ε in rad/s².
     """
-    return {name: _state(sweep, name, speed, acceleration) for name in sweep.linkage.links}
+    return {name: _body_state(sweep, name, speed, acceleration) for name in sweep.linkage.links}
 
 
-def _state(sweep: Sweep, name: str, speed: float, acceleration: float) -> Body:
+def _body_state(sweep: Sweep, name: str, speed: float, acceleration: float) -> Body:
+    """One link as a body in its state."""
     first, second = sweep.rates(name)[2], sweep.accelerations(name)[2]
     position, velocity, bend = (sweep.centre(name, order) for order in range(3))
 

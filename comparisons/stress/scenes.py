@@ -19,7 +19,7 @@ from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_m
 from analytic.dynamics.reduced import damping_coefficient, reduced_inertia
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case, free_drive, own_case
+from comparisons.reference.case import Case, case_of_file_regime, free_drive
 from engines.mechanics.joints import scene_size
 from engines.scene import Body, Channel, Scene
 
@@ -238,7 +238,7 @@ def case(conditions: Conditions) -> Case:
     if relaxations(mechanism, released.duration) > MOST_RELAXATIONS:
         stiff = stiff_motion(mechanism, released)
         return Case(mechanism, stiff, free_drive(stiff, released))
-    return own_case(mechanism, released)
+    return case_of_file_regime(mechanism, released)
 
 
 def scene(conditions: Conditions, of: Case) -> Scene:

@@ -23,7 +23,7 @@ from comparisons.judging.limits import OWN, limit
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record, Verdict, blank_record, run_record
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, truth
+from comparisons.reference.case import Case, channel_truth
 from comparisons.stress.cell_result import CellResult, StressVerdict
 from engines.contract import Origin, Outcome, Run, Signal
 from engines.mechanics.joints import scene_size
@@ -111,7 +111,7 @@ def _without_angle(scene: Scene) -> list[int]:
 
 def true_states(case: Case, scene: Scene, time: Array, order: int) -> Array:
     """Positions or velocities of a scene's bodies by the closed form, (instants, bodies, 3)."""
-    return np.stack([truth(case, LEVELS[order], body.name, time) for body in scene.bodies], axis=1)
+    return np.stack([channel_truth(case, LEVELS[order], body.name, time) for body in scene.bodies], axis=1)
 
 
 # The verdict of one cell of a stress map: is the motion right, and if not, did a check flag it?

@@ -11,7 +11,7 @@ from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
 from comparisons.judging.records import QuantityRecord, Verdict
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, unpickled
+from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import blamed_on, checked, started
 from comparisons.runs.timing import calibrate, timed
@@ -91,7 +91,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
 
     Raises AdapterError for every exception of the adapter but MemoryError.
     """
-    case, adapter = unpickled(pickled), engine(name)
+    case, adapter = unpickle_case(pickled), engine(name)
     families = chosen(case, quantities)
     channels = frozenset(
         channel for family in families.values() for quantity in family for channel in quantity.channels

@@ -18,7 +18,7 @@ from typing import Any
 
 from analytic.description.linkage import Linkage
 from analytic.errors import UnknownNameError
-from comparisons.reference.case import Case, unpickled
+from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.environment import environment
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost
@@ -131,7 +131,7 @@ class Rounds:
         if self.left() <= 0.0:
             return None
         sentences = {"outcome": lost.outcome.value, "detail": lost.reason, "host": lost.host}
-        return point_record(unpickled(pickled), engine(name), way, steps, **sentences)
+        return point_record(unpickle_case(pickled), engine(name), way, steps, **sentences)
 
     def left(self) -> float:
         """Time until the deadline, s."""

@@ -8,7 +8,7 @@ from itertools import groupby
 from types import MappingProxyType
 
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.faults.symptoms import meaning
+from comparisons.faults.symptoms import probable_faults
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
 from reports.document.numbers import bound, error, figure
@@ -142,7 +142,7 @@ def _reasons(runs: Iterable[RunRecord]) -> list[str]:
 def _meanings(runs: Iterable[RunRecord]) -> list[str]:
     """The joint meaning of a run's failing rows, each sentence once, with its place."""
     where = grouped(
-        ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := meaning(run.every))
+        ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := probable_faults(run.every))
     )
     return [f"{run}, {', '.join(dict.fromkeys(names))}: {words}" for (run, words), names in where.items()]
 

@@ -155,7 +155,7 @@ def _rounding(optimum: Optimum) -> str:
     missed = [
         f"{constraint.figure.name} by {figure(by / constraint.figure.unit.size)} {constraint.figure.unit.name}".rstrip()
         for constraint, size in zip(optimum.problem.constraints, optimum.problem.constraint_sizes, strict=True)
-        if (by := float(constraint.missed(np.asarray(after_of[constraint.figure.name])))) > ROUNDED * size
+        if (by := float(constraint.violation(np.asarray(after_of[constraint.figure.name])))) > ROUNDED * size
     ]
     name = (
         f"; it misses {', '.join(missed)}"

@@ -124,11 +124,11 @@ def _chart(sheet: Sheet, name: str) -> Chart:
         return stacked(sheet, stack, SINGLE if len(stack) == 1 else STACKED * len(stack))
     if name == "forces":
         signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
-        label = f"|F|, {sheet.own('N').on_page}"
+        label = f"|F|, {sheet.file_unit_of('N').on_page}"
     else:
         groups = [name for name in sheet.values if name.startswith(TRANSMISSION)]
         signals = {name: plain(name.removeprefix(TRANSMISSION)) for name in groups}
-        label = f"transmission angle, {sheet.own('rad').on_page}"
+        label = f"transmission angle, {sheet.file_unit_of('rad').on_page}"
     panels = [replace(together(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
     return chart(sheet, panels, SINGLE + LINE * len(signals))
 

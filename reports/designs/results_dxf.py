@@ -14,7 +14,7 @@ from ezdxf import units
 from analytic.description.linkage import GROUND
 from analytic.errors import printable
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import at
+from comparisons.datasheet.building import positions_at
 from comparisons.datasheet.sheet import Sheet
 from reports.charts import symbols
 from reports.charts.kinematic_scheme import KinematicScheme
@@ -34,9 +34,9 @@ def dxf(sheet: Sheet) -> str:
     linkage = sheet.linkage
     assert sheet.positions is not None
     angle = np.array([linkage.sketch_angle]) if sheet.chosen is None else sheet.chosen["phi"][:1]
-    scheme = KinematicScheme(linkage, at(Mechanism(linkage), angle, closed=False), float(angle[0]))
+    scheme = KinematicScheme(linkage, positions_at(Mechanism(linkage), angle, closed=False), float(angle[0]))
     whole = KinematicScheme(linkage, sheet.positions)
-    document = ezdxf.new("R2010", units=UNITS[sheet.own("m").name])
+    document = ezdxf.new("R2010", units=UNITS[sheet.file_unit_of("m").name])
     space, radius = document.modelspace(), PIN * float(np.max(np.ptp(np.array(whole.extent), axis=0)))
     layers = _layers([GROUND, *linkage.links, *scheme.stretches])
     for number, layer in enumerate((JOINTS, NAMES, *layers.values())):

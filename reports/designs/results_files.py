@@ -49,7 +49,7 @@ def json_text(sheet: Sheet) -> str:
         "axis": sheet.axis,
         "units": sheet.units,
         "values": {name: plain(values) for name, values in sheet.table.items()},
-        "peaks": {name: {"value": peak.value, "at": sheet.at(peak)} for name, peak in sheet.peaks.items()},
+        "peaks": {name: {"value": peak.value, "at": sheet.place_of(peak)} for name, peak in sheet.peaks.items()},
         "figures": {name: [vars(row) for row in rows] for name, rows in sheet.figures.items()},
         "warnings": list(warnings(sheet.linkage)),
     }

@@ -94,4 +94,4 @@ def _instants(sheet: Sheet) -> list[tuple[str, ...]]:
 
 
 def _column(sheet: Sheet, name: str) -> list[str]:
-    return [figure(sheet.rounded(name, value) / sheet.unit(name).size) for value in sheet.table[name].tolist()]
+    return [figure(sheet.without_rounding(name, value) / sheet.unit(name).size) for value in sheet.table[name].tolist()]

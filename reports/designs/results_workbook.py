@@ -51,4 +51,4 @@ def _key_figures(sheet: Sheet) -> Iterator[Sequence[Cell]]:
     for figure in (row for rows in sheet.figures.values() for row in rows):
         what = f"{figure.what} on {figure.on}" if figure.on else figure.what
         phi = None if figure.phi is None else sheet.angle(figure.phi)
-        yield what, figure.signal, sheet.shown(figure), sheet.unit_of(figure).name, phi, figure.time
+        yield what, figure.signal, sheet.shown_value(figure), sheet.unit_of(figure).name, phi, figure.time

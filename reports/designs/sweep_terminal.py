@@ -16,7 +16,7 @@ from analytic.written import csv_text, finite
 from comparisons.designs.saved_sweep import SavedSweep
 from comparisons.designs.simulated_designs import EngineOverDesigns, TellingNumber
 from comparisons.designs.space import Grid
-from comparisons.designs.sweep import NONE, RankedDesign, Summary, SweepRequest
+from comparisons.designs.sweep import NO_DESIGN, RankedDesign, Summary, SweepRequest
 from comparisons.judging.records import Verdict
 from reports.document.numbers import error, figure, printed
 from reports.document.parts import Paragraph, Table
@@ -41,7 +41,7 @@ class SweepSummary:
     def own_parameters(self) -> dict[str, float]:
         """The parameters of the file's own design."""
         return {
-            parameter.name: self.request.own[parameter.name] / parameter.unit.size
+            parameter.name: self.request.numbers_of_file[parameter.name] / parameter.unit.size
             for parameter in self.request.space.parameters
         }
 
@@ -111,9 +111,9 @@ class SweepSummary:
         yield "largest", largest.value, self._design(largest)
 
     def _design(self, extreme: RankedDesign) -> list[float]:
-        if extreme.design == NONE:
+        if extreme.design == NO_DESIGN:
             return []
-        values: list[float] = self.request.space.shown(extreme.design, extreme.design + 1)[:, 0].tolist()
+        values: list[float] = self.request.space.file_values(extreme.design, extreme.design + 1)[:, 0].tolist()
         return values
 
 
@@ -132,7 +132,9 @@ def csv_rows(saved: SavedSweep) -> Iterator[str]:
     yield head.getvalue()
     row = ",".join(["%.15g"] * len(columns)) + "\n"
     for number in range(len(request.blocks)):
-        values = np.concatenate([request.space.shown(*request.block(number)), saved.read(number)]).T + 0.0  # no -0
+        values = (
+            np.concatenate([request.space.file_values(*request.block(number)), saved.read(number)]).T + 0.0
+        )  # no -0
         for start in range(0, len(values), ROWS):
             rows = values[start : start + ROWS]
             yield row * len(rows) % tuple(rows.ravel().tolist())

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from comparisons.datasheet.instants import extremes
+from comparisons.datasheet.instants import extreme_samples
 from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judgement import SETTING, SignalVerdict
@@ -60,7 +60,7 @@ def _signal(verdict: SignalVerdict) -> dict[str, Any]:
         "name": verdict.name,
         "column": verdict.samples.imported.column.header,
         "place": verdict.samples.imported.column.place,
-        "taken": verdict.samples.imported.taken,
+        "taken": verdict.samples.imported.assumption,
         "rounding": verdict.floor,
         "near_zero": verdict.near_zero,
         "worst": {
@@ -105,7 +105,7 @@ def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
     curves = {"file": verdict.samples.values, "truth": verdict.truth, "without": without}
     differences = [curve - verdict.truth for curve in curves.values() if curve is not None]
     shown = (verdict.truth, *(np.nan_to_num(difference) for difference in differences))
-    few = np.unique(np.concatenate([*(extremes(values, STRETCHES) for values in shown), [verdict.worst]]))
+    few = np.unique(np.concatenate([*(extreme_samples(values, STRETCHES) for values in shown), [verdict.worst]]))
     drawn: dict[str, Any] = {
         key: None if y is None else [None if np.isnan(v) else v for v in (y[few] / value).tolist()]
         for key, y in curves.items()

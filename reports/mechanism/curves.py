@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.datasheet.instants import extremes, highest
+from comparisons.datasheet.instants import extreme_samples, highest_samples
 from comparisons.judging.quantities import JOINT_FORCE
 from reports.records.views import Regime, Trace, View, setting_rank, short_title
 from reports.records.views import engines as all_engines
@@ -89,7 +89,7 @@ def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
     ``ends`` are those of the scale of each.
     """
     longest = max(traces, key=lambda trace: len(trace.time))
-    chosen = extremes(longest.reference, EXTREMES)
+    chosen = extreme_samples(longest.reference, EXTREMES)
     truth = pack(longest.time[chosen], longest.angle[chosen], longest.reference[chosen])
     return {"truth": truth, "runs": [_run(trace) for trace in traces]}
 
@@ -128,4 +128,4 @@ def _steps(values: Array, low: float, high: float) -> NDArray[np.uint16]:
 def worst_samples(errors: Array, stretches: int) -> NDArray[np.intp]:
     """Indices of the sample with the largest error in every stretch; samples that were not compared are left out."""
     compared = np.flatnonzero(~np.isnan(errors))
-    return compared[highest(errors[compared], stretches)]
+    return compared[highest_samples(errors[compared], stretches)]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Link
-from comparisons.datasheet.sheet import JOINT, ROUNDING, Normalised, Sheet
+from comparisons.datasheet.sheet import JOINT, ROUNDING, Sheet, UnitFunctionCurves
 from reports.charts.scheme import scheme_figure
 from reports.document.chart import Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, printed
@@ -71,7 +71,7 @@ def _motion(sheet: Sheet) -> Section:
     return Section("motion", "Motion of the output", (*parts, *sentences(sheet, "normalised")))
 
 
-def _normalised(sheet: Sheet, normalised: Normalised) -> PageFigure:
+def _normalised(sheet: Sheet, normalised: UnitFunctionCurves) -> PageFigure:
     """Unit functions in colour, harmonics dashed, both from top dead centre."""
     phase, words = np.degrees(normalised.phase), ("S / stroke", "v / max |v|", "a / max |a|")
     panels = []
@@ -109,7 +109,7 @@ def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
     """Jeq by group, one on the other, and by link."""
     unit = sheet.unit("Jeq")
     groups, links = (
-        {name: sheet.along(values) / unit.size for name, values in sheet.shares.get(kind, {}).items()}
+        {name: sheet.sorted_by_axis(values) / unit.size for name, values in sheet.shares.get(kind, {}).items()}
         for kind in ("groups", "links")
     )
     whole = sum((float(np.mean(values)) for values in links.values()), 0.0)
@@ -145,7 +145,7 @@ def _forces(sheet: Sheet) -> Section:
     most = f" of the {MOST_CURVES} joints with the largest" if len(joints) > MOST_CURVES else " in every joint"
     shown = {f"{JOINT}{joint}:magnitude": plain(joint) for joint in joints[:MOST_CURVES]}
     named = {signal: f"{name}, {words(sheet, sheet.peaks[signal])}" for signal, name in shown.items()}
-    unit = sheet.own("N").on_page
+    unit = sheet.file_unit_of("N").on_page
     caption = f"Force{most}, named with its peak."
     magnitudes = chart(sheet, [together(sheet, named, f"|F|, {unit}")], 3.2, wide=True)
     table = figures_table(sheet, "forces", plain)
@@ -207,7 +207,7 @@ def hodograph(sheet: Sheet, vector: str, ink: int, unit: str) -> Panel:
 def _links(sheet: Sheet) -> Section:
     """The linkage in several positions, its links in the file's units with what each gives to the mean Jeq, notes."""
     linkage, facts = sheet.linkage, sheet.facts.get("links", {})
-    units = [sheet.own(si) for si in ("kg", "kg m²", "m")]
+    units = [sheet.file_unit_of(si) for si in ("kg", "kg m²", "m")]
     means = {name: link["Jeq_mean"] for name, link in facts.items() if "Jeq_mean" in link}
     whole = sum(means.values())
     head = ("link", *(f"{word}, {unit.on_page}" for word, unit in zip(("m", "J", "mass centre"), units, strict=True)))

@@ -7,9 +7,9 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Final
 
-from comparisons.datasheet.instants import extremes
+from comparisons.datasheet.instants import extreme_samples
 from comparisons.datasheet.sheet import ByName
-from comparisons.faults.symptoms import meaning
+from comparisons.faults.symptoms import probable_faults
 from comparisons.judging.records import Record, Verdict
 from reports.charts.judged import JudgedCurve, errors_chart, judged_chart
 from reports.document import numbers
@@ -128,7 +128,7 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
 
 def _meanings(runs: Sequence[Sequence[Record]]) -> list[str]:
     """The probable fault behind the failing rows of a run, in a sentence."""
-    return [f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := meaning(run))]
+    return [f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := probable_faults(run))]
 
 
 def _printed_models(view: View, printed: Mapping[str, ByName]) -> list[Part]:
@@ -151,7 +151,7 @@ def _printed_figure(view: View, regime: str, name: str, motion: ByName) -> PageF
     names = engines(view.results)
     curves = [Curve(motion["time"], motion["corrected"], "corrected", "reference", width=3.4)]
     for trace in traces:
-        few = extremes(trace.observed, SHOWN)
+        few = extreme_samples(trace.observed, SHOWN)
         ink = names.index(trace.record.engine)
         curves.append(Curve(trace.time[few], trace.observed[few], trace.record.engine, ink, "--", 1.0))
     curves.append(Curve(motion["time"], motion["printed"], "as printed", "limit"))

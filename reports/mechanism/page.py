@@ -62,7 +62,7 @@ def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> S
 
 def feed_chart(sheet: Sheet, thread: ThreadSheet, *, wide: bool) -> Chart:
     """Feed above, contour below, over a turn from 0° to 360°."""
-    unit = sheet.own("m")
+    unit = sheet.file_unit_of("m")
     degrees = np.degrees(thread.angle)
     eyes = sheet.facts.get("thread", {}).get("eyes", {})
     several = len(eyes) > 1

@@ -41,7 +41,7 @@ def _angle(value: float, unit: FileUnit) -> str:
 
 def number(sheet: Sheet, signal_figure: SignalFigure) -> str:
     """A key figure in its unit."""
-    value = sheet.shown(signal_figure)
+    value = sheet.shown_value(signal_figure)
     return _angle(value, sheet.unit_of(signal_figure)) if signal_figure.unit == "rad" else figure(value)
 
 
@@ -62,7 +62,7 @@ def jeq(sheet: Sheet, end: str) -> str:
 
 def place(sheet: Sheet, signal_figure: SignalFigure) -> str:
     """Where on the axis a key figure is, as a page prints it."""
-    at = sheet.at(signal_figure)
+    at = sheet.place_of(signal_figure)
     if at is None:
         return ""
     if sheet.is_turn:
@@ -190,7 +190,7 @@ def stacked(sheet: Sheet, names: Sequence[str], height: float, *, wide: bool = F
 def _dot(sheet: Sheet, name: str, ink: int) -> tuple[Curve, ...]:
     """A mark at the value of the largest magnitude of a signal."""
     peak = sheet.peaks[name]
-    at = sheet.at(peak)
+    at = sheet.place_of(peak)
     if peak.value is None or at is None:
         return ()
     along = (at % FULL_TURN if sheet.is_turn else at) / sheet.axis_unit.size

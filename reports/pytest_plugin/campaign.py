@@ -18,7 +18,7 @@ from comparisons.invariants.checks import NEEDS as INVARIANTS
 from comparisons.judging.baseline import Departure, file_departures, motion_departures
 from comparisons.judging.limits import Standard, deciding
 from comparisons.judging.records import Record, RunRecord, Verdict, blank_record
-from comparisons.reference.case import Case, unpickled
+from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import Bounds, LocalPool
@@ -86,7 +86,7 @@ class CampaignRun:
     @property
     def case(self) -> Case:
         """The case that is run."""
-        return unpickled(self.task.job[0])
+        return unpickle_case(self.task.job[0])
 
     @property
     def engine(self) -> str:

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.designs.parameters import Parameter, design_file, parameter
-from comparisons.designs.saved_sweep import described, labelled
+from comparisons.designs.saved_sweep import dataset_attributes, labelled_dataset
 from comparisons.designs.simulated_designs import shares_of_limits
 from comparisons.designs.space import DesignSpace, Grid, Listed
-from comparisons.designs.sweep import SweepRequest, own_figures, sweep_block
+from comparisons.designs.sweep import SweepRequest, figures_of_file, sweep_block
 from comparisons.designs.sweep import sweep as sweep_space
-from comparisons.designs.tolerance_study import SHARES, ToleranceStudy, tolerance_study
+from comparisons.designs.tolerance_study import QUANTILES, ToleranceStudy, tolerance_study
 from comparisons.designs.tolerances import Tolerances, read_tolerances
 from comparisons.runs.cluster import opened
 from reports.designs.optimise_terminal import document
@@ -73,11 +73,11 @@ def sweep(
         raise LinkproofError("simulate: expected arrays of numbers, got Dask's, worked out later; pass NumPy arrays")
     space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
     request, conditions = sweep_request_of(case, space, options)
-    own_figures(request)  # raises LinkproofError for figures that no design has
-    rows = _lazy(request, [*values.values()]) if is_lazy else _computed(request.on_single_path(), options.scheduler)
-    about = {name: value for name, value in described(request, conditions, "").items() if name != "command"}
-    dataset = labelled(request, values, rows, about)
-    return _with_engines(dataset, request.on_single_path(), options) if options.simulate else dataset
+    figures_of_file(request)  # raises LinkproofError for figures that no design has
+    rows = _lazy(request, [*values.values()]) if is_lazy else _computed(request.with_fixed_path(), options.scheduler)
+    about = {name: value for name, value in dataset_attributes(request, conditions, "").items() if name != "command"}
+    dataset = labelled_dataset(request, values, rows, about)
+    return _with_engines(dataset, request.with_fixed_path(), options) if options.simulate else dataset
 
 
 def _with_engines(dataset: xarray.Dataset, request: SweepRequest, options: SweepOptions) -> xarray.Dataset:
@@ -269,7 +269,7 @@ def dataset(study: ToleranceStudy) -> xarray.Dataset:
             "distribution": (("parameter",), [str(tolerance.distribution) for tolerance in request.tolerances]),
             "limit": ["lower", "upper"],
             "end": ["least", "largest"],
-            "level": [*SHARES],
+            "level": [*QUANTILES],
         },
         attrs={
             "mechanism": request.mechanism.linkage.name,

@@ -20,7 +20,7 @@ from comparisons.datasheet.building import STEADY, conditions, range_motion
 from comparisons.datasheet.figures import NEGLIGIBLE
 from comparisons.datasheet.instants import Instants
 from comparisons.designs.parameters import SteadyMotion, steady_motion
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, case_of_file_regime
 from reports.requests.designs_options import SteadyOptions
 from reports.requests.motion_options import MotionOptions, ResultsOptions
 from reports.requests.motions import EVERYTHING, OWN, check_motion, own_regimes, prescribed
@@ -43,8 +43,8 @@ def requested_results(linkage: Linkage, options: ResultsOptions) -> RequestedRes
     if options.at is not None:
         length = file_unit("m", linkage)
         unit, size = (f" {length.name}", length.size) if linkage.is_linear else ("°", math.radians(1.0))
-        return RequestedResults(case, instants.at_angles(np.array(options.at), unit, size))
-    return RequestedResults(case, None if options.time is None else instants.at_times(np.array(options.time)))
+        return RequestedResults(case, instants.times_of_angles(np.array(options.at), unit, size))
+    return RequestedResults(case, None if options.time is None else instants.checked_times(np.array(options.time)))
 
 
 def requested_case(mechanism: Mechanism, options: MotionOptions) -> Case:
@@ -54,7 +54,7 @@ def requested_case(mechanism: Mechanism, options: MotionOptions) -> Case:
     if len(options.regime) > 1 or {EVERYTHING, OWN} & {*options.regime}:
         raise LinkproofError(f"expected one motion, got --regime {', '.join(options.regime)}: choose one of them")
     if names:
-        case = own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == names[0]))
+        case = case_of_file_regime(mechanism, next(regime for regime in linkage.regimes if regime.name == names[0]))
         return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
     if linkage.is_linear or options.swings or options.regime not in ((), (STEADY,)) or _is_timed(options):
         ((motion,), _) = prescribed(options, [linkage])

@@ -15,7 +15,7 @@ from analytic.errors import LinkproofError
 from comparisons.designs.optimisation import OptimisationRequest, Optimum, optimise
 from comparisons.designs.parameters import mass_words, named_figures
 from comparisons.designs.simulated_designs import SimulatedDesigns, simulated_designs
-from comparisons.designs.space import DesignSpace, Grid, read_table, steps
+from comparisons.designs.space import DesignSpace, Grid, parameter_range, read_table
 from comparisons.designs.sweep import SweepRequest, usual_figures
 from comparisons.designs.tolerance_study import ToleranceRequest, tolerance_request
 from comparisons.designs.tolerances import Tolerances
@@ -58,7 +58,7 @@ def sweep_request(linkage: Linkage, options: SweepOptions) -> tuple[SweepRequest
         )
     case = steady_case(linkage, options)
     request, conditions = sweep_request_of(case, designs_of(case.mechanism.linkage, options), options)
-    return request.on_single_path(), conditions
+    return request.with_fixed_path(), conditions
 
 
 def sweep_request_of(case: SteadyCase, space: DesignSpace, options: SweepOptions) -> tuple[SweepRequest, str]:
@@ -75,7 +75,7 @@ def designs_of(linkage: Linkage, options: SweepOptions) -> DesignSpace:
     """The grid of ``--vary``, or the list of ``--table``."""
     if options.table is not None:
         return read_table(options.table, linkage)
-    return Grid(*zip(*(steps(linkage, text) for text in options.vary), strict=True))
+    return Grid(*zip(*(parameter_range(linkage, text) for text in options.vary), strict=True))
 
 
 def simulated_campaign(request: SweepRequest, options: SweepOptions, folder: Path) -> SimulatedCampaign:

@@ -13,7 +13,7 @@ from comparisons.imported.columns import ImportedResults
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judge import judge as judge_results
 from comparisons.imported.reading import read_results
-from comparisons.reference.case import own_case
+from comparisons.reference.case import case_of_file_regime
 from comparisons.reference.motion import Motion
 from reports.requests.motion_options import JudgeOptions
 from reports.requests.motions import check_motion, own_regimes, prescribed
@@ -50,7 +50,7 @@ def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) 
     names = own_regimes(options, [linkage])
     if names:
         regime = next(regime for regime in linkage.regimes if regime.name == names[0])
-        return own_case(Mechanism(linkage), regime).motion
+        return case_of_file_regime(Mechanism(linkage), regime).motion
     if options.regime or options.swings:
         ((motion, *_), _) = prescribed(options, [linkage])
         return motion

@@ -14,7 +14,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import within
+from comparisons.datasheet.building import inset_ends
 from reports.requests.motion_options import TIMED, MotionOptions
 
 EVERYTHING = "all"
@@ -147,7 +147,7 @@ def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:
     if options.from_angle is not None and options.to_angle is not None:
         size = factor("length", linkage.units.get("length", "m"))
         return options.from_angle * size, options.to_angle * size
-    return within(Mechanism(linkage).crank_range(), backwards=options.turns_back)
+    return inset_ends(Mechanism(linkage).crank_range(), backwards=options.turns_back)
 
 
 def own_regimes(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[str, ...]:

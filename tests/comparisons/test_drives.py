@@ -16,7 +16,7 @@ from comparisons.invariants.checks import checks
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, truth
+from comparisons.reference.case import Case, channel_truth
 from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle
@@ -47,14 +47,14 @@ def deviation(case: Case, scene: Scene, history: History) -> float:
     for channel in LEVELS:
         signal = getattr(history, channel.value)
         for number, body in enumerate(scene.bodies):
-            true = truth(case, channel, body.name, signal.time)[:, : 3 if scene.can_turn(body) else 2]
+            true = channel_truth(case, channel, body.name, signal.time)[:, : 3 if scene.can_turn(body) else 2]
             seen = signal.values[:, number, : true.shape[1]]
             worst = max(worst, float(np.max(np.abs(seen - true)) / np.max(np.abs(true))))
     for joint, signal in history.joint_force.items():
-        true = truth(case, Channel.JOINT_FORCE, joint, signal.time)
+        true = channel_truth(case, Channel.JOINT_FORCE, joint, signal.time)
         worst = max(worst, float(np.max(np.abs(signal.values - true)) / np.max(np.abs(true))))
     if history.torque and case.is_prescribed:
-        true = truth(case, Channel.TORQUE, "", history.torque.time)
+        true = channel_truth(case, Channel.TORQUE, "", history.torque.time)
         worst = max(worst, float(np.max(np.abs(history.torque.values - true)) / np.max(np.abs(true))))
     return worst
 

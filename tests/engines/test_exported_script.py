@@ -15,7 +15,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from comparisons.conformance.samples import case as sample_case
 from comparisons.exported_run import exported, exported_cell
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, case_of_file_regime
 from comparisons.stress.cells import find_cell
 from engines.contract import Outcome, Setting
 from engines.registry import engine
@@ -47,7 +47,7 @@ def _case(linkage, regime):
     found = from_text(double_rocker_text(regimes=SWITCHED)) if regime == "switched" else mechanism(linkage)
     regimes = [each for each in found.linkage.regimes if each.name == regime]
     return (
-        own_case(found, replace(regimes[0], duration=min(0.4, regimes[0].duration)))
+        case_of_file_regime(found, replace(regimes[0], duration=min(0.4, regimes[0].duration)))
         if regimes
         else Case(found, crank_motion(regime, ramp_time=0.02, hold_time=0.01))
     )
@@ -145,7 +145,7 @@ def test_no_name_becomes_code_or_breaks_a_script(name, first, tmp_path):
     swing = {"from": 0, "to": 20, "time": 0.05}
     document |= {"title": "\n".join(HOSTILE), "variant": hostile[0], "regimes": {hostile[1]: swing}}
     found = from_text(tomlkit.dumps(document), f"{hostile[0]}\\")
-    case = own_case(found, found.linkage.regimes[0])
+    case = case_of_file_regime(found, found.linkage.regimes[0])
     scene = case.scene(frozenset())
     text = exported(case, name, Setting.TUNED, shlex.join(["linkproof", "export", *HOSTILE]))
     script = ast.parse(text)

@@ -14,7 +14,7 @@ from analytic.description.law import TimeLaw
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
 from comparisons.campaign.campaign import judged
-from comparisons.reference.case import Case, truth
+from comparisons.reference.case import Case, channel_truth
 from engines.contract import Outcome, Setting
 from engines.mechanics.driver import driven as travelled
 from engines.mechanics.states import with_ground
@@ -83,6 +83,6 @@ def test_a_released_driver_under_a_constant_force_moves_as_the_equation_of_motio
         speed = travelled(scene, with_ground(place.values), with_ground(rate.values))[1]
         assert np.abs(speed - motion.speed(rate.time)).max() < FREE * np.abs(motion.speed(rate.time)).max()
     for joint, signal in run.history.joint_force.items():
-        true = truth(case, Channel.JOINT_FORCE, joint, signal.time)
+        true = channel_truth(case, Channel.JOINT_FORCE, joint, signal.time)
         seen = np.hypot(*true.T) if signal.values.ndim == 1 else true
         assert np.abs(signal.values - seen).max() < 10.0 * FREE * np.abs(true).max(), joint

@@ -75,11 +75,11 @@ def check(name: str, variant: str | None, svg: Path | None, destination: Destina
 
 def drawing(linkage: Linkage) -> str:
     """The scheme of a linkage as SVG, in twelve positions of its range."""
-    from comparisons.datasheet.building import over_reach  # noqa: PLC0415 - matplotlib takes a second to import
+    from comparisons.datasheet.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second to import
     from reports.charts.draw import svg  # noqa: PLC0415
     from reports.charts.scheme import scheme_figure  # noqa: PLC0415
 
-    return svg(scheme_figure(linkage, over_reach(Mechanism(linkage))), page="white")
+    return svg(scheme_figure(linkage, positions_over_range(Mechanism(linkage))), page="white")
 
 
 def schema_text() -> str:

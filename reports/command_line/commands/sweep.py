@@ -11,9 +11,9 @@ from typing import Final
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.designs.saved_sweep import FILE, SavedSweep, described
+from comparisons.designs.saved_sweep import FILE, SavedSweep, dataset_attributes
 from comparisons.designs.simulated_designs import engines_over_designs
-from comparisons.designs.sweep import Summary, SweepRequest, own_figures, why_not
+from comparisons.designs.sweep import Summary, SweepRequest, figures_of_file, reason_not_assembled
 from comparisons.designs.sweep import sweep as sweep_space
 from comparisons.runs.cluster import opened
 from comparisons.runs.files import write_file, write_text
@@ -46,12 +46,14 @@ def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) ->
     named, read = files_of(destination, files), {"the linkage's file": Path(options.mechanism)}
     check_files(named, read if options.table is None else {**read, "the table": options.table})
     request, conditions = sweep_request(load(options.mechanism, options.variant), options)
-    figures, command = own_figures(request), command_line("sweep", options)
+    figures, command = figures_of_file(request), command_line("sweep", options)
     with ExitStack() as stack:
         folder = destination.out
         if folder is None and (files.csv or files.svg):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="linkproof-")))
-        saved = None if folder is None else SavedSweep(request, folder, described(request, conditions, command))
+        saved = (
+            None if folder is None else SavedSweep(request, folder, dataset_attributes(request, conditions, command))
+        )
         summary = SweepSummary(request, figures, _computed(options, destination, request, saved), conditions)
         if saved is not None:
             _write_rows(files.csv, saved)
@@ -113,7 +115,8 @@ def _computed(
         if saved is not None:
             saved.forget()
         raise LinkproofError(
-            f"expected designs that assemble, got none of {summary.designs}, for {why_not(request)}; vary other ranges"
+            f"expected designs that assemble, got none of {summary.designs}, for "
+            f"{reason_not_assembled(request)}; vary other ranges"
         )
     return summary
 

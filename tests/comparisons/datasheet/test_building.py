@@ -11,8 +11,10 @@ from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
 from analytic.kinematics import frames
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import usual_case, usual_sheet
-from comparisons.datasheet.instants import needed
+from comparisons.datasheet.building import positions_over_motion, positions_over_range, usual_case, usual_sheet
+from comparisons.datasheet.curves import Curves
+from comparisons.datasheet.instants import choose_samples
+from comparisons.reference.case import Case
 from tests.analytic.linkages import FOLDER, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
 from tests.reports.designs.samples import results
@@ -106,7 +108,27 @@ def test_what_cannot_be_assembled_has_a_sheet_with_the_reason():
 def test_few_instants_are_kept_and_those_that_matter_among_them():
     axis = np.linspace(0.0, 1.0, 5001)
     spike = np.exp(-(((axis - 0.333) / 1e-3) ** 2))
-    kept = needed(axis, np.stack([axis, spike]), 101, 200)
+    kept = choose_samples(axis, np.stack([axis, spike]), 101, 200)
     assert len(kept) <= 200
     assert np.max(np.abs(np.interp(axis, axis[kept], spike[kept]) - spike)) < 0.02
     assert math.isclose(spike[kept].max(), spike.max())
+
+
+def test_positions_of_a_turn_end_as_they_began_and_less_than_a_turn_is_shown_over_its_time():
+    turn = positions_over_range(Mechanism(load("slotted-takeup")))
+    assert (turn.over, turn.closed) == ("phi", True)
+    for x, y, angle in turn.bodies.values():
+        assert np.allclose([x[0], y[0], np.cos(angle[0])], [x[-1], y[-1], np.cos(angle[-1])], atol=1e-12)
+        assert np.max(np.abs(np.diff(angle))) < 1.0
+    motion = crank_motion("run-up", speed=2.0, ramp_time=1.0, hold_time=0.5)
+    part = positions_over_motion(Curves(Case(Mechanism(load("juki-mf7923d")), motion)))
+    assert (part.over, part.closed) == ("time", False)
+    assert np.allclose(part.bodies["crank"][2], motion.angle(part.axis))
+
+
+def test_the_carrier_of_a_slots_point_is_named():
+    linkage = load(str(FOLDER / "ground-pin-in-slot.toml"))
+    carriers = positions_over_range(Mechanism(linkage)).carriers
+    assert all(
+        carriers[s.point] == "ground" or s.point in linkage.links[carriers[s.point]].points for s in linkage.slots
+    )

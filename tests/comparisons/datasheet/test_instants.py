@@ -14,7 +14,7 @@ RUN_UP = crank_motion("run-up", speed=600 * RPM, ramp_time=0.1, hold_time=0.1, s
 
 
 def at(motion, *angles):
-    return Instants(motion).at_angles(np.array(angles, dtype=float), "°", math.radians(1.0))
+    return Instants(motion).times_of_angles(np.array(angles, dtype=float), "°", math.radians(1.0))
 
 
 def test_the_axis_is_phi_at_constant_speed_and_time_otherwise():
@@ -46,16 +46,16 @@ def test_what_the_motion_does_not_pass_is_refused_with_its_range():
     with pytest.raises(LinkproofError, match=r"--at: expected what the motion passes, from 20° to 80°.*got 90°"):
         at(swing("cycloidal", math.radians(20), math.radians(80), speed=1.0), 30, 90)
     with pytest.raises(LinkproofError, match=r"--time: expected instants from 0 to 0.2 s, the motion's, got 0.3"):
-        Instants(RUN_UP).at_times(np.array([0.1, 0.3]))
-    assert Instants(RUN_UP).at_times(np.array([0.2])) == [0.2]
+        Instants(RUN_UP).checked_times(np.array([0.1, 0.3]))
+    assert Instants(RUN_UP).checked_times(np.array([0.2])) == [0.2]
 
 
 def test_a_travel_has_no_period():
     there = Instants(swing("constant-speed", 0.0, 0.01, speed=0.02), turns=False)
     assert len(there.grid) == 721
-    assert there.at_angles(np.array([0.0, 5.0, 10.0]), " mm", 1e-3) == pytest.approx([0.0, 0.25, 0.5])
+    assert there.times_of_angles(np.array([0.0, 5.0, 10.0]), " mm", 1e-3) == pytest.approx([0.0, 0.25, 0.5])
     with pytest.raises(LinkproofError, match=r"from 0 mm to 10 mm, got 11 mm"):
-        there.at_angles(np.array([11.0]), " mm", 1e-3)
+        there.times_of_angles(np.array([11.0]), " mm", 1e-3)
 
 
 def test_a_short_stroke_between_long_dwells_is_seen():

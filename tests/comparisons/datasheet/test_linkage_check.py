@@ -9,9 +9,11 @@ from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics.dyad_solver import DyadSolver
 from comparisons.datasheet.linkage_check import check
+from comparisons.datasheet.linkage_warnings import warnings
 from reports.document.terminal import rendered
 from reports.mechanism.terminal import printed
 from tests.analytic.chains import chain_of_dyads
+from tests.analytic.faults import JUKI
 from tests.analytic.linkages import EVERY, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.counting import calls
@@ -109,3 +111,21 @@ def test_change_points_of_a_parallelogram():
     assert fault is None
     assert [point["where"] for point in facts["range"]["change_points"]] == ["180°", "0°"]
     assert facts["four_bar"].startswith("change-point four-bar")
+
+
+# Beside those in tests/reports/command_line/test_usual_mistakes.py.
+SLIPS = {
+    ("inertia = 0.19e-4", "inertia = 0.19e-10"): "(kg*m^2 read as kg*mm^2?)",
+    ("inertia = 0.19e-4", "inertia = 4e-3"): "check the unit of inertia",
+    ("mass    = 0.64", "mass = 640"): "'crank' weighs 640 kg at a length of 15.5 mm: check",
+}
+
+
+def test_slips_are_told_and_a_linkage_without_slips_or_without_masses_has_none():
+    def told(text):
+        return list(warnings(parse(text, "juki", "juki.toml")))
+
+    for slip, words in SLIPS.items():
+        assert any(words in sentence for sentence in told(JUKI.replace(*slip, 1))), slip
+    assert told(JUKI) == []
+    assert told("\n".join(line for line in JUKI.splitlines() if not line.startswith(("mass ", "inertia ")))) == []

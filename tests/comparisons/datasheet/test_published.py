@@ -10,7 +10,7 @@ from analytic.description.schema import Published
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.published import all_variants, compare_published, figure, verdict
+from comparisons.datasheet.published import all_variants, compare_published, published_figure, verdict
 from tests.analytic.linkages import from_text, mechanism
 
 RUN_UP = {"regime": "run-up"}
@@ -45,7 +45,7 @@ RPM = 30.0 / math.pi  # of 1 rad/s
 
 
 def value(of: Mechanism, quantity: str, **keys: object) -> float:
-    return figure(of, Published(quantity=quantity, value=0.0, place="", **keys))
+    return published_figure(of, Published(quantity=quantity, value=0.0, place="", **keys))
 
 
 def digits(number: float) -> int:

@@ -8,8 +8,8 @@ import pytest
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import usual_sheet
-from comparisons.datasheet.released import printed, released
-from comparisons.reference.case import own_motion
+from comparisons.datasheet.released import describe_release, errata_motions
+from comparisons.reference.case import motion_of_file_regime
 from tests.analytic.linkages import from_text
 from tests.analytic.textbook import PENDULUM, ROTOR
 from tests.reports.designs.samples import released_sheet
@@ -20,8 +20,8 @@ LAW = "\n[regimes.go]\ntorque = {torque}\nstart_angle = {angle}\nstart_speed = {
 def released_of(text, **law):
     mechanism = from_text(text + LAW.format(**law))
     own = mechanism.linkage.released["go"]
-    motion = own_motion(mechanism, own)
-    return released(mechanism, own, motion), motion
+    motion = motion_of_file_regime(mechanism, own)
+    return describe_release(mechanism, own, motion), motion
 
 
 def test_a_pendulum_rests_where_it_hangs_and_where_it_stands():
@@ -46,11 +46,11 @@ def test_a_damped_rotor_settles_at_torque_over_damping():
 def test_models_as_printed_stand_beside_the_corrected_motion_of_the_files_own_values():
     sheet = released_sheet()
     one = sheet.printed["S1 without US1"]
-    motion = own_motion(Mechanism(sheet.linkage), sheet.linkage.released["driven"])
+    motion = motion_of_file_regime(Mechanism(sheet.linkage), sheet.linkage.released["driven"])
     assert np.allclose(one["corrected"], motion.speed(one["time"]))
     assert np.max(np.abs(one["printed"] - one["corrected"])) > 1e-3 * motion.peak_speed
     other = replace(sheet.linkage, variant="another", variants=(sheet.variant, "another"))
-    assert not printed(other, {"driven": motion})
+    assert not errata_motions(other, {"driven": motion})
 
 
 def test_a_sheet_has_the_requested_regimes_alone():

@@ -160,7 +160,7 @@ def test_over_one_number_every_kind_of_figure_is_as_good_as_on_a_fine_grid(wish,
     named = dict.fromkeys(found.after, problem.low[0] + problem.width[0] * values[:, 0])
     grid = figures(problem.mechanism, named, *(one.figure for one in problem.figures))
     for one, row in zip(problem.constraints, grid[1:], strict=True):
-        grid[0, one.missed(row) > 0.0] = np.nan
+        grid[0, one.violation(row) > 0.0] = np.nan
     sided, least = problem.sign * grid[0], problem.sign * found.values[1, 0]
     assert least <= np.nanmin(sided) + 1e-9 * abs(least)
     assert least == pytest.approx(np.nanmin(sided), rel=1e-2)

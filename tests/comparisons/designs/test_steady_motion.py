@@ -28,7 +28,7 @@ def test_every_figure_and_its_derivative_is_that_of_a_power_of_the_speed(name, t
     named = named_figures(sample, FIGURES)
     figures = [one.figure for one in named]
     powers = np.array([POWERS[one.name.replace("@", ".").replace(":", ".").partition(".")[0]] for one in named])
-    for options in ({}, {"refine": False, "path": "numpy"}, {"refine": False, "path": "compiled"}):
+    for options in ({}, {"refine": False, "path": "numpy"}):
         found = motion.figures(sample, {"speed": SPEEDS}, figures, **options)
         expected = found[:, 1:2] * (SPEEDS / 50.0) ** powers[:, None]
         np.testing.assert_allclose(found, expected, rtol=1e-11)

@@ -11,8 +11,8 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import sheet, usual_case
 from comparisons.designs import sweep as sweeps
 from comparisons.designs.parameters import named_figures, steady_motion
-from comparisons.designs.space import Grid, steps
-from comparisons.designs.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
+from comparisons.designs.space import Grid, parameter_range
+from comparisons.designs.sweep import Summary, SweepRequest, figures_of_file, reason_not_assembled, sweep, usual_figures
 from comparisons.runs.workers import LocalPool
 from tests.analytic.loaded_linkages import on_trial
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
@@ -73,16 +73,16 @@ def test_what_is_done_is_not_made_again(monkeypatch):
 def test_the_rms_torque_is_that_of_results_beside_a_dead_position_too(refine):
     mechanism = on_trial("near-toggle", None, False)
     motion = steady_motion(mechanism, 1000.0 * RPM)
-    space = Grid(*zip(steps(mechanism.linkage, "crank.mass=0.3:0.4:2"), strict=True))
+    space = Grid(*zip(parameter_range(mechanism.linkage, "crank.mass=0.3:0.4:2"), strict=True))
     asked = SweepRequest(mechanism.linkage, space, named_figures(mechanism, ["Mkr.rms"]), motion, refine=refine)
     (shown,) = (one for one in sheet(usual_case(mechanism)).figures["drive"] if one.what == "RMS torque")
-    assert own_figures(asked)[0] == pytest.approx(shown.value, rel=1e-9)
+    assert figures_of_file(asked)[0] == pytest.approx(shown.value, rel=1e-9)
 
 
 def test_a_design_that_does_not_assemble_says_where():
-    assert "cannot be assembled" in why_not(request(grid("rod.B.x=100:110:2")))
-    assert "stands in a dead position between two" in why_not(request(grid("rod.B.x=166.4:166.41:2")))
-    assert not why_not(request(grid("rod.B.x=175:180:2")))
+    assert "cannot be assembled" in reason_not_assembled(request(grid("rod.B.x=100:110:2")))
+    assert "stands in a dead position between two" in reason_not_assembled(request(grid("rod.B.x=166.4:166.41:2")))
+    assert not reason_not_assembled(request(grid("rod.B.x=175:180:2")))
 
 
 def test_usual_figures_are_peaks_and_the_stroke():

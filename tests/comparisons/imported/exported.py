@@ -27,7 +27,7 @@ def rounded(values, digits):
 def exported(linkage, motion, names, time, *, digits=6, change=None, model=None):
     """Imported results of a model, the true one by default; ``change`` alters values by name."""
     model = model or Simulation(linkage, motion)
-    values = dict(zip(names, model.predicted([samples(name, time) for name in names]), strict=True))
+    values = dict(zip(names, model.predict([samples(name, time) for name in names]), strict=True))
     return results_of(change(values, time) if change else values, time, digits=digits)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import LAWS, crank_motion, swing
-from comparisons.imported.crank_column import motion_of_angles, motion_of_speeds, regular, unwrapped
+from comparisons.imported.crank_column import even_instants, motion_of_angles, motion_of_speeds, unwrap_angles
 from comparisons.imported.known_motions import known_fit
 
 DEGREE = math.pi / 180.0
@@ -69,13 +69,13 @@ def test_swings_are_known_from_their_rounded_angles(law, back, dwell, digit):
 def test_equal_steps_are_told_from_their_rounding_and_turns_are_unwound():
     time = np.linspace(0.0, 1.0, 61)
     printed = np.round(time, 3)
-    even, open_ = regular(printed, np.full(61, 5e-4))
+    even, open_ = even_instants(printed, np.full(61, 5e-4))
     np.testing.assert_allclose(even, time, atol=2e-4)
     assert np.max(open_) < 1e-4
     uneven = printed + np.where(np.arange(61) == 30, 0.004, 0.0)
-    assert regular(uneven, np.full(61, 5e-4))[0] is uneven
+    assert even_instants(uneven, np.full(61, 5e-4))[0] is uneven
     angle = np.linspace(0.0, 20.0, 200)
-    np.testing.assert_allclose(unwrapped((angle + math.pi) % (2.0 * math.pi) - math.pi), angle, atol=1e-12)
+    np.testing.assert_allclose(unwrap_angles((angle + math.pi) % (2.0 * math.pi) - math.pi), angle, atol=1e-12)
 
 
 def test_of_a_noisy_column_the_motion_comes_back():
@@ -99,4 +99,4 @@ def test_a_run_up_is_known_whichever_way_its_steady_part_is_rounded(rpm, digits)
     unit = 10.0 ** (np.floor(np.log10(np.maximum(motion.speed(time), 1e-6))) - digits + 1)
     found = known_fit(time, unit * np.round(motion.speed(time) / unit), np.maximum(unit, 1e-6) / 2.0, of_speed=True)
     assert found is not None
-    assert found.column.name == "run-up-quintic"
+    assert found.column.family == "run-up-quintic"

@@ -103,7 +103,7 @@ REFUSED = {
 
 @pytest.mark.parametrize(("changes", "words"), REFUSED.values(), ids=REFUSED)
 def test_an_fmu_that_cannot_be_run_is_refused_in_a_sentence(fmu, monkeypatch, changes, words):
-    monkeypatch.setattr(binary_files, "LONGEST", 1.0 if "for" in changes.get("do", "") else 60.0)
+    monkeypatch.setattr(binary_files, "LONGEST_RUN", 1.0 if "for" in changes.get("do", "") else 60.0)
     with pytest.raises(LinkproofError, match=words) as caught:
         read_results([fmu(**changes)], MODEL)
     assert "\n" not in str(caught.value)

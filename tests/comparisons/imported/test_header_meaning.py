@@ -1,4 +1,6 @@
-"""What headers mean: signals that any engineer would read in them, in twelve languages, and what is left open."""
+"""What headers and their units mean: signals that any engineer would read in them, in twelve languages."""
+
+import math
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
 from comparisons.imported.columns import Column
 from comparisons.imported.header_meaning import HeaderParser, NotJudgedError
+from comparisons.imported.header_words import parse_unit
 from tests.analytic.drives import driven
 
 READ = HeaderParser(load("juki-mf7923d"))
@@ -96,7 +99,7 @@ def test_what_is_taken_is_said():
         "Weg [mm]": "taken as the output's, D along [0, 1]",
         "Reaction Force A (N)": "its name has no component: taken as the size of the force",
     }
-    assert {header: READ.meaning(_column(header)).taken for header in taken} == taken
+    assert {header: READ.meaning(_column(header)).assumption for header in taken} == taken
 
 
 def test_names_of_one_letter_or_of_digits_do_not_stand_in_the_way():
@@ -141,3 +144,31 @@ def test_a_cylinder_has_a_length_a_speed_and_a_force():
     for any_drive in (read, READ):
         with pytest.raises(NotJudgedError):
             any_drive.meaning(_column("Length [mm]"))
+
+
+DEGREE = math.pi / 180.0
+
+
+def test_units_have_their_si_values():
+    expected = {
+        "newton-meter": 1.0, "N·m": 1.0, "N.m": 1.0, "Nm": 1.0, "N m": 1.0, "Н·м": 1.0, "NEWTON-METER": 1.0,
+        "牛米": 1.0, "N-mm": 1e-3, "Ncm": 1e-2, "kN·m": 1e3, "in-lb": 4.4482216152605 * 0.0254, "lbf": 4.4482216152605,
+        "°": DEGREE, "град": DEGREE, "rad": 1.0, "rev": 2.0 * math.pi, "deg/sec": DEGREE, "s^-1": 1.0, "1/s": 1.0,
+        "rpm": math.pi / 30.0, "U/min": math.pi / 30.0, "об/мин": math.pi / 30.0, "deg/sec**2": DEGREE,
+        "rad/s²": 1.0, "rad/s2": 1.0, "rad s^-2": 1.0, "m/(s^2)": 1.0, "inch/sec**2": 0.0254, "µm": 1e-6,
+        "ms": 1e-3, "min": 60.0, "kW": 1e3, "N*mm/s": 1e-3, "Дж": 1.0, "kg·mm²": 1e-6, "kgf": 9.80665, "-": 1.0,
+    }  # fmt: skip
+    read = {text: unit.factor if (unit := parse_unit(text)) else None for text in expected}
+    assert read == pytest.approx(expected, rel=1e-14)
+
+
+def test_what_is_no_unit_is_none():
+    for text in ("furlong", "", "1", "m/s/s", "N*", "/", "Motor1", "N^9", "x" * 99, "m^", "**2", "(", "²"):
+        assert parse_unit(text) is None, text
+
+
+def test_a_speed_of_rotation_may_be_in_one_over_seconds_and_nothing_else_may_lose_its_angle():
+    per_second, metre_per_second = parse_unit("1/s"), parse_unit("m/s")
+    assert per_second.measures((0, 0, -1, 1))
+    assert not metre_per_second.measures((0, 0, -1, 1))
+    assert not parse_unit("-").measures((0, 0, 0, 1))

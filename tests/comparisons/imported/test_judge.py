@@ -16,12 +16,12 @@ from comparisons.faults.fault import Correction
 from comparisons.faults.simulation import Simulation
 from comparisons.imported.judge import judge
 from comparisons.judging.records import Verdict
-from comparisons.reference.case import own_case
+from comparisons.reference.case import case_of_file_regime
 from tests.comparisons.imported.exported import exported, samples, with_link
 
 JUKI = load("juki-mf7923d")
 QUINTIC = crank_motion("run-up-quintic")
-TIME = np.linspace(0.0, 0.7, 351)
+TIME = np.linspace(0.0, 0.7, 176)
 
 
 def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
@@ -29,7 +29,7 @@ def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
 
     def change(values, time):
         wrong = values["Mkr"].copy()
-        wrong[100] += 0.5 * np.max(np.abs(wrong))
+        wrong[50] += 0.5 * np.max(np.abs(wrong))
         return {**values, "Mkr": wrong}
 
     names = ("Mkr", "S")
@@ -37,17 +37,17 @@ def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
     torque, stroke = judgement.verdicts
     assert (torque.outcome, stroke.outcome) == (Verdict.OVER_LIMIT, Verdict.PASSED)
     assert torque.error_max == pytest.approx(0.5, rel=0.02)
-    assert torque.worst_time == pytest.approx(TIME[100])
-    assert torque.worst_angle == pytest.approx(float(linear.angle(TIME[100])))
+    assert torque.worst_time == pytest.approx(TIME[50])
+    assert torque.worst_angle == pytest.approx(float(linear.angle(TIME[50])))
     assert torque.value_there - torque.truth_there == pytest.approx(0.5 * torque.scale, rel=0.02)
     assert torque.left_out == 2  # one at the start of the ramp, one at its end
     assert stroke.left_out == 0
 
 
 def test_at_a_jump_of_the_acceleration_a_torque_may_be_off_by_the_jump_and_no_more():
-    linear, at = crank_motion("run-up"), 300
+    linear, time, at = crank_motion("run-up"), np.linspace(0.0, 0.7, 351), 300
     sides = [np.array([np.nextafter(0.6, 0.0)]), np.array([0.6])]
-    before, after = (Simulation(JUKI, linear).predicted([samples("Mkr", side)])[0][0] for side in sides)
+    before, after = (Simulation(JUKI, linear).predict([samples("Mkr", side)])[0][0] for side in sides)
     outcomes, worst = {}, 0.0
     for factor in (-1.0, 0.5, 3.0):
 
@@ -56,7 +56,7 @@ def test_at_a_jump_of_the_acceleration_a_torque_may_be_off_by_the_jump_and_no_mo
             torque[at] = after + factor * (before - after)
             return {**values, "Mkr": torque}
 
-        torque = judge(JUKI, exported(JUKI, linear, ("Mkr", "S"), TIME, change=change), linear).verdicts[0]
+        torque = judge(JUKI, exported(JUKI, linear, ("Mkr", "S"), time, change=change), linear).verdicts[0]
         outcomes[factor], worst = torque.outcome, torque.error_max * torque.scale
     passed, over = Verdict.PASSED, Verdict.OVER_LIMIT
     assert outcomes == {-1.0: passed, 0.5: passed, 3.0: over}
@@ -87,9 +87,9 @@ def test_what_the_rounding_of_the_crank_leaves_open_has_not_passed():
 def test_pushed_linkages_change_points_and_released_cranks_are_judged(path, regime, body):
     linkage = load(path)
     mechanism = Mechanism(linkage)
-    case = next((own_case(mechanism, own) for own in linkage.regimes if own.name == regime), None)
+    case = next((case_of_file_regime(mechanism, own) for own in linkage.regimes if own.name == regime), None)
     motion = case.motion if case else crank_motion("constant-speed")
-    time = np.linspace(0.0, motion.duration, 301)
+    time = np.linspace(0.0, motion.duration, 201)
     told = motion if regime == "squeezing" else None
     names = [name for name in signal_names(mechanism) if "force" not in name and "shaking" not in name]
     assert judge(linkage, exported(linkage, motion, names, time), told).passed
@@ -159,12 +159,9 @@ def test_a_narrow_peak_between_few_samples_is_seen():
     assert dict(judgement.missed)["Mkr"] == pytest.approx(lost, rel=1e-3)
 
 
-@pytest.mark.parametrize("count", [4, 20])
-def test_a_short_curve_that_no_cause_explains_is_over_its_limit(count):
+def test_a_short_curve_that_no_cause_explains_is_over_its_limit():
     steady = crank_motion("constant-speed")
-    wrong = exported(
-        JUKI, steady, ("Mkr",), TIME[:count], change=lambda v, t: {"Mkr": v["Mkr"] + np.sin(1e4 * t) + 1.0}
-    )
+    wrong = exported(JUKI, steady, ("Mkr",), TIME[:4], change=lambda v, t: {"Mkr": v["Mkr"] + np.sin(1e4 * t) + 1.0})
     assert judge(JUKI, wrong, steady).verdicts[0].outcome is Verdict.OVER_LIMIT
 
 
@@ -178,34 +175,18 @@ def test_a_thousandth_is_taken_for_no_unit_of_another_ratio():
     assert words == ["S is 0.001 times the closed form's: a unit taken for another (1000)"]
 
 
-TURNING = ("phi", "Mkr", "S", "link:crank:angle")
-FROM_BEHIND = {name: lambda y: -y for name in ("phi", "Mkr", "link:crank:angle")}
-
-
-@pytest.mark.parametrize(
-    ("is_stated", "changes", "named"),
-    [
-        (False, {"phi": lambda y: 180.0 / np.pi * y}, "unit:phi"),
-        (False, FROM_BEHIND, "view from behind"),
-        (True, FROM_BEHIND, "sign of rotary"),
-    ],
-)
-def test_a_cause_is_found_whichever_turn_and_zero_the_angles_have(is_stated, changes, named):
-    steady = crank_motion("constant-speed", start_angle=1.3)
-    names = TURNING[is_stated:]
-    results = exported(
-        JUKI, steady, names, TIME, change=lambda v, _: {n: changes.get(n, np.positive)(y) for n, y in v.items()}
-    )
-    judgement = judge(JUKI, results, steady if is_stated else None)
-    assert [f.likeliest.fault.name for f in judgement.explanation.findings] == [named]
+def test_angles_turns_and_torques_that_count_clockwise_are_one_cause():
+    steady, names = crank_motion("constant-speed", start_angle=1.3), ("Mkr", "S", "link:crank:angle")
+    results = exported(JUKI, steady, names, TIME, change=lambda v, _: {n: y if n == "S" else -y for n, y in v.items()})
+    judgement = judge(JUKI, results, steady)
+    assert [f.likeliest.fault.name for f in judgement.explanation.findings] == ["sign of rotary"]
     assert not judgement.explanation.unexplained
 
 
-@pytest.mark.parametrize(("regime", "late"), [("run-up", -0.002)])
-def test_a_late_column_may_have_anything_where_the_run_has_no_instants(regime, late):
-    motion = crank_motion(regime)
+def test_a_late_column_may_have_anything_where_the_run_has_no_instants():
+    motion, late = crank_motion("run-up"), -0.002
     within = np.clip(TIME - late, 0.0, TIME[-1])  # a tool that repeats the first or the last value there
-    (torque,) = Simulation(JUKI, motion).predicted([samples("Mkr", within)])
+    (torque,) = Simulation(JUKI, motion).predict([samples("Mkr", within)])
     results = exported(JUKI, motion, ("phi", "Mkr", "S"), TIME, change=lambda v, _: {**v, "Mkr": torque})
     (finding,) = judge(JUKI, results).explanation.findings
     assert (finding.likeliest.fault.name, finding.fully) == ("delay:Mkr", True)

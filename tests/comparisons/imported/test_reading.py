@@ -43,7 +43,7 @@ def test_plots_of_solidworks_in_one_file_have_a_time_each(tmp_path):
     angle = [Channel("Time", "sec", TIME), Channel("Angular Displacement1", "deg", 360.0 * TIME)]
     results = read(tmp_path, solidworks([plots[0], ("Angular Displacement1", angle), plots[2]]))
     assert [(s.name, s.at[-1], s.values[-1]) for s in results.signals] == [("Mkr", 1.0, 1.0), ("phi", 1.0, 2.0 * np.pi)]
-    assert results.signals[1].taken == "its name has no link: taken as the crank's"
+    assert results.signals[1].assumption == "its name has no link: taken as the crank's"
     ((column, reason),) = results.not_judged
     assert column.header == "Reaction Force3 (newton)"
     assert "fits none of joint_force:A, joint_force:D, joint_force:O1, joint_force:needle_bar on ground" in reason
@@ -54,7 +54,7 @@ def test_modelica_files_are_in_si_units_and_that_is_said(tmp_path):
     results = read(tmp_path, text)
     assert [signal.name for signal in results.signals] == ["phi", "Mkr"]
     assert results.signals[1].values.tolist() == [1.0, 3.0, 4.0, 9.0]
-    assert results.signals[1].taken == (
+    assert results.signals[1].assumption == (
         "no unit: in SI units, as Modelica writes it; of instants written more than once the last is taken (1 left out)"
     )
 

@@ -20,7 +20,7 @@ from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import limit
 from comparisons.judging.records import Verdict, blank_record
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, case_of_file_regime
 from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.scenes import Conditions, case, reversal
 from engines.contract import Signal
@@ -51,7 +51,7 @@ def released(name, turns=5.0, *, speed=100.0, damping=0.0, torque=0.0, start_ang
     damper = RotaryDamper((linkage.crank, "ground"), damping)
     linkage = dataclasses.replace(linkage, dampers=(damper,) if damping else ())
     own = ReleasedRegime("free", torque, start_angle, speed, turns * 2.0 * np.pi / speed)
-    return own_case(Mechanism(linkage), own)
+    return case_of_file_regime(Mechanism(linkage), own)
 
 
 # -- a true motion -----------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from analytic.dynamics.joint_forces import reactions
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import FreeMotion
-from comparisons.reference.case import own_motion
+from comparisons.reference.case import motion_of_file_regime
 from comparisons.stress.cells import axes, chosen_axes
 from comparisons.stress.scenes import (
     MOST_RELAXATIONS,
@@ -168,7 +168,7 @@ def damped(factor, turns=0.5):
 def test_both_integrations_are_one_motion(factor):
     mechanism = Mechanism(linkage(damped(factor)))
     own = ReleasedRegime("driven", 0.2, np.pi / 3.0, 0.0, 0.03)
-    stiff, exact = stiff_motion(mechanism, own), own_motion(mechanism, own)
+    stiff, exact = stiff_motion(mechanism, own), motion_of_file_regime(mechanism, own)
     time = np.linspace(0.0, 0.03, 501)
     assert np.max(np.abs(stiff.angle(time) - exact.angle(time))) < 1e-10
     assert np.max(np.abs(stiff.speed(time) - exact.speed(time))) < 1e-9 * exact.peak_speed

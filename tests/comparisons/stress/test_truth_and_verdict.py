@@ -11,7 +11,7 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.records import Verdict
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, case_of_file_regime
 from comparisons.reference.start_state import start_state
 from comparisons.stress import verdict
 from comparisons.stress.cell_result import StressVerdict, blank_result
@@ -57,7 +57,7 @@ def test_nothing_is_wrong_of_the_truth(name, regime):
 @pytest.mark.parametrize("own", [False, True])
 def test_a_joint_force_that_is_off_is_wrong(share, own):
     linkage = load("slotted-takeup")
-    one = own_case(Mechanism(linkage), linkage.regimes[0]) if own else case("slotted-takeup")
+    one = case_of_file_regime(Mechanism(linkage), linkage.regimes[0]) if own else case("slotted-takeup")
     history = true_history(one, 3001 if own else 301)
     joint, force = next(iter(history.joint_force.items()))
     values = force.values.copy()

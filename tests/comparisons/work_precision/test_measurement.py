@@ -9,7 +9,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, case_of_file_regime
 from comparisons.reference.start_state import scene
 from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import costs
@@ -99,7 +99,7 @@ def test_an_exception_of_an_engine_is_its_adapters_error():
 
 def test_a_released_crank_has_no_torque_to_judge_and_a_phase_instead():
     linkage = load("slotted-takeup")
-    case = own_case(Mechanism(linkage), next(one for one in linkage.regimes if one.name == "free"))
+    case = case_of_file_regime(Mechanism(linkage), next(one for one in linkage.regimes if one.name == "free"))
     assert set(chosen(case, FOUR)) == {"Jeq", "phi", "joint_force"}
 
 

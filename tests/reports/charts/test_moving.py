@@ -9,7 +9,7 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import over_reach
+from comparisons.datasheet.building import positions_over_range
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.moving import moving_scheme
 
@@ -25,7 +25,7 @@ def linkage(name):
 @pytest.fixture(scope="module", params=NAMES)
 def moving(request):
     mechanism = Mechanism(linkage(request.param))
-    positions = over_reach(mechanism)
+    positions = positions_over_range(mechanism)
     markup = str(moving_scheme(mechanism.linkage, positions, "key"))
     return KinematicScheme(mechanism.linkage, positions), ElementTree.fromstring(markup), markup
 

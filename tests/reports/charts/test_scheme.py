@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import over_reach
+from comparisons.datasheet.building import positions_over_range
 from reports.charts import symbols
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scheme import scheme_figure
@@ -22,7 +22,7 @@ NIGHTLY = [pytest.param(name, marks=pytest.mark.nightly) for name in sorted(OTHE
 @cache
 def scheme_of(name):
     mechanism = Mechanism(load(name))
-    return KinematicScheme(mechanism.linkage, over_reach(mechanism))
+    return KinematicScheme(mechanism.linkage, positions_over_range(mechanism))
 
 
 @pytest.mark.parametrize("name", [*EACH_KIND, *NIGHTLY])

@@ -10,7 +10,7 @@ from tests.reports.designs.samples import TURN, results
 
 
 def test_joint_forces_without_bound_at_change_points_leave_those_elsewhere():
-    quarters = Instants(TURN).at_angles(np.array([0.0, 90.0, 180.0]), "°", np.radians(1.0))
+    quarters = Instants(TURN).times_of_angles(np.array([0.0, 90.0, 180.0]), "°", np.radians(1.0))
     found = results(mechanism("parallelogram"), chosen=quarters)
     rows = [row.split() for row in rendered(*at_instants(found)).splitlines()]
     start = next(number for number, row in enumerate(rows) if row[:2] == ["force", "in"])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from comparisons.designs.sweep import own_figures, sweep
+from comparisons.designs.sweep import figures_of_file, sweep
 from reports.designs.sweep_terminal import SweepSummary
 from reports.document.terminal import rendered
 from tests.comparisons.designs.sweeps import grid, request
@@ -10,7 +10,7 @@ from tests.comparisons.designs.sweeps import grid, request
 
 def summed_up(*texts):
     asked = request(grid(*texts), figures=("stroke",))
-    return SweepSummary(asked, own_figures(asked), sweep(asked), "conditions")
+    return SweepSummary(asked, figures_of_file(asked), sweep(asked), "conditions")
 
 
 def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from comparisons.datasheet.instants import extremes
+from comparisons.datasheet.instants import extreme_samples
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.mechanism.curves import STRETCHES, chart_data, curves, pack, worst_samples
@@ -46,10 +46,10 @@ def test_packed_numbers_come_back_to_four_digits_of_their_range():
 def test_thinning_keeps_every_peak_and_the_worst_error():
     values = np.sin(np.linspace(0.0, 50.0, 10_007))
     values[4321] = 9.0
-    chosen = extremes(values, 100)
+    chosen = extreme_samples(values, 100)
     assert {0, 4321, 10_006} <= set(chosen)
     assert len(chosen) <= 202
-    assert list(extremes(values[:150], 100)) == list(range(150))
+    assert list(extreme_samples(values[:150], 100)) == list(range(150))
     values[:2000] = np.nan
     found = worst_samples(values, STRETCHES)
     assert 4321 in found
