@@ -2,7 +2,7 @@
 
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
-from comparisons.campaign import sheets as module
+from comparisons.campaign import campaign as module
 from comparisons.campaign.campaign import CampaignRequest, sheets
 from comparisons.datasheet.building import usual_sheet
 

@@ -10,8 +10,8 @@ from comparisons.conformance.conformance import (
     CHECKS,
     FIRST,
     check_engine,
-    in_workers,
     parametrize_engine_checks,
+    run_in_workers,
     with_expected,
 )
 from comparisons.conformance.mutants import MUTANT, MUTANTS, RELEASED
@@ -113,7 +113,7 @@ def test_a_mutant_that_no_row_sees_is_named():
 
 
 def test_an_engine_that_brings_its_process_down_fails_that_check_alone():
-    bad, identity = in_workers(DyingEngine(), ["bad data", "identity"], 1)
+    bad, identity = run_in_workers(DyingEngine(), ["bad data", "identity"], 1)
     assert (bad.finding, identity.finding) == (Finding.FAILED, Finding.PASSED)
     assert "SIGABRT" in bad.detail
 

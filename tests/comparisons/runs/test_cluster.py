@@ -270,5 +270,5 @@ def test_a_local_cluster_dies_with_its_command(tmp_path, by):
 
 
 def test_daemonic_workers_and_those_without_linkproof_are_refused(pool):
-    assert "DASK_DISTRIBUTED__WORKER__DAEMON=False" in pool._fault(replace(pool.here, is_daemon=True))
-    assert pool._fault(ImportError("no")).startswith("expected linkproof, as here, got none (no)")
+    assert "DASK_DISTRIBUTED__WORKER__DAEMON=False" in pool._why_unusable(replace(pool.here, is_daemon=True))
+    assert pool._why_unusable(ImportError("no")).startswith("expected linkproof, as here, got none (no)")

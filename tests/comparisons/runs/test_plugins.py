@@ -75,6 +75,6 @@ def test_entry_points_of_importlib_metadata_are_plugins_as_well(monkeypatch):
     point = SimpleNamespace(name="strange", value="strange:Adapter", dist=None)
     monkeypatch.setattr(registry, "announced", lambda: {"strange": [point]})
     monkeypatch.setattr(registry, "engine", lambda name: pytest.fail("imported in this process"))
-    monkeypatch.setattr(plugins, "_from_workers", lambda function, jobs: [Lost(Failure.CRASHED, "in a worker")])
+    monkeypatch.setattr(plugins, "_call_in_workers", lambda function, jobs: [Lost(Failure.CRASHED, "in a worker")])
     (adapter,) = plugins.engines(("strange",))
     assert "in a worker" in str(adapter.error)

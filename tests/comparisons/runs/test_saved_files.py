@@ -57,7 +57,7 @@ def test_a_kill_in_the_middle_leaves_the_old_file_and_no_litter(tmp_path):
 
 
 def test_a_system_without_nameless_files_writes_too(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "_nameless", lambda _: None)
+    monkeypatch.setattr(files, "_open_nameless_file", lambda _: None)
     write_text(tmp_path / "file.txt", "text")
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("file.txt", "text")]
 

@@ -144,9 +144,9 @@ def test_jobs_are_taken_when_workers_need_them():
 
 def test_a_worker_that_has_ended_between_two_jobs_costs_none():
     with closing(WorkerPool(os.getpid, (), BOUNDS, 1)) as workers:
-        ((_, first),) = workers.take_up([()], 600.0)
+        ((_, first),) = workers.run_more([()], 600.0)
         os.kill(first, signal.SIGTERM)
-        ((_, second),) = workers.take_up([()], 600.0)
+        ((_, second),) = workers.run_more([()], 600.0)
         assert isinstance(second, int)
 
 
@@ -217,10 +217,10 @@ def short_folder():
 
 PARENT = """
 import sys
-from comparisons.runs.record_file import passing_records
+from comparisons.runs.record_file import temporary_records
 from comparisons.runs.workers import run_jobs
 from tests.comparisons.faults import job
-records = passing_records()
+records = temporary_records()
 kinds = ["sign_and_sleep", "fork_and_sleep", "escape_and_sleep"]
 list(run_jobs(job, zip(kinds, sys.argv[1:]), processes=3))
 """
