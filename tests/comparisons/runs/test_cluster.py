@@ -254,7 +254,8 @@ with opened("local:1", None) as pool:
 """
 
 
-@pytest.mark.parametrize("by", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGINT])
 def test_a_local_cluster_dies_with_its_command(tmp_path, by):
     path = tmp_path / "process"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}

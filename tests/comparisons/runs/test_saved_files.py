@@ -94,7 +94,7 @@ ROWS = st.dictionaries(st.text(), VALUES, max_size=4)
 ARRAYS = st.dictionaries(st.text(), arrays(float, array_shapes(min_side=0, max_dims=2, max_side=4)), max_size=3)
 
 
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.dictionaries(st.text(), st.tuples(ROWS, ARRAYS), max_size=5))
 def test_records_come_back_to_the_last_bit(written):
     with tempfile.TemporaryDirectory() as folder:
