@@ -39,18 +39,18 @@ AXES = ("x", "y", "angle")
 DRIVES = (("drive force", "N"), ("drive torque", "N m"))  # of a linear drive, of a crank
 
 
-def exported(case: Case, name: str, setting: Setting, command: str) -> str:
+def exported(case: Case, engine_name: str, setting: Setting, command: str) -> str:
     """The script of a case in an engine's setting, written by a ``command``.
 
     Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
     """
-    adapter, scene = _exportable(name), case.scene(frozenset(Channel))
+    adapter, scene = _exportable_adapter(engine_name), case.scene(frozenset(Channel))
     return _script(adapter, scene, case, _recipe(adapter, scene, setting), f"setting {setting}. Written by: {command}")
 
 
 def exported_cell(cell: Cell, command: str) -> str:
     """The script of a cell of a stress map; raises LinkproofError for what cannot be exported."""
-    adapter, conditions = _exportable(cell.engine), axes()[cell.axis].conditions(cell.row, cell.value)
+    adapter, conditions = _exportable_adapter(cell.engine), axes()[cell.axis].conditions(cell.row, cell.value)
     case = case_of(conditions)
     scene = scene_of(conditions, case)
     if cell.usage in SETTINGS:
@@ -62,13 +62,14 @@ def exported_cell(cell: Cell, command: str) -> str:
     return _script(adapter, scene, case, recipe, f"{usage}. Written by: {command}")
 
 
-def _exportable(name: str) -> LoopEngine[Recipe]:
-    adapter = engine(name)
+def _exportable_adapter(engine_name: str) -> LoopEngine[Recipe]:
+    adapter = engine(engine_name)
     reason = why_unavailable(adapter)
     if reason is None and isinstance(adapter, LoopEngine):
         return adapter
     raise LinkproofError(
-        reason or f"expected an engine whose loop is a module of its own (a LoopEngine), got '{name}': export another"
+        reason
+        or f"expected an engine whose loop is a module of its own (a LoopEngine), got '{engine_name}': export another"
     )
 
 
@@ -80,9 +81,9 @@ def _recipe(adapter: LoopEngine[Recipe], scene: Scene, setting: Setting) -> Reci
     return recipes[setting]
 
 
-def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recipe, how: str) -> str:
+def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recipe, origin: str) -> str:
     linkage = case.mechanism.linkage
-    about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {how}"
+    about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {origin}"
     with blamed_on(cast(Engine, adapter)):
         try:
             return script(adapter, scene, recipe, about, lambda history: worst_figures(case, scene, history))
@@ -99,7 +100,7 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigu
     figures = []
     for channel in Channel:
         with suppress(LinkproofError):
-            figures += [_worst(case, curves) for curves in _by_kind(case, scene, history, channel)]
+            figures += [_worst_figure(case, curves) for curves in _curves_by_kind(case, scene, history, channel)]
     return figures
 
 
@@ -113,13 +114,13 @@ class _Curve(NamedTuple):
     peak: float
 
     def error(self, case: Case) -> Array:
-        """Over the peak; none at jumps, where accelerations and forces have two values."""
+        """The errors (n,) over the peak; zero at jumps, where accelerations and forces have two values."""
         error = np.abs(self.values - self.true) / (self.peak or 1.0)
         is_smooth = self.figure.signal[0] in (Channel.POSITION, Channel.VELOCITY)
         return error if is_smooth else np.where(near_jumps(self.time, case.motion), 0.0, error)
 
 
-def _worst(case: Case, curves: list[_Curve]) -> ScriptFigure:
+def _worst_figure(case: Case, curves: list[_Curve]) -> ScriptFigure:
     errors = [curve.error(case) for curve in curves]
     number = max(range(len(errors)), key=lambda number: float(errors[number].max()))
     curve, at = curves[number], int(np.argmax(errors[number]))
@@ -127,10 +128,10 @@ def _worst(case: Case, curves: list[_Curve]) -> ScriptFigure:
     return curve.figure._replace(time=values["time"], read=values["values"], true=values["true"])
 
 
-def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
+def _curves_by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
     signal = None if channel is Channel.JOINT_FORCE else getattr(history, channel.value)
     if channel is Channel.JOINT_FORCE and history.joint_force:
-        yield list(_forces(case, history))
+        yield list(_force_curves(case, history))
     if signal is None:
         return
     if channel is Channel.TORQUE:
@@ -151,7 +152,7 @@ def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> It
         ]  # fmt: skip
 
 
-def _forces(case: Case, history: History) -> Iterator[_Curve]:
+def _force_curves(case: Case, history: History) -> Iterator[_Curve]:
     signals = history.joint_force
     true = {joint: channel_truth(case, Channel.JOINT_FORCE, joint, signal.time) for joint, signal in signals.items()}
     sizes = {joint: np.hypot(*values.T) for joint, values in true.items()}

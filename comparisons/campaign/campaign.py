@@ -61,6 +61,7 @@ def tasks(request: CampaignRequest) -> list[Task]:
 
 
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
+    """The runs of one case: every engine in every setting."""
     quantities = chosen_quantities(case, request.quantities)
     # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
     check_defined(
@@ -81,13 +82,13 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
             )
 
 
-def run_key(linkage: Linkage, regime: str, name: str, setting: Setting) -> str:
+def run_key(linkage: Linkage, regime: str, engine_name: str, setting: Setting) -> str:
     """The unique name of a run within a campaign."""
-    return "/".join((linkage.name, linkage.variant, regime, name, setting))
+    return "/".join((linkage.name, linkage.variant, regime, engine_name, setting))
 
 
 def cases(request: CampaignRequest) -> list[Case]:
-    """The cases of ``each_case``, as a list."""
+    """Every linkage under every requested motion, as a list; raises as ``each_case`` does."""
     return list(each_case(request))
 
 
@@ -105,13 +106,13 @@ def each_case(request: CampaignRequest) -> Iterator[Case]:
         conditions = f"{request.conditions}, {gravity}"
         mechanism = Mechanism(linkage)
         for motion in request.motions:
-            yield _checked(Case(mechanism, motion, conditions=conditions))
+            yield _check_case(Case(mechanism, motion, conditions=conditions))
         for regime in linkage.regimes:
             if regime.name in request.own_regimes:
-                yield _checked(case_of_file_regime(mechanism, regime))
+                yield _check_case(case_of_file_regime(mechanism, regime))
 
 
-def _checked(case: Case) -> Case:
+def _check_case(case: Case) -> Case:
     case.check_motion()
     return case
 
@@ -125,7 +126,7 @@ class CampaignRuns(Iterable[RunRecord]):
     bounds: Bounds
 
     def make(self) -> None:
-        """Make those that are not there yet."""
+        """Make the runs that are not stored yet."""
         self.study.complete(self.tasks, self.bounds)
 
     def __iter__(self) -> Iterator[RunRecord]:
@@ -157,11 +158,13 @@ def compare(
     return CampaignRuns(study, todo, bounds)
 
 
-def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunRecord:
+def lost(
+    failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool
+) -> RunRecord:
     """The records of a run whose process gave no result."""
     case = unpickle_case(pickled)
-    blank = blank_record(case, setting, name, engine(name).version() or "", failure.host)
-    return _all_alike(chosen_quantities(case, names), blank, failure.outcome, failure.reason)
+    blank = blank_record(case, setting, engine_name, engine(engine_name).version() or "", failure.host)
+    return _records_without_motion(chosen_quantities(case, names), blank, failure.outcome, failure.reason)
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
@@ -169,24 +172,26 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
     return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
 
 
-def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> RunRecord:
-    """One run of a pickled case, judged by the quantities of these names."""
-    case, adapter = unpickle_case(pickled), engine(name)
+def judged(
+    pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool
+) -> RunRecord:
+    """Run a pickled case in an engine, and judge the quantities of these ``names``."""
+    case, adapter = unpickle_case(pickled), engine(engine_name)
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
         version, absent = adapter.version(), why_unavailable(adapter)
-    blank = blank_record(case, setting, name, version or "", host())
+    blank = blank_record(case, setting, engine_name, version or "", host())
     if absent is not None:
-        return _all_alike(quantities, blank, Outcome.UNAVAILABLE, absent)
+        return _records_without_motion(quantities, blank, Outcome.UNAVAILABLE, absent)
     model = case.scene(_channels(quantities, with_invariants))
     run = run_engine(adapter, model, setting)
     blank = replace(
         blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps, runs=max(1, len(run.passes))
     )
     if run.outcome is not Outcome.FINISHED or run.history is None:
-        return _all_alike(quantities, blank, run.outcome, run.reason)
+        return _records_without_motion(quantities, blank, run.outcome, run.reason)
     motion = ObservedMotion(model, run.history)
-    compared = {quantity.name: _compared(case, quantity, motion, blank, adapter) for quantity in quantities}
+    compared = {quantity.name: _compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities}
     return run_record(
         blank,
         [record for record, _ in compared.values()],
@@ -196,13 +201,15 @@ def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], 
     )
 
 
-def _all_alike(quantities: Iterable[Quantity], blank: Record, outcome: Outcome | Failure, reason: str) -> RunRecord:
+def _records_without_motion(
+    quantities: Iterable[Quantity], blank: Record, outcome: Outcome | Failure, reason: str
+) -> RunRecord:
     """The records of a run that gave no motion."""
     blank = replace(blank, outcome=Verdict(outcome.value).value, detail=reason)
     return run_record(blank, (replace(blank, quantity=q.name, unit=q.unit) for q in quantities))
 
 
-def _compared(
+def _compare_quantity(
     case: Case, quantity: Quantity, motion: ObservedMotion, blank: Record, adapter: Engine
 ) -> tuple[Record, Deviation | None]:
     """The record of one quantity, and the deviation behind it; None where the run has no sample to judge."""

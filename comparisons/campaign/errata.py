@@ -25,11 +25,11 @@ from comparisons.runs.study import Journal, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting, Signal
 
-SPEED = "omega"  # the quantity compared with both models
+SPEED_QUANTITY = "omega"  # is compared with both models
 # The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
 LAST_SHARE = 0.2
 # An engine supports a model if it is this many times nearer to it than to the other.
-NEARER = 10.0
+DECISIVE_RATIO = 10.0
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class ErratumRecord:
         )
 
 
-Trial = tuple[Erratum, Case]  # a printed model, and the case of the regime that it is tried in
+ErratumTrial = tuple[Erratum, Case]  # a printed model, and the case of the regime that it is tried in
 
 
 def judge_errata(
@@ -96,17 +96,18 @@ def judge_errata(
             printed = None
             for name, run in zip(engines, runs, strict=False):
                 printed = printed or erratum_motion(case.mechanism.linkage, erratum)  # while the workers are busy
-                yield _record((erratum, case), name, printed, run)
+                yield _erratum_record((erratum, case), name, printed, run)
 
 
-def _task(erratum: Erratum, case: Case, name: str) -> Task:
+def _task(erratum: Erratum, case: Case, engine_name: str) -> Task:
     """The run that a trial needs of an engine; trials of one linkage and regime share it."""
     linkage = case.mechanism.linkage
-    key = run_key(linkage, erratum.regime, name, Setting.TUNED)
-    return Task(key, (pickle.dumps(case), name, Setting.TUNED, (SPEED,), False))
+    key = run_key(linkage, erratum.regime, engine_name, Setting.TUNED)
+    return Task(key, (pickle.dumps(case), engine_name, Setting.TUNED, (SPEED_QUANTITY,), False))
 
 
-def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
+def _trials(linkages: Iterable[Linkage]) -> Iterator[ErratumTrial]:
+    """Every erratum of a linkage's first variant, with the case of the regime that it is tried in."""
     for linkage in linkages:
         if linkage.variant != linkage.variants[0]:
             continue  # printed models are compared at the values of the file
@@ -117,16 +118,17 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
         yield from ((erratum, cases[erratum.regime]) for erratum in linkage.errata)
 
 
-def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> ErratumRecord:
+def _erratum_record(trial: ErratumTrial, engine_name: str, printed: Spin, result: RunRecord) -> ErratumRecord:
+    """An engine's run beside both models; without deviations where the run gave no motion."""
     erratum, case = trial
-    corrected, values = case.motion, result.curves.get(SPEED)
-    speed_error = next(error for error in result.errors if error.quantity == SPEED)
+    corrected, values = case.motion, result.curves.get(SPEED_QUANTITY)
+    speed_error = next(error for error in result.errors if error.quantity == SPEED_QUANTITY)
     record = ErratumRecord(
         mechanism=case.mechanism.linkage.name,
         erratum=erratum.name,
         place=erratum.place,
         regime=erratum.regime,
-        engine=name,
+        engine=engine_name,
         outcome=speed_error.outcome,
         supports="neither",
         deviation_corrected=None,
@@ -140,24 +142,25 @@ def _record(trial: Trial, name: str, printed: Spin, result: RunRecord) -> Erratu
     if values is None:
         return record
     time, _, observed, _ = values
-    far, further = (
+    off_corrected, off_printed = (
         float(np.max(np.abs(observed - model.speed(time)))) / corrected.peak_speed for model in (corrected, printed)
     )
     return replace(
         record,
         outcome=Outcome.FINISHED.value,
-        supports=_supported(far, further),
-        deviation_corrected=far,
-        deviation_printed=further,
-        mean_speed=_observed_mean(Signal(time, observed), corrected.duration),
+        supports=_supported_model(off_corrected, off_printed),
+        deviation_corrected=off_corrected,
+        deviation_printed=off_printed,
+        mean_speed=_observed_mean_speed(Signal(time, observed), corrected.duration),
         reason="",
     )
 
 
-def _supported(corrected: float, printed: float) -> str:
-    if NEARER * corrected < printed:
+def _supported_model(corrected: float, printed: float) -> str:
+    """The model that a simulation supports, by its deviations from both."""
+    if DECISIVE_RATIO * corrected < printed:
         return "corrected"
-    return "as-printed" if NEARER * printed < corrected else "neither"
+    return "as-printed" if DECISIVE_RATIO * printed < corrected else "neither"
 
 
 def _mean_speed(motion: Spin, duration: float) -> float:
@@ -167,7 +170,8 @@ def _mean_speed(motion: Spin, duration: float) -> float:
     return float(np.squeeze(gained)) / (LAST_SHARE * duration)
 
 
-def _observed_mean(speed: Signal, duration: float) -> float:
+def _observed_mean_speed(speed: Signal, duration: float) -> float:
+    """Mean of an engine's crank speed at the end, rad/s."""
     late = speed.time >= (1.0 - LAST_SHARE) * duration
     time, values = speed.time[late], speed.values[late]
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))

@@ -24,7 +24,7 @@ from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
 
 ROUNDINGS: Final = 16  # of the largest figure of a unit: a smaller figure counts as zero
-KEY: Final = (
+USUAL_FIGURES: Final = (
     *("Mkr.peak", "Mkr.rms", "Peq.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min", STROKE),
     *("S.min", "S.max", "v.min", "v.max", "a.min", "a.max"),
 )
@@ -80,17 +80,17 @@ def key_figures(case: Case, names: Iterable[str] = ()) -> dict[str, float]:
     mechanism, curves = case.mechanism, Curves(case)
     points = [f"point:{point}:{axis}@0s" for point in moving_points(mechanism.linkage) for axis in "xy"]
     usual: dict[str, Figure | MechanismFigure] = {}
-    for name in (*KEY, *points):
+    for name in (*USUAL_FIGURES, *points):
         with suppress(LinkproofError):
             usual |= figures_by_name(mechanism, name)
-    values = case_figures(curves, usual) | dict(_parts_of_the_description(case))
+    values = case_figures(curves, usual) | dict(_description_figures(case))
     for name in (name for name in names if name not in values):
         with suppress(LinkproofError):
             values |= case_figures(curves, figures_by_name(mechanism, name))
     return {name: value for name, value in values.items() if math.isfinite(value)}
 
 
-def _parts_of_the_description(case: Case) -> Iterator[tuple[str, float]]:
+def _description_figures(case: Case) -> Iterator[tuple[str, float]]:
     """Figures of the description, SI, that can change without any change of a signal."""
     linkage, start = case.mechanism.linkage, case.start()
     if linkage.output is not None:
@@ -102,7 +102,7 @@ def _parts_of_the_description(case: Case) -> Iterator[tuple[str, float]]:
         yield THREAD, float(contour_length(start, linkage.thread)[0])
 
 
-def _unit(name: str, linkage: Linkage) -> str:
+def _figure_unit(name: str, linkage: Linkage) -> str:
     """SI unit of a key figure by its name; empty for a direction and for unknown names."""
     if name == THREAD or name.startswith(OUTPUT):
         return "m"
@@ -130,10 +130,10 @@ def check_figures(names: Sequence[str], linkages: Iterable[Linkage]) -> None:
         raise LinkproofError(f"figures: no linkage has '{name}': {why}")
 
 
-def figures_now(beside: Iterable[KeyFigure]) -> dict[tuple[str, str, str], dict[str, float]]:
-    """Key figures as they are, by mechanism, variant and ``regime_key``."""
+def present_figures(figures: Iterable[KeyFigure]) -> dict[tuple[str, str, str], dict[str, float]]:
+    """Present values of key figures, SI, by name; by mechanism, variant and ``regime_key``."""
     groups: dict[tuple[str, str, str], dict[str, float]] = {}
-    for figure in beside:
+    for figure in figures:
         if figure.now is not None:
             place = (figure.mechanism, figure.variant, regime_key(figure.regime, figure.conditions))
             groups.setdefault(place, {})[figure.figure] = figure.now
@@ -150,8 +150,8 @@ def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
         blank = blank_record(case, "")
         recorded = baseline.figures(blank)
         now = key_figures(case, (*baseline.coverage.figures, *recorded))
-        units = {name: _unit(name, case.mechanism.linkage) for name in (*recorded, *now)}
-        least = _roundings(recorded, units)
+        units = {name: _figure_unit(name, case.mechanism.linkage) for name in (*recorded, *now)}
+        least = _rounding_errors(recorded, units)
         for name, key in units.items():
             old, new = recorded.get(name), now.get(name)
             same = old is not None and new is not None and abs(new - old) <= max(SAME_FIGURE * abs(old), least[key])
@@ -160,7 +160,7 @@ def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
     return figures
 
 
-def _roundings(recorded: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
+def _rounding_errors(recorded: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
     """By unit, the rounding error of the largest figure in that unit."""
     values = dict.fromkeys(units.values(), 0.0) | {"rad": SAME_FIGURE}  # a transmission angle of zero is rounding
     for name, value in recorded.items():

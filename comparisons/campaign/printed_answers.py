@@ -81,11 +81,11 @@ def engine_answers(
     printed = [printed_run for linkage in linkages for printed_run in _printed_runs(linkage)]
     tasks = [_task(number, printed_run, name) for number, printed_run in enumerate(printed) for name in engines]
     where = pool or LocalPool(usual_processes(len(tasks)))
-    study = Study(read_out, _lost, lambda row: (row, {}), lambda row, _: dict(row), None, announce, where)
+    study = Study(run_and_read, _lost_answers, lambda row: (row, {}), lambda row, _: dict(row), None, announce, where)
     with closing(study.in_order(tasks, bounds)) as runs:
         for printed_run in printed:
             for name, run in zip(engines, runs, strict=False):
-                yield from _answers(printed_run, name, run)
+                yield from _engine_answers(printed_run, name, run)
 
 
 def _printed_runs(linkage: Linkage) -> Iterator[PrintedRun]:
@@ -104,48 +104,51 @@ def _printed_runs(linkage: Linkage) -> Iterator[PrintedRun]:
         yield PrintedRun(case_of_motion(mechanism, printed), entries, terms)
 
 
-def _task(number: int, printed_run: PrintedRun, name: str) -> Task:
+def _task(number: int, printed_run: PrintedRun, engine_name: str) -> Task:
+    """The job for a worker: one engine makes one printed run; the run's ``number`` makes the task's key unique."""
     linkage = printed_run.case.mechanism.linkage
-    label = f"{linkage.name} ({linkage.variant}): {name}"
-    return Task(f"printed/{number}/{name}", (pickle.dumps(printed_run.case), name, printed_run.terms), label)
+    label = f"{linkage.name} ({linkage.variant}): {engine_name}"
+    return Task(
+        f"printed/{number}/{engine_name}", (pickle.dumps(printed_run.case), engine_name, printed_run.terms), label
+    )
 
 
-def read_out(pickled: bytes, name: str, terms: Terms) -> Answers:
-    """One run of a pickled case, and the figures as its history has them."""
+def run_and_read(pickled: bytes, engine_name: str, terms: Terms) -> Answers:
+    """Run a pickled case in an engine, tuned, and read the printed figures off its history."""
     case = unpickle_case(pickled)
     model = case.scene(frozenset(Channel))
-    run = run_engine(engine(name), model, Setting.TUNED)
+    run = run_engine(engine(engine_name), model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:
-        return _none(terms, f"{run.outcome}: {run.reason}")
+        return _no_answers(terms, f"{run.outcome}: {run.reason}")
     motion = ObservedMotion(model, run.history)
-    return {"values": [_difference(case, motion, each) for each in terms], "reason": "records none of it"}
+    return {"values": [_read_difference(case, motion, each) for each in terms], "reason": "records none of it"}
 
 
-def _none(terms: Terms, reason: str) -> Answers:
+def _no_answers(terms: Terms, reason: str) -> Answers:
     return {"values": [None] * len(terms), "reason": reason}
 
 
-def _difference(case: Case, motion: ObservedMotion, figures: Sequence[Figure]) -> float | None:
+def _read_difference(case: Case, motion: ObservedMotion, figures: Sequence[Figure]) -> float | None:
     """The first of the figures less the others; None where the history lacks one."""
     read = []
     for figure in figures:
         time = np.array(
             [case.motion.duration if math.isnan(figure.time) else figure.time]
         )  # at an angle the motion ends
-        read.append(_signal(case.mechanism.linkage, motion, figure.signal, time))
+        read.append(_read_signal(case.mechanism.linkage, motion, figure.signal, time))
     numbers = [float(values[0]) for values in read if values is not None]
     return numbers[0] - sum(numbers[1:]) if len(numbers) == len(read) else None
 
 
-def _signal(linkage: Linkage, motion: ObservedMotion, name: str, time: Array) -> Array | None:
-    """A signal (n,) as the history has it."""
+def _read_signal(linkage: Linkage, motion: ObservedMotion, name: str, time: Array) -> Array | None:
+    """A signal (n,) at these times as the history has it; None where the engine does not record it."""
     if name in DRIVE:
         level = LEVELS[DRIVE.index(name)]
         return motion.crank(level, time) if motion.has(level) else None
     if name == "Mkr":
         return motion.on_clock(Channel.TORQUE, time) if motion.has(Channel.TORQUE) else None
-    kind, _, rest = name.partition(":")
-    part, _, component = rest.rpartition(":")
+    kind, _, path = name.partition(":")
+    part, _, component = path.rpartition(":")
     if kind == "joint_force" and component in COMPONENTS[kind]:
         force = motion.history.joint_force.get(part)
         is_vector = force is not None and force.values.ndim > 1  # some engines have only the magnitude of a force
@@ -153,10 +156,11 @@ def _signal(linkage: Linkage, motion: ObservedMotion, name: str, time: Array) ->
     if kind == "link":
         level = LEVELS[tuple(COMPONENTS[kind]).index(component)]
         return motion.bodies(level, time)[:, motion.numbers[part], 2] if motion.has(level) else None
-    return _point(linkage, motion, part, component, time) if kind == "point" else None
+    return _read_point(linkage, motion, part, component, time) if kind == "point" else None
 
 
-def _point(linkage: Linkage, motion: ObservedMotion, name: str, component: str, time: Array) -> Array | None:
+def _read_point(linkage: Linkage, motion: ObservedMotion, name: str, component: str, time: Array) -> Array | None:
+    """One component of a point's motion (n,); None where the engine does not record enough."""
     order, axis = divmod(ORDERS.index(component), 2)
     if not all(map(motion.has, LEVELS[: order + 1])):
         return None
@@ -165,15 +169,15 @@ def _point(linkage: Linkage, motion: ObservedMotion, name: str, component: str, 
     return np.asarray(motion.point(body, anchor, time, order)[:, axis])
 
 
-def _answers(printed_run: PrintedRun, name: str, run: Answers) -> Iterator[EngineAnswer]:
+def _engine_answers(printed_run: PrintedRun, engine_name: str, run: Answers) -> Iterator[EngineAnswer]:
     for entry, value in zip(printed_run.entries, run["values"], strict=True):
         yield EngineAnswer(
             **record_fields(printed_run.case.mechanism.linkage, entry, value),
-            engine=name,
+            engine=engine_name,
             uncertainty=max(entry.half_digit, entry.accuracy),
             reason=run["reason"] if value is None else "",
         )
 
 
-def _lost(failure: Lost, _pickled: bytes, _name: str, terms: Terms) -> Answers:
-    return _none(terms, f"{failure.outcome}: {failure.reason}")
+def _lost_answers(failure: Lost, _pickled: bytes, _name: str, terms: Terms) -> Answers:
+    return _no_answers(terms, f"{failure.outcome}: {failure.reason}")

@@ -15,7 +15,7 @@ from typing import Any, Final
 from analytic.description.loading import LinkageFile, parse
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import CampaignRequest, cases, each_case
-from comparisons.campaign.key_figures import KeyFigure, compared, figures_now
+from comparisons.campaign.key_figures import KeyFigure, compared, present_figures
 from comparisons.judging.baseline import Baseline, Coverage, Place, departures, read_baseline
 from comparisons.judging.limits import LimitTable, Standard, read_limits, shipped_limits, with_rows
 from comparisons.judging.records import Record, RunRecord, blank_record
@@ -70,15 +70,15 @@ def read_project(path: Path) -> Project:
     for name in table:
         if name not in KEYS:
             raise UnknownNameError(f"key of {path}", name, KEYS)
-    lists = {name: _names(table, name, path) for name in LISTS}
+    lists = {name: _word_list(table, name, path) for name in LISTS}
     folder = path.parent
     return Project(
         folder=folder,
-        baseline=_within(folder, _text(table, "baseline", BASELINE, path), "baseline", path),
-        linkages=tuple(file for pattern in lists.pop("linkages") for file in _files(folder, pattern, path)),
+        baseline=_check_beneath(folder, _file_name(table, "baseline", BASELINE, path), "baseline", path),
+        linkages=tuple(file for pattern in lists.pop("linkages") for file in _matching_files(folder, pattern, path)),
         limits=with_rows(table["limit"], str(path)) if "limit" in table else shipped_limits(),
-        time_limit=_number(table, "time_limit", path),
-        memory_limit=_number(table, "memory_limit", path),
+        time_limit=_positive_number(table, "time_limit", path),
+        memory_limit=_positive_number(table, "memory_limit", path),
         names_baseline="baseline" in table,
         allow_new=_flag(table, "allow_new", path),
         allow_missing=_flag(table, "allow_missing", path),
@@ -86,14 +86,14 @@ def read_project(path: Path) -> Project:
     )
 
 
-def _names(table: Mapping[str, Any], name: str, path: Path) -> tuple[str, ...]:
+def _word_list(table: Mapping[str, Any], name: str, path: Path) -> tuple[str, ...]:
     words = table.get(name, [])
     if not isinstance(words, list) or not all(isinstance(word, str) and word for word in words):
         raise LinkproofError(f"{path}: {name}: expected a list of words, got {words!r}; write it in brackets")
     return tuple(words)
 
 
-def _text(table: Mapping[str, Any], name: str, default: str, path: Path) -> str:
+def _file_name(table: Mapping[str, Any], name: str, default: str, path: Path) -> str:
     text = table.get(name, default)
     if not isinstance(text, str) or not text:
         raise LinkproofError(f"{path}: {name}: expected the name of a file, got {text!r}; write one")
@@ -107,7 +107,7 @@ def _flag(table: Mapping[str, Any], name: str, path: Path) -> bool:
     return value
 
 
-def _number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
+def _positive_number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
     value = table.get(name)
     if value is None:
         return None
@@ -116,7 +116,7 @@ def _number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
     return float(value)
 
 
-def _within(folder: Path, place: str, key: str, path: Path) -> Path:
+def _check_beneath(folder: Path, place: str, key: str, path: Path) -> Path:
     """A place beneath the project's folder; raises LinkproofError for one elsewhere, also if links lead there."""
     try:
         result = Path(os.path.realpath(folder / place))
@@ -127,27 +127,27 @@ def _within(folder: Path, place: str, key: str, path: Path) -> Path:
     return folder / place
 
 
-def _files(folder: Path, pattern: str, path: Path) -> list[Path]:
+def _matching_files(folder: Path, pattern: str, path: Path) -> list[Path]:
     """The files that a pattern matches, sorted; raises LinkproofError without one, or for one outside the folder."""
-    _within(folder, pattern, "linkages", path)
+    _check_beneath(folder, pattern, "linkages", path)
     try:
         paths = sorted(file for file in folder.glob(pattern) if file.is_file() and file.name != FILE)
     except (ValueError, NotImplementedError) as error:  # an absolute pattern, or a double star beside letters
         raise LinkproofError(f"{path}: linkages: expected a pattern beneath its folder, got '{pattern}'") from error
     if not paths:
         raise LinkproofError(f"{path}: linkages: expected linkage files, got none that match '{pattern}'; correct it")
-    return [_within(folder, str(file.relative_to(folder)), "linkages", path) for file in paths]
+    return [_check_beneath(folder, str(file.relative_to(folder)), "linkages", path) for file in paths]
 
 
 # A user's own standard: limits of a file, a baseline beside the linkages, and what results are under it.
 
 
 def places(files: Iterable[LinkageFile], folder: Path) -> dict[str, Place]:
-    """Where linkages stand in a baseline in a folder, by name: the path from there, or the catalogue's own name."""
-    return {file.name: Place(_path(file, folder), checksum(file.text)) for file in files}
+    """The places of linkages in a baseline in a folder, by name: the path from there, or the catalogue's own name."""
+    return {file.name: Place(_baseline_path(file, folder), checksum(file.text)) for file in files}
 
 
-def _path(file: LinkageFile, folder: Path) -> str:
+def _baseline_path(file: LinkageFile, folder: Path) -> str:
     if file.is_known:
         return file.name
     return Path(os.path.relpath(Path(file.origin).resolve(), folder.resolve())).as_posix()
@@ -258,13 +258,13 @@ def judged_campaign(
     """
     baseline = standard.baseline
     seen: list[Record] = []  # one record for each case: there may be thousands of cases
-    beside = compared(noted(compared_cases(request, baseline), seen), baseline)
+    beside = compared(with_noted_records(compared_cases(request, baseline), seen), baseline)
     departed = departures(request.linkages, seen, baseline)
     if record_into is not None:
         standard = replace(standard, baseline=Baseline())
         records = (record for run in JudgedRuns(runs, standard) for record in run.every)
         gone = [departure.place for departure in departed if departure.is_recorded]
-        baseline = baseline.recorded(records, figures_now(beside), gone)
+        baseline = baseline.recorded(records, present_figures(beside), gone)
         baseline.write(record_into)
         beside, departed = (
             [replace(figure, recorded=figure.now, changed=False) for figure in beside if figure.now is not None],
@@ -279,8 +279,8 @@ def judged_campaign(
     )
 
 
-def noted(each: Iterable[Case], seen: list[Record]) -> Iterator[Case]:
-    """Cases as they come; what each is of is added to those ``seen``."""
+def with_noted_records(each: Iterable[Case], seen: list[Record]) -> Iterator[Case]:
+    """Cases as they come; a blank record of each is appended to ``seen``."""
     for case in each:
         seen.append(blank_record(case, ""))
         yield case

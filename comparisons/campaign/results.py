@@ -25,7 +25,7 @@ from comparisons.campaign.project import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
-from comparisons.judging.limits import LimitTable, shipped_limits, table_of
+from comparisons.judging.limits import LimitTable, shipped_limits, table_from_rows
 from comparisons.judging.records import Record, RunRecord
 from comparisons.runs.environment import environment
 from comparisons.runs.study_folder import has_study, load_study, save_study
@@ -112,7 +112,7 @@ class Results:
     @cached_property
     def limits(self) -> LimitTable:
         """The limits of the records; the suite's own if the folder has no table of limits."""
-        return table_of(self.document["limits"]) if "limits" in self.document else shipped_limits()
+        return table_from_rows(self.document["limits"]) if "limits" in self.document else shipped_limits()
 
     @cached_property
     def figures(self) -> tuple[KeyFigure, ...]:
@@ -125,7 +125,7 @@ class Results:
     def linkages(self) -> tuple[Linkage, ...]:
         """The linkages as they were described when the campaign ran."""
         return tuple(
-            described(d["text"], d["name"], d["variant"], (d["gravity"][0], d["gravity"][1]))
+            linkage_from_text(d["text"], d["name"], d["variant"], (d["gravity"][0], d["gravity"][1]))
             for d in self.document["descriptions"]
         )
 
@@ -146,7 +146,7 @@ class Results:
         return self._curves[tuple(run)][quantity]
 
 
-def described(text: str, name: str, variant: str | None, gravity: Vector) -> Linkage:
+def linkage_from_text(text: str, name: str, variant: str | None, gravity: Vector) -> Linkage:
     """A variant of a linkage from its file's text, under the gravity a campaign ran with."""
     return replace(parse(text, name, name, variant), gravity=gravity)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from comparisons.conformance.samples import case
+from comparisons.conformance.samples import case as sample_case
 from comparisons.conformance.trial import Check, EngineTrial, NotTestedError
 from comparisons.faults.misreadings import Reading, likeliest_misreading, readings, true_history
 from comparisons.judging.limits import limit
@@ -21,14 +21,14 @@ from engines.scene import Channel, Prescribed, Scene
 Array = NDArray[np.float64]
 
 # Whose limit a channel of every body and joint has: that of the quantity read from it.
-LIKE = {
+LIMIT_QUANTITIES = {
     Channel.POSITION: "S",
     Channel.VELOCITY: "v",
     Channel.ACCELERATION: "a",
     Channel.TORQUE: "Mkr",
     Channel.JOINT_FORCE: "joint_force",
 }
-ROUNDED = 1.0 + 1e-6
+ROUNDING_FACTOR = 1.0 + 1e-6
 
 
 def check_channel(channel: Channel, trial: EngineTrial) -> None:
@@ -39,10 +39,10 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
     for sample, scene, history in trial.histories():
         if channel is Channel.TORQUE and not isinstance(scene.drive, Prescribed):
             continue
-        errors = list(_errors(channel, case(sample), scene, history))
+        errors = list(_channel_errors(channel, sample_case(sample), scene, history))
         assert errors, f"expected a {channel.value} in sample '{sample}', got none: record it, its abilities offer it"
         is_compared = True
-        bound = limit(LIKE[channel], Setting.TUNED, case(sample).motion.regime).value
+        bound = limit(LIMIT_QUANTITIES[channel], Setting.TUNED, sample_case(sample).motion.regime).value
         error, reading, right = max(errors, key=lambda each: each[0])
         if not error <= bound:
             cause = likeliest_misreading(right, reading.values) or "a mass, a load, a geometry, or too long a step"
@@ -54,24 +54,26 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
         raise NotTestedError(f"no sample of the conformance test has a {channel.value} for {trial.engine.name}")
 
 
-def _errors(channel: Channel, of: Case, scene: Scene, history: History) -> Iterator[tuple[float, Reading, Reading]]:
+def _channel_errors(
+    channel: Channel, case: Case, scene: Scene, history: History
+) -> Iterator[tuple[float, Reading, Reading]]:
     """Every signal of a channel beside the true one: its error over the peak, of a body's over that of all bodies."""
-    pairs = zip(readings(scene, history), readings(scene, true_history(of, scene, history)), strict=True)
-    signals = [(wrong, right, _size(right.values)) for wrong, right in pairs if wrong.channel is channel]
-    for wrong, right, own in signals:
+    pairs = zip(readings(scene, history), readings(scene, true_history(case, scene, history)), strict=True)
+    signals = [(wrong, right, _peak(right.values)) for wrong, right in pairs if wrong.channel is channel]
+    for wrong, right, size in signals:
         peak = max(peak for other, _, peak in signals if other.columns == wrong.columns)
-        scale = own if channel is Channel.JOINT_FORCE else peak
-        yield _size(wrong.values - right.values) / (scale or 1.0), wrong, right
+        scale = size if channel is Channel.JOINT_FORCE else peak
+        yield _peak(wrong.values - right.values) / (scale or 1.0), wrong, right
 
 
-def _size(values: Array) -> float:
+def _peak(values: Array) -> float:
     return float(np.max(np.hypot.reduce(values, axis=1)))
 
 
 def check_samples(trial: EngineTrial) -> None:
     """Sample times increase to the end of the motion, densely enough to be read between."""
     for sample, scene, history in trial.histories():
-        motion = case(sample).motion
+        motion = sample_case(sample).motion
         for reading in readings(scene, history):
             words, gaps = f"{reading.words}, sample '{sample}'", np.diff(reading.time)
             assert np.all(gaps > 0.0), (
@@ -79,11 +81,11 @@ def check_samples(trial: EngineTrial) -> None:
                 "what a fresh start repeats"
             )
             turn, longest = FULL_TURN / motion.peak_speed, float(gaps.max())
-            assert longest * DENSE <= turn * ROUNDED, (
+            assert longest * DENSE <= turn * ROUNDING_FACTOR, (
                 f"{words}: expected {DENSE} samples per turn or more, got {turn / longest:.0f}: give the recipe more "
                 "steps per turn"
             )
-            assert reading.time[-1] <= motion.duration * ROUNDED, (
+            assert reading.time[-1] <= motion.duration * ROUNDING_FACTOR, (
                 f"{words}: expected samples up to {motion.duration:g} s, got {reading.time[-1]:g} s"
             )
 

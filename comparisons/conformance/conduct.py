@@ -42,17 +42,17 @@ def check_installed(trial: EngineTrial) -> None:
 
 def check_refusals(trial: EngineTrial) -> None:
     """A scene beyond its abilities is unsupported, with a reason."""
-    beyond = [(sample, trial.setting) for sample in SAMPLES if trial.obstacle(sample) is not None]
-    beyond += [(PLAIN, setting) for setting in Setting if setting not in trial.engine.abilities.settings]
-    if not beyond:
+    unsupported = [(sample, trial.setting) for sample in SAMPLES if trial.obstacle(sample) is not None]
+    unsupported += [(PLAIN, setting) for setting in Setting if setting not in trial.engine.abilities.settings]
+    if not unsupported:
         raise NotTestedError("its abilities cover every sample and setting")
-    for sample, setting in beyond:
+    for sample, setting in unsupported:
         with blamed_on(trial.engine):
             run = trial.engine.run(scene_of(sample), setting)
-        what = f"sample '{sample}' in setting '{setting}', which is beyond its abilities"
-        assert run.outcome is Outcome.UNSUPPORTED, f"{what}: expected 'unsupported', got '{run.outcome}': refuse it"
-        assert run.reason.strip(), f"{what}: expected a reason, got none: state in one sentence what is not supported"
-        assert run.history is None, f"{what}: expected no history, got one: a refused scene is not stepped"
+        words = f"sample '{sample}' in setting '{setting}', which is beyond its abilities"
+        assert run.outcome is Outcome.UNSUPPORTED, f"{words}: expected 'unsupported', got '{run.outcome}': refuse it"
+        assert run.reason.strip(), f"{words}: expected a reason, got none: state in one sentence what is not supported"
+        assert run.history is None, f"{words}: expected no history, got one: a refused scene is not stepped"
 
 
 def check_claims(trial: EngineTrial) -> None:
@@ -67,37 +67,39 @@ def check_claims(trial: EngineTrial) -> None:
         raise NotTestedError("; ".join(refused))
 
 
-def _first(scene: Scene, **changes: object) -> Scene:
+def _with_first_body(scene: Scene, **changes: object) -> Scene:
+    """A scene with changes in its first body."""
     return replace(scene, bodies=(replace(scene.bodies[0], **changes), *scene.bodies[1:]))  # type: ignore[arg-type]
 
 
-def _pin(scene: Scene, **changes: object) -> Scene:
+def _with_first_pin(scene: Scene, **changes: object) -> Scene:
+    """A scene with changes in its last pin, which comes first."""
     return replace(scene, pins=(replace(scene.pins[-1], **changes), *scene.pins[:-1]))  # type: ignore[arg-type]
 
 
 # By fault in words: the change of a scene that no engine may run.
 NAN, INFINITE = float("nan"), float("inf")
-BAD: Final[Mapping[str, Callable[[Scene], Scene]]] = {
-    "a mass that is nan": partial(_first, mass=NAN),
-    "a negative mass": partial(_first, mass=-1.0),
-    "an infinite mass": partial(_first, mass=INFINITE),
-    "a negative inertia": partial(_first, inertia=-1e-3),
-    "an inertia that is nan": partial(_first, inertia=NAN),
-    "a position that is nan": partial(_first, position=(NAN, 0.0)),
-    "a velocity that is infinite": partial(_first, velocity=(0.0, INFINITE)),
-    "an anchor that is nan": partial(_pin, first_anchor=(NAN, 0.0)),
-    "a pin that is open by half a metre": partial(_pin, first_anchor=(0.5, 0.5)),
-    "a pin on a body that is not there": partial(_pin, first="nobody"),
-    "a pin of a body with itself": lambda scene: _pin(scene, second=scene.pins[-1].first),
+BAD_SCENES: Final[Mapping[str, Callable[[Scene], Scene]]] = {
+    "a mass that is nan": partial(_with_first_body, mass=NAN),
+    "a negative mass": partial(_with_first_body, mass=-1.0),
+    "an infinite mass": partial(_with_first_body, mass=INFINITE),
+    "a negative inertia": partial(_with_first_body, inertia=-1e-3),
+    "an inertia that is nan": partial(_with_first_body, inertia=NAN),
+    "a position that is nan": partial(_with_first_body, position=(NAN, 0.0)),
+    "a velocity that is infinite": partial(_with_first_body, velocity=(0.0, INFINITE)),
+    "an anchor that is nan": partial(_with_first_pin, first_anchor=(NAN, 0.0)),
+    "a pin that is open by half a metre": partial(_with_first_pin, first_anchor=(0.5, 0.5)),
+    "a pin on a body that is not there": partial(_with_first_pin, first="nobody"),
+    "a pin of a body with itself": lambda scene: _with_first_pin(scene, second=scene.pins[-1].first),
     "gravity that is nan": lambda scene: replace(scene, gravity=(NAN, 0.0)),
     "a crank that is not there": lambda scene: replace(scene, crank="nobody"),
-    "two bodies of one name": lambda scene: _first(scene, name=scene.bodies[1].name),
+    "two bodies of one name": lambda scene: _with_first_body(scene, name=scene.bodies[1].name),
 }
 
 
 def check_bad_data(trial: EngineTrial) -> None:
     """Data that cannot be run with come back as an outcome with a reason; nothing is raised and no process dies."""
-    for words, spoil in BAD.items():
+    for words, spoil in BAD_SCENES.items():
         run = run_engine(trial.engine, spoil(scene_of(PLAIN)), trial.setting)
         assert run.outcome is not Outcome.FINISHED, (
             f"{words}: expected an outcome with a reason, got a finished run: look at the data before the engine does "
@@ -112,16 +114,16 @@ def check_recording(trial: EngineTrial) -> None:
     for channel in Channel:
         scene = case(PLAIN).scene(frozenset({channel}))
         run = run_engine(trial.engine, scene, Setting.TUNED)
-        what = f"only {channel.value} requested"
-        assert run.history is not None, f"{what}: expected a finished run, got {run.outcome}: {run.reason}"
+        words = f"only {channel.value} requested"
+        assert run.history is not None, f"{words}: expected a finished run, got {run.outcome}: {run.reason}"
         recorded = {reading.channel.value for reading in readings(scene, run.history)}
         expected = {channel.value} & {offered.value for offered in trial.engine.abilities.readouts}
         for surplus in sorted(recorded - expected):
-            raise AssertionError(f"{what}: expected no {surplus}, got it: leave it out")
-        assert recorded == expected, f"{what}: expected it, got none: record it"
+            raise AssertionError(f"{words}: expected no {surplus}, got it: leave it out")
+        assert recorded == expected, f"{words}: expected it, got none: record it"
         assert run.steps == steps, (
-            f"{what}: expected the {steps} steps of a run with every channel, got {run.steps}: choose the steps by the "
-            "scene alone"
+            f"{words}: expected the {steps} steps of a run with every channel, got {run.steps}: choose the steps by "
+            "the scene alone"
         )
 
 
@@ -180,7 +182,7 @@ def check_silence(trial: EngineTrial) -> None:
         with silenced(written.name), redirect_stdout(written), redirect_stderr(written):
             run_engine(trial.engine, scene_of(PLAIN), trial.setting)
             with suppress(AdapterError):  # which another check names
-                run_engine(trial.engine, BAD["a mass that is nan"](scene_of(PLAIN)), trial.setting)
+                run_engine(trial.engine, BAD_SCENES["a mass that is nan"](scene_of(PLAIN)), trial.setting)
         written.seek(0)
         text = written.read().strip()
     assert not text, f"expected silence, got {text[:80]!r}: chatters = True has a SteppedEngine's C output sent nowhere"

@@ -31,16 +31,16 @@ CHECKS: Final[Mapping[str, Check]] = {
 
 def examine(pickled: bytes, name: str) -> CheckResult:
     """Result of the check of this name of a pickled engine, in this process."""
-    return CHECKS[name].result(_unpickled(pickled))
+    return CHECKS[name].result(_unpickle_trial(pickled))
 
 
 @lru_cache(maxsize=1)
-def _unpickled(engine: bytes) -> EngineTrial:
+def _unpickle_trial(engine: bytes) -> EngineTrial:
     """The engine of a worker's jobs, the same for all, so that they share its runs."""
     return EngineTrial(pickle.loads(engine))
 
 
-def in_workers(engine: Engine, names: list[str], processes: int | None = None) -> list[CheckResult]:
+def run_in_workers(engine: Engine, names: list[str], processes: int | None = None) -> list[CheckResult]:
     """The results of checks by name, in worker processes; a check that brings one down has failed."""
     try:
         pickled = pickle.dumps(engine)
@@ -49,10 +49,11 @@ def in_workers(engine: Engine, names: list[str], processes: int | None = None) -
         return [CheckResult(name, Finding.NOT_TESTED, reason) for name in names]
     jobs: list[tuple[Any, ...]] = [(pickled, name) for name in names]
     results = dict(run_jobs(examine, jobs, bounds=BOUNDS, processes=processes))
-    return [_result(name, results[number]) for number, name in enumerate(names)]
+    return [_check_result(name, results[number]) for number, name in enumerate(names)]
 
 
-def _result(name: str, result: CheckResult | Lost) -> CheckResult:
+def _check_result(name: str, result: CheckResult | Lost) -> CheckResult:
+    """The result of a check in a worker; a worker that gave none has failed it."""
     if not isinstance(result, Lost):
         return result
     what = {Failure.TIMED_OUT: "it ", Failure.CRASHED: "its process "}.get(result.outcome, "")
@@ -100,7 +101,7 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
             reason = f"'{wrong}' fails: correct the engine first"
             results += [CheckResult(name, Finding.NOT_TESTED, reason) for name in stage]
             continue
-        done = [with_expected(result, expected) for result in in_workers(engine, [*stage], processes)]
+        done = [with_expected(result, expected) for result in run_in_workers(engine, [*stage], processes)]
         wrong = next((result.check for result in done if result.finding is Finding.FAILED), "")
         results += done
     return results
@@ -118,7 +119,7 @@ class EngineCheck:
         import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 
         if self.check.name == DANGEROUS:
-            (result,) = in_workers(self.trial.engine, [self.check.name], 1)
+            (result,) = run_in_workers(self.trial.engine, [self.check.name], 1)
         else:
             result = self.check.result(self.trial)
         if result.finding is Finding.NOT_TESTED:

@@ -99,11 +99,11 @@ def planted_case(sample: str, key: str) -> Case:
     faults = chain(model_faults(right), motion_settings(of.motion))
     fault = next(fault for fault in faults if fault.name == name)
     wrong = fault.plant(right, *(float(times or 1) * number + float(plus or 0) for number in fault.start))
-    motion = _polynomials(wrong.motion) if isinstance(wrong.motion, ChangedMotion) else of.motion
+    motion = _in_polynomials(wrong.motion) if isinstance(wrong.motion, ChangedMotion) else of.motion
     return replace(of, mechanism=Mechanism(wrong.linkage), motion=motion, _seen={})
 
 
-def _polynomials(changed: ChangedMotion) -> CrankMotion:
+def _in_polynomials(changed: ChangedMotion) -> CrankMotion:
     """A changed motion as engines take it, in polynomials of time; one that is late rests before it begins."""
     right, late = changed.motion, -changed.shift
     assert isinstance(right, CrankMotion)
@@ -152,7 +152,7 @@ def _rows_extrapolated(weigh: Weigh, trial: EngineTrial) -> Rows:
     return _rows_with(trial, PLAIN, Setting.BEST, "weights", weigh)
 
 
-def _off(steps: Sequence[float], orders: Sequence[int]) -> Array:
+def _slightly_wrong_weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
     right = weights(steps, orders)
     right[0] += 1e-6
     return right
@@ -162,7 +162,7 @@ def _off(steps: Sequence[float], orders: Sequence[int]) -> Array:
 WEIGHTS: Final[Mapping[str, Weigh]] = {
     "the mean of its runs": lambda steps, _: np.full(len(steps), 1.0 / len(steps)),
     "its coarsest run alone": lambda steps, _: np.eye(len(steps))[int(np.argmax(steps))],
-    "a weight of its runs off by 1e-6": _off,
+    "a weight of its runs off by 1e-6": _slightly_wrong_weights,
 }
 
 

@@ -51,24 +51,24 @@ class Sample:
         ))  # fmt: skip
 
 
-def _pushed(linkage: Linkage) -> Linkage:
+def _with_force(linkage: Linkage) -> Linkage:
     return replace(linkage, forces=(PointForce("P", "coupler", Law(np.array([-6.0, 11.0]))),))
 
 
-def _pushed_over_angle(linkage: Linkage) -> Linkage:
+def _with_force_over_angle(linkage: Linkage) -> Linkage:
     angles, values = np.radians([0.0, 80.0, 170.0, 260.0]), np.array([[8.0, 2.0], [-4.0, 9.0], [3.0, -7.0], [0.0, 5.0]])
     return replace(linkage, forces=(PointForce("P", "coupler", Law(values, angles)),))
 
 
-def _twisted(linkage: Linkage) -> Linkage:
+def _with_torque(linkage: Linkage) -> Linkage:
     return replace(linkage, torques=(LinkTorque("rocker", Law(np.array([1.7]))),))
 
 
-def _sprung(linkage: Linkage) -> Linkage:
+def _with_spring(linkage: Linkage) -> Linkage:
     return replace(linkage, springs=(Spring(("P", "F"), ("coupler", GROUND), 150.0, 0.1, 12.0),))
 
 
-def _damped(linkage: Linkage) -> Linkage:
+def _with_damper(linkage: Linkage) -> Linkage:
     return replace(linkage, dampers=(RotaryDamper(("coupler", "rocker"), 0.06),))
 
 
@@ -77,11 +77,11 @@ SAMPLES: Final[Mapping[str, Sample]] = {
     "four-bar clockwise": Sample("four-bar", math.radians(-200.0), clockwise=True),
     "slider-crank": Sample("slider-crank", math.radians(20.0), clockwise=True),
     "quick return": Sample("quick-return", math.radians(75.0)),
-    "force": Sample("four-bar", math.radians(40.0), added=_pushed),
-    "force over the angle": Sample("four-bar", math.radians(40.0), added=_pushed_over_angle),
-    "torque": Sample("four-bar", math.radians(40.0), added=_twisted),
-    "spring": Sample("four-bar", math.radians(40.0), added=_sprung),
-    "damper": Sample("four-bar", math.radians(40.0), added=_damped),
+    "force": Sample("four-bar", math.radians(40.0), added=_with_force),
+    "force over the angle": Sample("four-bar", math.radians(40.0), added=_with_force_over_angle),
+    "torque": Sample("four-bar", math.radians(40.0), added=_with_torque),
+    "spring": Sample("four-bar", math.radians(40.0), added=_with_spring),
+    "damper": Sample("four-bar", math.radians(40.0), added=_with_damper),
     "driven slider": Sample("driven-slider"),
     "cylinder": Sample("cylinder"),
     "released": Sample("four-bar", math.radians(40.0), released=True),

@@ -71,12 +71,12 @@ class Check:
         return CheckResult(self.name, Finding.PASSED)
 
 
-EVERY: frozenset[Channel] = frozenset(Channel)
+ALL_CHANNELS: frozenset[Channel] = frozenset(Channel)
 
 
 def scene_of(sample: str) -> Scene:
     """A sample's scene, all channels requested."""
-    return case(sample).scene(EVERY)
+    return case(sample).scene(ALL_CHANNELS)
 
 
 class EngineTrial:
@@ -146,19 +146,20 @@ def judged_rows(sample: str, setting: Setting, engine: str, history: History) ->
     of, failed = case(sample), dict[str, bool]()
     blank = blank_record(of, setting, engine)
     motion = ObservedMotion(scene_of(sample), history)
-    for row in (*_quantities(of, motion, blank), *checks(of, motion, blank)):
+    for row in (*_judged_quantities(of, motion, blank), *checks(of, motion, blank)):
         if Verdict(row.outcome).judged:
             name = row.quantity.partition(":")[0]
             failed[name] = failed.get(name, False) or Verdict(row.outcome).failed
     return MappingProxyType(failed)
 
 
-def _quantities(of: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
-    for quantity in chosen_quantities(of, ()):
-        if quantity.lacking(motion) or quantity.shared(of, motion):
+def _judged_quantities(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
+    """The records of all quantities that are the engine's own, by the suite's limits."""
+    for quantity in chosen_quantities(case, ()):
+        if quantity.lacking(motion) or quantity.shared(case, motion):
             continue
         try:
-            error = deviation(of, quantity, motion)
+            error = deviation(case, quantity, motion)
         except NoSampleError:
             continue
         yield judge(

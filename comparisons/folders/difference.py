@@ -56,7 +56,7 @@ def as_baseline(
 
 
 # Relative changes of an error and of a peak that are reported; and the size of rounding.
-SHARE: Final = 0.01
+LEAST_SHARE: Final = 0.01
 PEAK_SHARE: Final = 1e-3
 ROUNDING: Final = 1e-12
 
@@ -65,7 +65,7 @@ Name = tuple[str, str]  # of a linkage: mechanism and variant
 
 @dataclass(frozen=True)
 class MovedRecord:
-    """A record in both folders; ``beyond`` is true for a new failure or an error over the ``allowed`` one.
+    """A record in both folders; ``is_beyond`` is true for a new failure or an error over the ``allowed`` one.
 
     Allowed is three times the error before, at least round-off; None where other designs or variants are compared.
     """
@@ -73,7 +73,7 @@ class MovedRecord:
     before: Record
     after: Record
     allowed: float | None
-    beyond: bool
+    is_beyond: bool
 
     @property
     def factor(self) -> float | None:
@@ -103,8 +103,8 @@ class FolderDifference:
     """The differences of two folders; records and figures bear the second folder's names.
 
     ``linkages`` are pairs of those that are compared, ``compared`` counts the records in both folders. ``facts`` are
-    name, before and after of what the folders were made on. Figures decide in ``same`` linkages alone: other designs
-    and variants have others.
+    name, before and after of what the folders were made on. Changed key figures count only
+    where linkage and variant are the same in both folders.
     """
 
     linkages: tuple[tuple[Name, Name], ...]
@@ -118,17 +118,27 @@ class FolderDifference:
     same_machine: bool
 
     @property
-    def beyond(self) -> int:
+    def beyond_count(self) -> int:
         """How many records and figures of the same linkage moved by more than is allowed."""
         same = {after for before, after in self.linkages if before == after}
-        return sum(move.beyond for move in self.moves) + sum((f.mechanism, f.variant) in same for f in self.figures)
+        return sum(move.is_beyond for move in self.moves) + sum((f.mechanism, f.variant) in same for f in self.figures)
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
-        moves = [{**asdict(move), "factor": move.factor, "peak_share": move.peak_share} for move in self.moves]
+        """The whole comparison, JSON-ready."""
+        moves = [
+            {
+                "before": asdict(move.before),
+                "after": asdict(move.after),
+                "allowed": move.allowed,
+                "beyond": move.is_beyond,
+                "factor": move.factor,
+                "peak_share": move.peak_share,
+            }
+            for move in self.moves
+        ]
         figures = [{**asdict(figure), "sentence": figure.sentence} for figure in self.figures]
-        return {**asdict(self), "moves": moves, "figures": figures, "beyond": self.beyond}
+        return {**asdict(self), "moves": moves, "figures": figures, "beyond": self.beyond_count}
 
 
 def difference(before: Results, after: Results) -> FolderDifference:
@@ -137,8 +147,8 @@ def difference(before: Results, after: Results) -> FolderDifference:
     Linkages of one name and variant are pairs, then one left of a name in another variant, then the one design left.
     Raises LinkproofError where no run is in both.
     """
-    names = _pairs(_names(before), _names(after))
-    old, new = _by_key(_renamed(_records(before), names)), _by_key(_records(after))
+    names = _linkage_pairs(_linkage_names(before), _linkage_names(after))
+    old, new = _records_by_key(_rename_linkages(_records(before), names)), _records_by_key(_records(after))
     both = [key for key in new if key in old]
     if not both:
         raise LinkproofError(
@@ -146,18 +156,18 @@ def difference(before: Results, after: Results) -> FolderDifference:
             "linkages, regimes, speeds and engines, or of one linkage each"
         )
     places = {key[:3] for key in both}
-    figures = {place: values for place, values in _figures(before, names).items() if place in places}
+    figures = {place: values for place, values in _renamed_figures(before, names).items() if place in places}
     baseline = as_baseline(after, figures, [old[key] for key in both])
-    moves = _moves([(old[key], new[key]) for key in both], baseline, {p for p in names if names[p] == p})
+    moves = _compare_records([(old[key], new[key]) for key in both], baseline, {p for p in names if names[p] == p})
     first, second = before.document["environment"], after.document["environment"]
     return FolderDifference(
         tuple(names.items()),
         len(both),
         tuple(filter(_has_moved, moves)),
-        _runs([(old[key], new[key]) for key in both]),
-        tuple(figure for figure in _compared(after, baseline) if figure.changed and figure.recorded is not None),
-        _others(old, new),
-        _others(new, old),
+        _run_pairs([(old[key], new[key]) for key in both]),
+        tuple(figure for figure in _compare_figures(after, baseline) if figure.changed and figure.recorded is not None),
+        _only_here(old, new),
+        _only_here(new, old),
         tuple(
             (k, first.get(k, ""), second.get(k, ""))
             for k in {**first, **second}
@@ -167,11 +177,11 @@ def difference(before: Results, after: Results) -> FolderDifference:
     )
 
 
-def _names(results: Results) -> list[Name]:
+def _linkage_names(results: Results) -> list[Name]:
     return list(dict.fromkeys((row["name"], row["variant"]) for row in results.document["descriptions"]))
 
 
-def _pairs(before: Sequence[Name], after: Sequence[Name]) -> dict[Name, Name]:
+def _linkage_pairs(before: Sequence[Name], after: Sequence[Name]) -> dict[Name, Name]:
     """The linkages to compare, from those before to those after."""
     matches = {name: name for name in before if name in after}
     for part in (lambda name: name[0], lambda _: ""):  # one left of a name, and then of all
@@ -188,17 +198,17 @@ def _records(results: Results) -> list[Record]:
     return [*results.records, *results.invariants]
 
 
-def _renamed(records: Iterable[Record], names: Mapping[Name, Name]) -> list[Record]:
+def _rename_linkages(records: Iterable[Record], names: Mapping[Name, Name]) -> list[Record]:
     """Records by the names of the other folder, those of a pair alone."""
     pairs = [(record, names.get((record.mechanism, record.variant))) for record in records]
     return [replace(record, mechanism=name[0], variant=name[1]) if name else record for record, name in pairs]
 
 
-def _by_key(records: Iterable[Record]) -> dict[tuple[str, ...], Record]:
+def _records_by_key(records: Iterable[Record]) -> dict[tuple[str, ...], Record]:
     return {(*record.run, record.conditions, record.quantity): record for record in records}
 
 
-def _others(records: Mapping[tuple[str, ...], Record], others: Mapping[tuple[str, ...], Record]) -> tuple[str, ...]:
+def _only_here(records: Mapping[tuple[str, ...], Record], others: Mapping[tuple[str, ...], Record]) -> tuple[str, ...]:
     """Runs, or quantities of a run, that the other folder has not."""
     runs = {key[:-1] for key in others}
     lacking = [key for key in records if key not in others]
@@ -206,7 +216,9 @@ def _others(records: Mapping[tuple[str, ...], Record], others: Mapping[tuple[str
     return tuple(dict.fromkeys(words))
 
 
-def _moves(pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Container[Name]) -> list[MovedRecord]:
+def _compare_records(
+    pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Container[Name]
+) -> list[MovedRecord]:
     """Pairs of records; a failure that is new decides, and in the ``same`` linkages an error that has grown."""
     decides = {id(record) for record in deciding([after for _, after in pairs])}
     records = []
@@ -215,24 +227,24 @@ def _moves(pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Con
         was, now = Verdict(before.outcome), Verdict(after.outcome)
         grown = allowed is not None and after.error_max is not None and not after.error_max <= allowed
         worse = (now.failed and not was.failed) or (grown and now.judged)
-        records.append(MovedRecord(before, after, allowed, beyond=worse and id(after) in decides))
+        records.append(MovedRecord(before, after, allowed, is_beyond=worse and id(after) in decides))
     return records
 
 
-def is_other(old: float, new: float) -> bool:
+def differ(old: float, new: float) -> bool:
     """Whether one error differs from another by more than is worth a row."""
-    return abs(new - old) > max(SHARE * max(old, new), ROUNDING)
+    return abs(new - old) > max(LEAST_SHARE * max(old, new), ROUNDING)
 
 
 def _has_moved(move: MovedRecord) -> bool:
     old, new = move.before.error_max, move.after.error_max
-    if move.beyond or move.before.outcome != move.after.outcome or (old is None) != (new is None):
+    if move.is_beyond or move.before.outcome != move.after.outcome or (old is None) != (new is None):
         return True
-    moved = old is not None and new is not None and is_other(old, new)
+    moved = old is not None and new is not None and differ(old, new)
     return moved or abs(move.peak_share or 0.0) > PEAK_SHARE
 
 
-def _runs(pairs: Iterable[tuple[Record, Record]]) -> tuple[RunPair, ...]:
+def _run_pairs(pairs: Iterable[tuple[Record, Record]]) -> tuple[RunPair, ...]:
     result = {
         new.run: RunPair(
             new.run, (old.engine_version, new.engine_version), (old.seconds, new.seconds), (old.steps, new.steps)
@@ -242,12 +254,12 @@ def _runs(pairs: Iterable[tuple[Record, Record]]) -> tuple[RunPair, ...]:
     return tuple(result.values())
 
 
-def _figures(results: Results, names: Mapping[Name, Name]) -> dict[tuple[str, str, str], dict[str, float]]:
+def _renamed_figures(results: Results, names: Mapping[Name, Name]) -> dict[tuple[str, str, str], dict[str, float]]:
     """Key figures by the names of the other folder; empty for results of another tool."""
     groups = saved_figures(results)
     return {(*names[place[:2]], place[2]): figures for place, figures in groups.items() if place[:2] in names}
 
 
-def _compared(results: Results, baseline: Baseline) -> list[KeyFigure]:
+def _compare_figures(results: Results, baseline: Baseline) -> list[KeyFigure]:
     """The key figures of a folder's texts beside a baseline's."""
     return [] if "judgement" in results.document else compared(saved_cases(results).values(), baseline)

@@ -64,7 +64,7 @@ class MergedFolder(StudyFolder):
         ))  # fmt: skip
 
 
-def folders_of(paths: Sequence[Path]) -> tuple[MergedFolder, ...]:
+def folders_to_merge(paths: Sequence[Path]) -> tuple[MergedFolder, ...]:
     """The folders to join, those of a folder that is joined already one by one.
 
     Raises LinkproofError for one that holds nothing, and where one machine made the same run twice.

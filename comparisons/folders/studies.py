@@ -10,7 +10,7 @@ from typing import Final
 
 from comparisons.campaign import results as campaign
 from comparisons.campaign.results import Results
-from comparisons.folders.difference import ROUNDING, is_other
+from comparisons.folders.difference import ROUNDING, differ
 from comparisons.judging.baseline import GROWTH
 from comparisons.judging.records import RunRecord
 from comparisons.runs.study_folder import has_study
@@ -24,7 +24,7 @@ from comparisons.work_precision.records import Bench, PointRecord
 from engines.contract import Outcome
 
 Measured = PointRecord | CellResult
-RIGHT: Final = (Outcome.FINISHED, StressVerdict.WITHIN)
+GOOD_OUTCOMES: Final = (Outcome.FINISHED, StressVerdict.WITHIN)
 SAME_ORDER: Final = 0.01  # what rounding may change in an observed order
 
 
@@ -78,30 +78,30 @@ class StudyDifference:
 def study_differences(before: StudyFolder, after: StudyFolder) -> Iterator[StudyDifference]:
     """The differences of the studies, other than campaigns, that both folders have."""
     if before.bench and after.bench:
-        yield _difference(work_precision.KIND, before.bench.points, after.bench.points)
+        yield _study_difference(work_precision.KIND, before.bench.points, after.bench.points)
     if before.stress and after.stress:
-        yield _difference(stress_test.KIND, before.stress.results, after.stress.results)
+        yield _study_difference(stress_test.KIND, before.stress.results, after.stress.results)
 
 
-def _difference(kind: str, before: Sequence[Measured], after: Sequence[Measured]) -> StudyDifference:
+def _study_difference(kind: str, before: Sequence[Measured], after: Sequence[Measured]) -> StudyDifference:
     first, second = ({entry.key: entry for entry in part} for part in (before, after))
     pairs = [(first[key], new) for key, new in second.items() if key in first]
     moves = []
     for old, new in pairs:
         outcomes = (old.outcome, new.outcome)
         if old.outcome != new.outcome:
-            is_worse = old.outcome in RIGHT or new.outcome == StressVerdict.MISSED
+            is_worse = old.outcome in GOOD_OUTCOMES or new.outcome == StressVerdict.MISSED
             moves.append(StudyMove(new.key, "", outcomes, (None, None), is_worse))
         moves += [
             StudyMove(new.key, name, outcomes, errors, is_worse=errors[1] > max(GROWTH * errors[0], ROUNDING))
-            for name, errors in _errors(old, new)
-            if is_other(*errors)
+            for name, errors in _common_errors(old, new)
+            if differ(*errors)
         ]
     only = (tuple(key for key in table if key not in other) for table, other in ((first, second), (second, first)))
     return StudyDifference(kind, len(pairs), tuple(moves), *only)
 
 
-def _errors(old: RunRecord, new: RunRecord) -> Iterator[tuple[str, tuple[float, float]]]:
+def _common_errors(old: RunRecord, new: RunRecord) -> Iterator[tuple[str, tuple[float, float]]]:
     """Errors of the quantities that both runs have."""
     first = {record.quantity: record.error_max for record in old.errors if record.error_max is not None}
     for error in new.errors:
@@ -109,7 +109,7 @@ def _errors(old: RunRecord, new: RunRecord) -> Iterator[tuple[str, tuple[float, 
             yield error.quantity, (first[error.quantity], error.error_max)
 
 
-def checked_studies(folder: StudyFolder) -> Iterator[tuple[str, list[tuple[str, str]]]]:
+def check_studies(folder: StudyFolder) -> Iterator[tuple[str, list[tuple[str, str]]]]:
     """The size of each study of a folder other than a campaign, and its contradictions: place, sentence."""
     if bench := folder.bench:
         yield f"{work_precision.KIND}: {len(bench.points)} points", list(_bench_faults(bench))

@@ -15,13 +15,13 @@ from comparisons.campaign.results import Results
 from comparisons.judging.records import CURVE
 from comparisons.runs.files import check_writable, write_text
 
-HEAD: Final = ("quantity", "unit", *CURVE)
+COLUMNS: Final = ("quantity", "unit", *CURVE)
 
 
 def write_tables(results: Results, folder: Path) -> tuple[Path, ...]:
     """Write every run that has curves into a folder; returns the files' paths in the order of the runs.
 
-    Columns are ``HEAD``: time, s, true crank angle, rad (m of a linear drive), observed and reference in the unit.
+    Columns are ``COLUMNS``: time, s, true crank angle, rad (m of a linear drive), observed and reference in the unit.
     Numbers are written with all their digits. Raises LinkproofError where there is no curve or no place to write.
     """
     units = {(record.run, record.quantity): record.unit for record in results.records if record.error_max is not None}
@@ -30,7 +30,7 @@ def write_tables(results: Results, folder: Path) -> tuple[Path, ...]:
         raise LinkproofError("expected curves to write as CSV, got none: no run of the campaign finished")
     check_writable(folder / "run.csv")
     paths = []
-    for run, name in zip(runs, _names(runs), strict=True):
+    for run, name in zip(runs, _file_names(runs), strict=True):
         quantities = {quantity: unit for (of, quantity), unit in units.items() if of == run}
         write_text(folder / name, _table(results, run, quantities))
         paths.append(folder / name)
@@ -40,14 +40,14 @@ def write_tables(results: Results, folder: Path) -> tuple[Path, ...]:
 def _table(results: Results, run: Sequence[str], quantities: dict[str, str]) -> str:
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
-    writer.writerow(HEAD)
+    writer.writerow(COLUMNS)
     for quantity, unit in quantities.items():
         columns = (array.tolist() for array in results.curve(run, quantity))
         writer.writerows((quantity, unit, *values) for values in zip(*columns, strict=True))
     return target.getvalue()
 
 
-def _names(runs: Sequence[Sequence[str]]) -> Iterator[str]:
+def _file_names(runs: Sequence[Sequence[str]]) -> Iterator[str]:
     """A file name of each run that every system takes; those that would be one are numbered."""
     taken: Counter[str] = Counter()
     for run in runs:

@@ -16,7 +16,7 @@ from comparisons.campaign.project import checksum
 from comparisons.campaign.results import Results, is_saved, load
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.folders.difference import Place, as_baseline, saved_cases, saved_figures
-from comparisons.folders.studies import StudyFolder, checked_studies
+from comparisons.folders.studies import StudyFolder, check_studies
 from comparisons.judging.baseline import Baseline
 from comparisons.judging.deviations import Deviation, signal_deviation
 from comparisons.judging.limits import LimitTable, Standard, read_limits, shipped_limits
@@ -27,7 +27,7 @@ from comparisons.runs.environment import environment
 from engines.contract import Signal
 
 # Of a peak: what rounding may change on another machine. A thousandth of the tightest limit.
-SAME: Final = 1e-9
+SAME_SHARE: Final = 1e-9
 
 
 @dataclass(frozen=True)
@@ -71,26 +71,26 @@ def verify(folder: Path, limits: Path | None = None) -> Verification:
     Every curve of a campaign is compared with the closed form of the folder's texts, computed now, and every record
     against its curve. Raises LinkproofError for a folder that cannot be read, or that judge wrote.
     """
-    studies = list(checked_studies(StudyFolder(folder)))
+    studies = list(check_studies(StudyFolder(folder)))
     verification = Verification()
     if is_saved(folder) or not studies:
-        verification = _verified(load(folder, with_sheets=False), folder, limits)
+        verification = _verify_campaign(load(folder, with_sheets=False), folder, limits)
     faults = (VerificationFinding(*fault) for _, faults in studies for fault in faults)
     extents = tuple(extent for extent, _ in studies)
     return replace(verification, studies=extents, findings=(*verification.findings, *faults))
 
 
-def _verified(results: Results, folder: Path, limits: Path | None) -> Verification:
+def _verify_campaign(results: Results, folder: Path, limits: Path | None) -> Verification:
     """A campaign judged anew."""
     if "judgement" in results.document:
         raise LinkproofError(
             f"expected the folder of a compare in '{folder}', got one of judge: judge the tool's own files again"
         )
     cases = saved_cases(results)
-    table, sentence = _limits(results, limits)
+    table, sentence = _limits_to_use(results, limits)
     standard = Standard(table, _SavedBounds())
-    judged = [_judged(results, cases[record.run[:3]], record, standard) for record in results.records]
-    invariants = [(fresh := standard.judge(record), _verdict(record, fresh)) for record in results.invariants]
+    judged = [_judge_again(results, cases[record.run[:3]], record, standard) for record in results.records]
+    invariants = [(fresh := standard.judge(record), _verdict_faults(record, fresh)) for record in results.invariants]
     return Verification(
         tuple(record for record, _ in judged),
         tuple(record for record, _ in invariants),
@@ -99,18 +99,22 @@ def _verified(results: Results, folder: Path, limits: Path | None) -> Verificati
         len(results.linkages),
         (sentence, *_notes(results, folder)),
         (
-            *_texts(results),
-            *(VerificationFinding(_name(record), words) for record, names in (*judged, *invariants) for words in names),
-            *_figures(results, cases),
+            *_text_findings(results),
+            *(
+                VerificationFinding(_record_name(record), words)
+                for record, names in (*judged, *invariants)
+                for words in names
+            ),
+            *_figure_findings(results, cases),
         ),
     )
 
 
-def _name(record: Record) -> str:
+def _record_name(record: Record) -> str:
     return f"{record.key}: {record.quantity}"
 
 
-def _limits(results: Results, file: Path | None) -> tuple[LimitTable, str]:
+def _limits_to_use(results: Results, file: Path | None) -> tuple[LimitTable, str]:
     """The table of limits to judge by, and a note on its origin."""
     if file is not None:
         return read_limits(file), f"judged by the limits of {file}"
@@ -138,7 +142,7 @@ def _notes(results: Results, folder: Path) -> Iterator[str]:
         yield f"the folder has no {SHEETS}, without which no pages are made of it"
 
 
-def _texts(results: Results) -> Iterator[VerificationFinding]:
+def _text_findings(results: Results) -> Iterator[VerificationFinding]:
     for row in results.document["descriptions"]:
         now = checksum(row["text"])
         if row.get("checksum", now) != now:
@@ -147,7 +151,7 @@ def _texts(results: Results) -> Iterator[VerificationFinding]:
             )
 
 
-def _judged(results: Results, case: Case, record: Record, standard: Standard) -> tuple[Record, list[str]]:
+def _judge_again(results: Results, case: Case, record: Record, standard: Standard) -> tuple[Record, list[str]]:
     """A record as its curve has it, judged now, and what of it is not as saved."""
     if record.error_max is None:
         return record, []
@@ -157,7 +161,7 @@ def _judged(results: Results, case: Case, record: Record, standard: Standard) ->
     faults = [*_curve_faults(deviation, angle, reference), *_error_faults(case, quantity, deviation, record)]
     measured = max(deviation.error_max, record.error_max) if _is_vector(case, quantity) else deviation.error_max
     fresh = standard.judge(replace(record, error_max=measured, error_at_jumps=deviation.error_at_jumps))
-    return fresh, faults + _verdict(record, fresh)
+    return fresh, faults + _verdict_faults(record, fresh)
 
 
 def _is_vector(case: Case, quantity: Quantity) -> bool:
@@ -168,10 +172,10 @@ def _curve_faults(deviation: Deviation, angle: NDArray[np.float64], reference: N
     """Saved reference curves that differ from the closed form of the folder's text."""
     scale = deviation.peak or 1.0
     off = float(np.max(np.abs(deviation.reference - reference), initial=0.0)) / scale
-    if not off <= SAME:
+    if not off <= SAME_SHARE:
         yield f"the saved reference differs from the closed form of the folder's text by {off:.2g} of the peak"
     turned = float(np.max(np.abs(deviation.angle - angle), initial=0.0))
-    if not turned <= SAME * max(1.0, float(np.max(np.abs(deviation.angle), initial=0.0))):
+    if not turned <= SAME_SHARE * max(1.0, float(np.max(np.abs(deviation.angle), initial=0.0))):
         yield f"the saved crank angle differs from the folder's motion by {turned:.2g}"
 
 
@@ -186,16 +190,16 @@ def _error_faults(case: Case, quantity: Quantity, deviation: Deviation, record: 
         saved = getattr(record, name) or 0.0
         if name == "error_max" and saved == record.error_at_jumps > now:
             continue  # a record that failed at a jump has that error
-        slack = SAME + SAME * now
+        slack = SAME_SHARE + SAME_SHARE * now
         if not (now <= saved + slack and (saved <= now + slack or _is_vector(case, quantity))):
             yield f"its {name} is {saved:.3g}, its curve's is {now:.3g}"
     if record.samples != deviation.samples:
         yield f"it states {record.samples} compared samples, its curve has {deviation.samples}"
-    if not abs((record.peak or 0.0) - deviation.peak) <= SAME * deviation.peak:
+    if not abs((record.peak or 0.0) - deviation.peak) <= SAME_SHARE * deviation.peak:
         yield f"its peak is {record.peak:.9g}, the closed form's is {deviation.peak:.9g} {record.unit}"
 
 
-def _verdict(record: Record, fresh: Record) -> list[str]:
+def _verdict_faults(record: Record, fresh: Record) -> list[str]:
     """A verdict or a limit that is not the saved one."""
     if record.outcome != fresh.outcome:
         detail = f": {fresh.detail}" if fresh.detail else ""
@@ -205,7 +209,7 @@ def _verdict(record: Record, fresh: Record) -> list[str]:
     return []
 
 
-def _figures(results: Results, cases: Mapping[Place, Case]) -> Iterator[VerificationFinding]:
+def _figure_findings(results: Results, cases: Mapping[Place, Case]) -> Iterator[VerificationFinding]:
     """Key figures that the folder's texts do not give."""
     for figure in changes(cases.values(), as_baseline(results, saved_figures(results))):
         if figure.recorded is not None:  # earlier versions had fewer

@@ -34,9 +34,9 @@ from analytic.description.law import FULL_TURN
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import (
     EnergyBalance,
-    energy_at_play,
+    angle_error_from_energy,
     energy_balance,
-    released_phase,
+    energy_scale,
     speed_drift,
 )
 from comparisons.invariants.inspection import Inspection
@@ -57,29 +57,29 @@ def joint_gaps(motion: ObservedMotion) -> Signal:
     return Signal(time, np.max(list(motion.joint_gaps(time).values()), axis=0))
 
 
-def closure(seen: Inspection) -> dict[str, Signal]:
+def closure(inspection: Inspection) -> dict[str, Signal]:
     """``Inspection.corrections`` and, of a released crank, ``drift``: its speed against its acceleration."""
-    drift = {"drift": speed_drift(seen)} if isinstance(seen.motion.scene.drive, Free) else {}
-    return seen.corrections() | drift
+    drift = {"drift": speed_drift(inspection)} if isinstance(inspection.motion.scene.drive, Free) else {}
+    return inspection.corrections() | drift
 
 
-def crank_phase(seen: Inspection) -> Signal:
+def crank_phase(inspection: Inspection) -> Signal:
     """The driver's distance from its prescribed or released motion, or the largest gap between samples, rad or m."""
-    drive, time = seen.motion.scene.drive, seen.motion.signal(Channel.POSITION).time
+    drive, time = inspection.motion.scene.drive, inspection.motion.signal(Channel.POSITION).time
     if isinstance(drive, Prescribed):
-        signal = Signal(time, np.abs(seen.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
+        signal = Signal(time, np.abs(inspection.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
     else:
-        signal = released_phase(seen)
-    return Signal(signal.time, np.maximum(signal.values, _gap(seen)))
+        signal = angle_error_from_energy(inspection)
+    return Signal(signal.time, np.maximum(signal.values, _largest_gap(inspection)))
 
 
-def _gap(seen: Inspection) -> float:
+def _largest_gap(inspection: Inspection) -> float:
     """Largest angle between two samples of a channel, rad, where it is more than half a turn; else 0."""
-    motion = seen.motion
+    motion = inspection.motion
     signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]
     clocks = [signal.time for signal in (*signals, *motion.history.joint_force.values())]
     turned = max(float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time))))) for time in clocks)
-    return turned if turned > HALF_TURN * seen.radian else 0.0
+    return turned if turned > HALF_TURN * inspection.radian else 0.0
 
 
 Array = NDArray[np.float64]
@@ -107,7 +107,7 @@ def checks(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Record, .
 
 
 # What each invariant is made of: the joints' equations are looked at level by level.
-NEEDS: Mapping[str, tuple[Channel, ...]] = {
+NEEDED_CHANNELS: Mapping[str, tuple[Channel, ...]] = {
     "joint_gap": LEVELS[:1],
     "closure": LEVELS,
     "assembly_mode": LEVELS[:1],
@@ -119,11 +119,11 @@ NEEDS: Mapping[str, tuple[Channel, ...]] = {
 
 
 def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
-    seen = Inspection(motion, change_points(case))
-    for name, needed in NEEDS.items():
+    inspection = Inspection(motion, change_points(case))
+    for name, needed in NEEDED_CHANNELS.items():
         if name == "force_balance" and Channel.JOINT_FORCE not in motion.scene.channels:
             continue
-        lacking = _lacking(motion, name, needed)
+        lacking = _missing_channels(motion, name, needed)
         unit = UNITS[name] if not motion.is_linear else LINEAR_UNITS.get(name, UNITS[name])
         record = replace(blank, quantity=name, unit=unit)
         if lacking:
@@ -133,7 +133,9 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
         elif name in BALANCES and case.mechanism.linkage.is_idle:
             yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
         else:
-            yield _checked(case, seen, replace(record, origin=blank.origin or motion.origin(needed).value))
+            yield _invariant_record(
+                case, inspection, replace(record, origin=blank.origin or motion.origin(needed).value)
+            )
 
 
 def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
@@ -147,7 +149,7 @@ def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
     return groups
 
 
-def _lacking(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:
+def _missing_channels(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:
     lacking = [channel.value for channel in needed if not motion.has(channel)]
     if name == "force_balance" and not lacking:
         forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
@@ -156,33 +158,33 @@ def _lacking(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> st
     return ", ".join(lacking)
 
 
-def _checked(case: Case, seen: Inspection, record: Record) -> Record:
+def _invariant_record(case: Case, inspection: Inspection, record: Record) -> Record:
     """The record of one invariant whose channels are there."""
-    motion, samples = seen.motion, len(seen.motion.signal(Channel.POSITION).time)
+    motion, samples = inspection.motion, len(inspection.motion.signal(Channel.POSITION).time)
     if record.quantity == "energy_balance":
-        return _check_energy(case, replace(record, peak=energy_at_play(motion)), energy_balance(seen))
+        return _judge_energy(case, replace(record, peak=energy_scale(motion)), energy_balance(inspection))
     if record.quantity == "closure":
-        signal, count = _closure(case, seen)
-        return _check(record, signal, 1.0, count)
+        signal, count = _closure_signal(case, inspection)
+        return _judge_signal(record, signal, 1.0, count)
     if record.quantity == "joint_gap":
-        return _check(record, joint_gaps(motion), case.mechanism.linkage.shortest_length(), samples)
+        return _judge_signal(record, joint_gaps(motion), case.mechanism.linkage.shortest_length(), samples)
     if record.quantity in SHARES:
-        scale = seen.radian if record.quantity == "crank_phase" else 1.0
-        return _check(record, SHARES[record.quantity](seen), scale, samples)
+        scale = inspection.radian if record.quantity == "crank_phase" else 1.0
+        return _judge_signal(record, SHARES[record.quantity](inspection), scale, samples)
     samples = len(motion.signal(Channel.ACCELERATION).time)
     if record.quantity == "force_balance":
-        return _check(record, _away_from_jumps(case, seen.force_balance()), 1.0, samples)
-    required = _away_from_jumps(case, seen.bridged(seen.torque_required(), case.motion.jumps))
+        return _judge_signal(record, _without_jumps(case, inspection.force_balance()), 1.0, samples)
+    required = _without_jumps(case, inspection.bridge_changes(inspection.torque_required(), case.motion.jumps))
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
-    return _check(record, routes, _torque_scale(case, motion), samples)
+    return _judge_signal(record, routes, _torque_scale(case, motion), samples)
 
 
-def _closure(case: Case, seen: Inspection) -> tuple[Signal, int]:
+def _closure_signal(case: Case, inspection: Inspection) -> tuple[Signal, int]:
     """The corrections of all levels one after the other, and how many there were before any was left out."""
-    levels = closure(seen)
+    levels = closure(inspection)
     count = sum(len(signal.time) for signal in levels.values())
-    levels[Channel.ACCELERATION.value] = _away_from_jumps(case, levels[Channel.ACCELERATION.value])
-    signals = [_away_from_changes(seen, signal) for signal in levels.values()]
+    levels[Channel.ACCELERATION.value] = _without_jumps(case, levels[Channel.ACCELERATION.value])
+    signals = [_without_change_points(inspection, signal) for signal in levels.values()]
     time, values = (np.concatenate([getattr(signal, part) for signal in signals]) for part in ("time", "values"))
     return Signal(time, values), count
 
@@ -199,19 +201,19 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
     return max(peak, float(np.max(np.abs(inertia * motion.crank(Channel.ACCELERATION, time)[fast]))))
 
 
-def _away_from_jumps(case: Case, signal: Signal) -> Signal:
+def _without_jumps(case: Case, signal: Signal) -> Signal:
     """A signal without its samples at acceleration jumps, where the true value is not unique."""
     smooth = ~near_jumps(signal.time, case.motion)
     return Signal(signal.time[smooth], signal.values[smooth])
 
 
-def _away_from_changes(seen: Inspection, signal: Signal) -> Signal:
+def _without_change_points(inspection: Inspection, signal: Signal) -> Signal:
     """A signal without its samples beside change points, where corrections are their own rounding magnified."""
-    smooth = ~seen.beside_changes(signal.time).any(axis=1)
+    smooth = ~inspection.beside_changes(signal.time).any(axis=1)
     return Signal(signal.time[smooth], signal.values[smooth])
 
 
-def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:
+def _judge_signal(blank: Record, signal: Signal, scale: float, total: int) -> Record:
     """A record of a signal that should be zero everywhere, relative to a scale; samples without a value are left out.
 
     Without a single value nothing is judged, and nothing has passed.
@@ -232,14 +234,16 @@ def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:
     )
 
 
-def _check_energy(case: Case, blank: Record, balance: EnergyBalance) -> Record:
+def _judge_energy(case: Case, blank: Record, balance: EnergyBalance) -> Record:
     """The record of an energy balance: the energy gained, or its error estimate where that is larger.
 
     A gain over the limit by more than its error bound fails; one over the limit by less is undefined.
     """
 
     def check(values: Array) -> Record:
-        return _check(blank, _away_from_jumps(case, Signal(balance.time, values)), blank.peak or 1.0, len(balance.time))
+        return _judge_signal(
+            blank, _without_jumps(case, Signal(balance.time, values)), blank.peak or 1.0, len(balance.time)
+        )
 
     certain = check(balance.excess)
     if certain.outcome != Verdict.PASSED or not np.all(np.isfinite(balance.error_estimate)):

@@ -45,7 +45,7 @@ class Corrected:
 
     @property
     def equations(self) -> JointEquations:
-        """The scene's."""
+        """The equations of the scene's joints."""
         return self.groups.equations
 
     def observed(self, order: int) -> Array:
@@ -55,42 +55,44 @@ class Corrected:
     def correction(self, order: int) -> Array:
         """The correction of the position, velocity or acceleration."""
         if order == 0:
-            return self._position_lack
-        return self._velocity_lack if order == 1 else self._acceleration_lack
+            return self._position_correction
+        return self._velocity_correction if order == 1 else self._acceleration_correction
 
     def corrected(self, order: int) -> Array:
         """Position, velocity or acceleration as it would fit the joints and the drive."""
         return self.observed(order) + self.correction(order)
 
     @cached_property
-    def _seen(self) -> tuple[Pose, Arms]:
+    def _observed_pose(self) -> tuple[Pose, Arms]:
         pose = pose_of(self.observed(0))
         return pose, self.equations.arms(pose)
 
     @cached_property
-    def _closed(self) -> tuple[Pose, Arms]:
+    def _corrected_pose(self) -> tuple[Pose, Arms]:
         pose = pose_of(self.corrected(0))
         return pose, self.equations.arms(pose)
 
     @cached_property
-    def _position_lack(self) -> Array:
-        residual = self.equations.residual(*self._seen)
-        residual[:, self.equations.crank_row] = self.equations.driven(*self._seen)
-        return self._lack(residual, 0)
+    def _position_correction(self) -> Array:
+        residual = self.equations.residual(*self._observed_pose)
+        residual[:, self.equations.crank_row] = self.equations.driven(*self._observed_pose)
+        return self._solve_correction(residual, 0)
 
     @cached_property
-    def _velocity_lack(self) -> Array:
-        return self._lack(self._rates(1), 1)
+    def _velocity_correction(self) -> Array:
+        return self._solve_correction(self._rates(1), 1)
 
     @cached_property
-    def _acceleration_lack(self) -> Array:
-        return self._lack(self._rates(2) - self.equations.bend(self._closed[1], self.corrected(1)), 2)
+    def _acceleration_correction(self) -> Array:
+        return self._solve_correction(
+            self._rates(2) - self.equations.bend(self._corrected_pose[1], self.corrected(1)), 2
+        )
 
     def _rates(self, order: int) -> Reals:
-        jacobian = self.equations.jacobian(self._closed[1])
+        jacobian = self.equations.jacobian(self._corrected_pose[1])
         return np.asarray(np.einsum("nrc,nc->nr", jacobian, self.equations.gather(self.observed(order))))
 
-    def _lack(self, residual: Reals, order: int) -> Array:
+    def _solve_correction(self, residual: Reals, order: int) -> Array:
         """The coordinates that take a residual away; what slides without turning keeps its angle."""
         equations, bodies = self.equations, self.equations.scene.bodies
         residual[:, equations.crank_row] -= self.crank_target(order)
@@ -108,18 +110,22 @@ class Corrected:
         if isinstance(drive, Prescribed):
             return (drive.motion.angle, drive.motion.speed, drive.motion.acceleration)[order](self.time) / scale
         if order == 0:
-            return np.asarray(self.equations.driven(*self._seen), dtype=float)
-        bend = self.equations.bend(self._closed[1], self.corrected(1))[:, self.equations.crank_row] if order > 1 else 0
+            return np.asarray(self.equations.driven(*self._observed_pose), dtype=float)
+        bend = (
+            self.equations.bend(self._corrected_pose[1], self.corrected(1))[:, self.equations.crank_row]
+            if order > 1
+            else 0
+        )
         return np.asarray(self._rates(order)[:, self.equations.crank_row] - bend, dtype=float)
 
     @cached_property
     def jacobian(self) -> Array:
         """G, (instants, equations, coordinates)."""
-        return np.asarray(self.equations.jacobian(self._seen[1]), dtype=float)
+        return np.asarray(self.equations.jacobian(self._observed_pose[1]), dtype=float)
 
     @cached_property
     def determinants(self) -> Array:
-        """Of every group's equations, (instants, groups); see ``AssurGroups.determinants``."""
+        """Determinants of every group's equations, (instants, groups); see ``AssurGroups.determinants``."""
         return np.asarray(self.groups.determinants(self.jacobian), dtype=float)
 
     @cached_property
@@ -135,7 +141,7 @@ class Corrected:
         """λ of the corrected state, (instants, equations), N; moments are over the equations' unit."""
         equations = self.equations
         velocity, acceleration = (self.corrected(order) * equations.metres for order in (1, 2))
-        loads = applied_loads(equations.scene, self._closed[0].scaled(equations.unit), velocity)
+        loads = applied_loads(equations.scene, self._corrected_pose[0].scaled(equations.unit), velocity)
         needed = equations.generalised(equations.mass * acceleration - loads)
         return np.asarray(np.einsum("nc,ncr->nr", needed, self.inverse))
 
@@ -148,7 +154,7 @@ class Corrected:
     @property
     def forces(self) -> Array:
         """The force of every pin, then every guided point, on its first body, (instants, joints, 2), N."""
-        return np.asarray(self.equations.joint_forces(self._closed[1], self.reactions))
+        return np.asarray(self.equations.joint_forces(self._corrected_pose[1], self.reactions))
 
 
 @dataclass(frozen=True)
@@ -180,13 +186,14 @@ def findings(motion: ObservedMotion, groups: AssurGroups, time: Array, order: in
 def _looked_at(state: Corrected, order: int) -> tuple[Array, ...]:
     """A block's findings, but its clock."""
     lacking, moving = (
-        np.stack([size(states(k)) for k in range(order + 1)], axis=1) for states in (state.correction, state.observed)
+        np.stack([largest_displacement(states(k)) for k in range(order + 1)], axis=1)
+        for states in (state.correction, state.observed)
     )
     required = (state.torque, state.forces) if order == len(LEVELS) - 1 else (np.zeros(0), np.zeros(0))
     return (lacking, moving, state.determinants, *required)
 
 
-def size(states: Array) -> Array:
+def largest_displacement(states: Array) -> Array:
     """Largest displacement or turn of any body at each instant of (instants, bodies, 3)."""
     return np.asarray(np.max(np.maximum(np.hypot(states[..., 0], states[..., 1]), np.abs(states[..., 2])), axis=1))
 
@@ -195,28 +202,28 @@ def size(states: Array) -> Array:
 
 TINY = float(np.finfo(float).tiny)
 ERROR_SHARE = 0.25  # of the distance from every other sample: fourth order leaves a fifteenth, if it converges
-SLOW = 0.5  # of a relaxation time: within so long a step the ends' slopes still improve a quadrature
+MOST_DECAY = 0.5  # of a relaxation time: within so long a step the ends' slopes still improve a quadrature
 
 
-def carried(start: float, shares: Array, added: Array) -> Array:
-    """The series y with y₀ = ``start`` and yₙ₊₁ = keptₙ yₙ + addedₙ, (n + 1,)."""
-    if np.all(shares == 1.0):
+def accumulate_errors(start: float, kept: Array, added: Array) -> Array:
+    """An error that a share of is kept at each step: y₀ = ``start``, yₙ₊₁ = keptₙ yₙ + addedₙ, (n + 1,)."""
+    if np.all(kept == 1.0):
         return start + np.concatenate([[0.0], np.cumsum(added)])
     result, value = [start], start
-    for share, more in zip(shares.tolist(), added.tolist(), strict=True):
+    for share, more in zip(kept.tolist(), added.tolist(), strict=True):
         value = value * share + more
         result.append(value)
     return np.array(result)
 
 
-def forgotten(gained: Array, rate: Array, time: Array) -> Array:
-    """The rest of an energy error that dampers dissipate at a rate, 1/s: h' = δE' − rate · h.
+def undissipated_error(gained: Array, rate: Array, time: Array) -> Array:
+    """What is left of an energy error, J, of which dampers dissipate a ``rate``, 1/s: h' = δE' − rate · h.
 
     More speed is damped more: a power D taken of the kinetic energy T takes D/T of any error in it.
     """
     decay = np.diff(time) * 0.5 * (rate[1:] + rate[:-1])
     spread = -np.expm1(-decay) / np.maximum(decay, TINY)
-    return carried(float(gained[0]), np.exp(-decay), np.diff(gained) * np.where(decay > 0.0, spread, 1.0))
+    return accumulate_errors(float(gained[0]), np.exp(-decay), np.diff(gained) * np.where(decay > 0.0, spread, 1.0))
 
 
 def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, start: float) -> Array:
@@ -225,11 +232,11 @@ def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, st
     ``rate`` is b/Jeq, 1/s, with which a speed relaxes; ``start`` is the first sample's own error. Between samples the
     drive and loads, ε + rate · ω, are taken to be smooth, not ε itself, which may be over within a fraction of a step.
     """
-    errors = carried(start, *_steps(time, speed, acceleration, rate))
+    errors = accumulate_errors(start, *_steps(time, speed, acceleration, rate))
     if len(time) < 4 * POINTS:
         return np.zeros(len(time))
-    coarse = carried(start, *_steps(time[::2], speed[::2], acceleration[::2], rate[::2]))
-    converging = bool(np.all(np.diff(time) * np.maximum(rate[1:], rate[:-1]) < SLOW))
+    coarse = accumulate_errors(start, *_steps(time[::2], speed[::2], acceleration[::2], rate[::2]))
+    converging = bool(np.all(np.diff(time) * np.maximum(rate[1:], rate[:-1]) < MOST_DECAY))
     unsure = (ERROR_SHARE if converging else 1.0) * np.maximum.accumulate(np.abs(coarse - errors[::2]))
     return np.maximum(np.abs(errors) - unsure[np.arange(len(time)) // 2], 0.0)
 
@@ -244,5 +251,5 @@ def _steps(time: Array, speed: Array, acceleration: Array, rate: Array) -> tuple
     late = np.where(decay > 1e-3, (1.0 - weight) / safe, 0.5 - decay / 6.0)
     change = step * ((weight - late) * push[:-1] + late * push[1:])
     slope = np.gradient(push, time, edge_order=2)
-    change += np.where(decay < SLOW, step**2 * (slope[:-1] - slope[1:]) / 12.0, 0.0)
+    change += np.where(decay < MOST_DECAY, step**2 * (slope[:-1] - slope[1:]) / 12.0, 0.0)
     return shares, speed[1:] - shares * speed[:-1] - change

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.invariants.corrections import forgotten, speed_errors
+from comparisons.invariants.corrections import speed_errors, undissipated_error
 from comparisons.invariants.inspection import Inspection
 from comparisons.observation.interpolation import error_bound, error_estimate, integral
 from comparisons.observation.observed_motion import ObservedMotion
@@ -25,7 +25,7 @@ def energy(motion: ObservedMotion, time: Array) -> Array:
     return motion.kinetic_energy(time) + motion.potential_energy(time)
 
 
-def energy_at_play(motion: ObservedMotion) -> float:
+def energy_scale(motion: ObservedMotion) -> float:
     """Peak kinetic energy, range of the potential energy and work of all other loads, J."""
     time = motion.signal(Channel.POSITION).time
     work = integral(Signal(time, motion.load_power(time)), ())
@@ -48,12 +48,12 @@ class EnergyBalance:
         return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_bound, 0.0))
 
 
-def energy_balance(seen: Inspection) -> EnergyBalance:
+def energy_balance(inspection: Inspection) -> EnergyBalance:
     """T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt on the torque's clock.
 
     The error is that of the quadrature and, where the motion changes within a sample or two, all that changes there.
     """
-    motion, drive = seen.motion, seen.motion.scene.drive
+    motion, drive = inspection.motion, inspection.motion.scene.drive
     torque = motion.signal(Channel.TORQUE)
     time = torque.time
     power, done = motion.load_power(time), np.zeros(len(time))
@@ -69,25 +69,28 @@ def energy_balance(seen: Inspection) -> EnergyBalance:
     work = integral(Signal(time, power), jumps)
     stored = energy(motion, time) - done
     swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
-    unresolved = np.concatenate([[0.0], np.cumsum(np.where(seen.unresolved(time), swing, 0.0))])
+    unresolved = np.concatenate([[0.0], np.cumsum(np.where(inspection.unresolved_intervals(time), swing, 0.0))])
     errors = (error(Signal(time, power), work, jumps) + unresolved for error in (error_estimate, error_bound))
     return EnergyBalance(time, stored - stored[0] - work, *errors)
 
 
-def released_phase(seen: Inspection) -> Signal:
-    """∫ δE/(2T) ω dt, and how far the angle is from the integral of the speed, rad, on the torque's clock."""
-    motion = seen.motion
+def angle_error_from_energy(inspection: Inspection) -> Signal:
+    """Upper estimate of a released crank's angle error, rad, on the torque's clock.
+
+    ∫ δE/(2T) ω dt of energy without a source, and the angle less the integral of the speed.
+    """
+    motion = inspection.motion
     time = motion.signal(Channel.TORQUE).time
     angle, speed = motion.crank(Channel.POSITION, time), motion.crank(Channel.VELOCITY, time)
     kinetic = motion.kinetic_energy(time)
-    gained = energy_balance(seen).excess + _start_excess(motion, time[:1])
-    gained = forgotten(gained, 2.0 * seen.relaxation_rate(time), time)
+    gained = energy_balance(inspection).excess + _start_excess(motion, time[:1])
+    gained = undissipated_error(gained, 2.0 * inspection.relaxation_rate(time), time)
     share = gained / (2.0 * np.maximum(kinetic, np.abs(gained)) + TINY)
     # An engine's torque may begin after the start state: until then the speed changes, so the integral begins at 0 s.
     later = int(time[0] > 0.0)
-    rates = Signal(np.insert(time, 0, [0.0] * later), np.insert(speed, 0, [seen.start[1]] * later))
+    rates = Signal(np.insert(time, 0, [0.0] * later), np.insert(speed, 0, [inspection.start[1]] * later))
     turned = integral(rates, ())
-    slip = np.abs(angle - seen.start[0] - turned[later:])
+    slip = np.abs(angle - inspection.start[0] - turned[later:])
     slip = np.maximum(slip - error_bound(rates, turned, ())[later:], 0.0)
     return Signal(time, np.abs(integral(Signal(time, share * speed), ())) + slip)
 
@@ -103,11 +106,11 @@ def _start_excess(motion: ObservedMotion, first: Array) -> float:
     return float(energy(motion, first)[0] - energy(start, clock)[0]) - work
 
 
-def speed_drift(seen: Inspection) -> Signal:
+def speed_drift(inspection: Inspection) -> Signal:
     """Crank speed less what the start and the claimed acceleration make of it and the error of that, over its peak."""
-    motion, start = seen.motion, seen.start
+    motion, start = inspection.motion, inspection.start
     time = motion.signal(Channel.VELOCITY).time
-    rate = seen.relaxation_rate(time)
+    rate = inspection.relaxation_rate(time)
     speed, acceleration = motion.crank(Channel.VELOCITY, time), motion.crank(Channel.ACCELERATION, time)
     if time[0] > 0.0:
         time, rate = np.insert(time, 0, 0.0), np.insert(rate, 0, rate[0])

@@ -29,16 +29,16 @@ FAINT_FORCE = 1e-9
 # A determinant that changes by this share of itself from sample to sample leaves a peak between them unseen; so many
 # samples on either side are as uncertain.
 SHARP, REACH = 0.3, 2.0
-BESIDE, SAMPLES_BESIDE = 0.05, 5.0  # rad of a change point, and samples of it
+BESIDE_ANGLE, BESIDE_SAMPLES = 0.05, 5.0  # rad of a change point, and samples of it
 # A curve over a change point: its degree, how far it goes to either side, in widths of what it bridges, and what it
 # may miss of the samples it goes through, over their peak.
 DEGREE, FAR, MISSED = 8, 4.0, 1e-4
-SUDDEN = 0.3  # relaxation times between samples
+MOST_RELAXATION = 0.3  # relaxation times between samples
 STANDSTILL = 1e-12  # of the peak kinetic energy: below it there is no reliable rate of damping
-COARSE = 0.5  # rad of crank between samples: a dozen of a turn show its energy, not the work done between them
-NOWHERE = 1e-12  # a determinant below it has no sign
+COARSE_ANGLE = 0.5  # rad of crank between samples: a dozen of a turn show its energy, not the work done between them
+LEAST_DETERMINANT = 1e-12  # a determinant below it has no sign
 TINY = float(np.finfo(float).tiny)
-ALIKE = 4.0  # times as long as its neighbour a piece of a law may be
+MOST_LENGTH_RATIO = 4.0  # times as long as its neighbour a piece of a law may be
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Inspection:
 
     @cached_property
     def groups(self) -> AssurGroups:
-        """The scene's, their equations' lengths counted in its size."""
+        """The scene's Assur groups; lengths in their equations are over the scene's size."""
         return AssurGroups(JointEquations(self.motion.scene, scene_size(self.motion.scene)))
 
     @cached_property
@@ -67,7 +67,7 @@ class Inspection:
 
     @cached_property
     def _findings(self) -> dict[bytes, Findings]:
-        """By clock, each looked at up to the highest derivative that has it, so that channels on one share the work."""
+        """The findings by clock, up to the highest derivative on it: channels that share a clock share the work."""
         recorded = list(takewhile(self.motion.has, LEVELS))
         clocks = {(time := self.motion.signal(c).time).tobytes(): (time, order) for order, c in enumerate(recorded)}
         return {key: findings(self.motion, self.groups, *clock) for key, clock in clocks.items()}
@@ -91,7 +91,7 @@ class Inspection:
     def assembly_mode(self) -> Signal:
         """How far any group is into the mode it did not start in, over the farthest it is from a dead position."""
         result = self.on(Channel.POSITION)
-        depth = np.maximum(-result.determinants * self._start_modes() * self._passed(result.time), 0.0)
+        depth = np.maximum(-result.determinants * self._start_modes() * self._mode_signs(result.time), 0.0)
         return Signal(result.time, np.max(depth / np.max(np.abs(result.determinants), axis=0), axis=1))
 
     def _start_modes(self) -> Array:
@@ -99,11 +99,11 @@ class Inspection:
         equations = self.groups.equations
         first = self.groups.determinants(equations.jacobian(equations.arms(equations.start())))
         seen = np.concatenate([first, self.on(Channel.POSITION).determinants])
-        values = np.argmax(np.abs(seen) > NOWHERE, axis=0)
+        values = np.argmax(np.abs(seen) > LEAST_DETERMINANT, axis=0)
         return np.asarray(np.sign(np.take_along_axis(seen, values[None], axis=0)[0]))
 
     @cached_property
-    def _changes(self) -> list[tuple[int, float]]:
+    def _group_changes(self) -> list[tuple[int, float]]:
         """The groups' change points: the number of the group among the determinants, and φ, rad."""
         names = list(self.groups.equations.index)
         return [
@@ -112,11 +112,11 @@ class Inspection:
             for change in self.changes.get(frozenset(bodies) & frozenset(names), ())
         ]
 
-    def _passed(self, time: Array) -> Array:
+    def _mode_signs(self, time: Array) -> Array:
         """-1 where a group has passed an odd number of its change points since the start, else 1; (n, groups)."""
         angle, start = self.motion.crank(Channel.POSITION, time), self.motion.scene.crank_angle if self.changes else 0.0
         result = np.ones((len(time), 1 + len(self.groups.blocks)))
-        for number, change in self._changes:
+        for number, change in self._group_changes:
             turned = np.floor((angle - change) / FULL_TURN) - np.floor((start - change) / FULL_TURN)
             result[:, number] *= np.where(turned % 2 == 0, 1.0, -1.0)
         return result
@@ -127,14 +127,16 @@ class Inspection:
         The determinant is small there, and corrections, which are divided by it, are mere rounding.
         """
         angle = self.motion.crank(Channel.POSITION, time)
-        reach = np.maximum(BESIDE, SAMPLES_BESIDE * np.abs(np.gradient(angle))) if len(angle) > 1 else BESIDE
+        reach = (
+            np.maximum(BESIDE_ANGLE, BESIDE_SAMPLES * np.abs(np.gradient(angle))) if len(angle) > 1 else BESIDE_ANGLE
+        )
         result = np.zeros((len(time), 1 + len(self.groups.blocks)), dtype=bool)
-        for number, change in self._changes:
+        for number, change in self._group_changes:
             away = np.abs((angle - change + 0.5 * FULL_TURN) % FULL_TURN - 0.5 * FULL_TURN)
             result[:, number] |= away <= reach
         return result
 
-    def bridged(self, signal: Signal, jumps: tuple[float, ...]) -> Signal:
+    def bridge_changes(self, signal: Signal, jumps: tuple[float, ...]) -> Signal:
         """A signal (n,) that has beside change points the values of a smooth curve through its samples around them.
 
         They are nan where there are too few samples around, a jump of the acceleration, or no such curve.
@@ -169,15 +171,15 @@ class Inspection:
             worst = np.maximum(worst, np.hypot(*difference.T) / scales[number])
         return Signal(result.time[within], worst)
 
-    def unresolved(self, time: Array) -> NDArray[np.bool_]:
+    def unresolved_intervals(self, time: Array) -> NDArray[np.bool_]:
         """Intervals of a clock in which the motion changes faster than its samples tell, (n - 1,).
 
         Beside a dead position a group's determinant changes by much of itself from sample to sample; a piece of the
         prescribed motion may be over within a few samples; a turn may have no more than a few; and dampers may take a
         good part of a speed between two.
         """
-        result = np.abs(np.diff(self.motion.crank(Channel.POSITION, time))) > COARSE * self.radian
-        result |= np.diff(time) * self.relaxation_rate(time)[1:] > SUDDEN
+        result = np.abs(np.diff(self.motion.crank(Channel.POSITION, time))) > COARSE_ANGLE * self.radian
+        result |= np.diff(time) * self.relaxation_rate(time)[1:] > MOST_RELAXATION
         for start, end in self._sharp_passages(time):
             result |= (time[:-1] <= end) & (time[1:] >= start)
         return np.asarray(result)
@@ -230,7 +232,7 @@ def _stretches(motion: CrankMotion) -> Iterator[tuple[float, float]]:
     start, end, length = first.start, first.end, first.end - first.start
     for segment in others:
         before, length = length, segment.end - segment.start
-        if segment.start in motion.jumps or max(before, length) > ALIKE * min(before, length):
+        if segment.start in motion.jumps or max(before, length) > MOST_LENGTH_RATIO * min(before, length):
             yield start, end
             start = segment.start
         end = segment.end

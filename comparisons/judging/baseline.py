@@ -27,7 +27,7 @@ GROWTH: Final = 3.0
 FLOOR_SHARE: Final = 1e-3
 # What a key figure of the closed form may change by, relative.
 SAME_FIGURE: Final = 1e-6
-FIRST: Final = r"\.first$"  # an earlier name of figures at the time 0
+OLD_ENDING: Final = r"\.first$"  # an earlier name of figures at the time 0
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Baseline:
 
     def allowed(self, record: Record) -> float | None:
         """The largest deviation that the baseline allows; None without a record."""
-        errors = self._regime(record).get("errors", {}).get(f"{record.engine} {record.setting}", {})
+        errors = self._recorded_regime(record).get("errors", {}).get(f"{record.engine} {record.setting}", {})
         value = errors.get(record.quantity)
         if value is None or record.limit is None:
             return None
@@ -82,8 +82,8 @@ class Baseline:
 
     def figures(self, record: Record) -> Mapping[str, float]:
         """The key figures recorded for a record's linkage, variant and regime; empty without a record."""
-        recorded = self._regime(record).get("figures", {})
-        return {re.sub(FIRST, "@0s", name): float(value) for name, value in recorded.items()}
+        recorded = self._recorded_regime(record).get("figures", {})
+        return {re.sub(OLD_ENDING, "@0s", name): float(value) for name, value in recorded.items()}
 
     @property
     def regimes(self) -> frozenset[str]:
@@ -96,10 +96,10 @@ class Baseline:
         known = [place for place in self.places.values() if place.path in self.linkages]
         return tuple(place.path for place in known if self.linkages[place.path]["checksum"] != place.checksum)
 
-    def _regime(self, record: Record) -> Mapping[str, Any]:
+    def _recorded_regime(self, record: Record) -> Mapping[str, Any]:
         place = self.places.get(record.mechanism)
         entry = self.linkages.get(place.path, {}) if place else {}
-        table: Mapping[str, Any] = entry.get("variants", {}).get(record.variant, {}).get(_key(record), {})
+        table: Mapping[str, Any] = entry.get("variants", {}).get(record.variant, {}).get(_record_key(record), {})
         return table
 
     def recorded(
@@ -108,9 +108,9 @@ class Baseline:
         figures: Mapping[tuple[str, str, str], Any],
         without: Iterable[tuple[str, ...]] = (),
     ) -> Baseline:
-        """The same with records and figures, by mechanism, variant and ``regime_key``, over the old.
+        """A baseline with these records and figures, by mechanism, variant and ``regime_key``, in place of older ones.
 
-        What stands at the places ``without`` is left out: a path, with a variant, with a regime's key.
+        Entries at the places ``without`` are left out: a path, with a variant, with a regime's key.
         """
         linkages = json.loads(json.dumps(self.linkages))
         for path, *below in without:
@@ -120,17 +120,17 @@ class Baseline:
                 table = table[name]
             del table[last]
         for record in records:
-            regime = self._entry(linkages, record.mechanism, record.variant, _key(record))
+            regime = self._writable_entry(linkages, record.mechanism, record.variant, _record_key(record))
             if record.error_max is not None:
                 errors = regime.setdefault("errors", {}).setdefault(f"{record.engine} {record.setting}", {})
                 errors[record.quantity] = float(f"{record.error_max:.3e}")
         for (mechanism, variant, key), values in figures.items():
-            self._entry(linkages, mechanism, variant, key)["figures"] = {
+            self._writable_entry(linkages, mechanism, variant, key)["figures"] = {
                 name: float(f"{value:.9g}") for name, value in values.items()
             }
         return Baseline(linkages, self.places, coverage=self.coverage)
 
-    def _entry(self, linkages: dict[str, Any], mechanism: str, variant: str, key: str) -> dict[str, Any]:
+    def _writable_entry(self, linkages: dict[str, Any], mechanism: str, variant: str, key: str) -> dict[str, Any]:
         place = self.places[mechanism]
         entry = linkages.setdefault(place.path, {"variants": {}})
         entry["checksum"] = place.checksum
@@ -143,7 +143,7 @@ class Baseline:
         write_text(path, json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
 
 
-def _key(record: Record) -> str:
+def _record_key(record: Record) -> str:
     return regime_key(record.regime, record.conditions)
 
 
@@ -164,7 +164,7 @@ def read_baseline(path: Path, places: Mapping[str, Place]) -> Baseline:
                 "the version that wrote it, or record it anew"
             )
         for entry in document["linkages"].values():
-            _check(entry)
+            _check_entry(entry)
         return Baseline(document["linkages"], places)
     except OSError as error:
         raise LinkproofError(
@@ -177,7 +177,7 @@ def read_baseline(path: Path, places: Mapping[str, Place]) -> Baseline:
         ) from error
 
 
-def _check(entry: Any) -> None:  # noqa: ANN401 - whatever JSON holds
+def _check_entry(entry: Any) -> None:  # noqa: ANN401 - whatever JSON holds
     """Raise ValueError, TypeError, KeyError or AttributeError for an invalid entry."""
     str.encode(entry["checksum"])
     for regimes in entry["variants"].values():
@@ -189,7 +189,7 @@ def _check(entry: Any) -> None:  # noqa: ANN401 - whatever JSON holds
 
 # Departures of a comparison from its baseline: linkages, variants and motions missing, new or renamed.
 
-ANEW = "--record-baseline records it"
+RECORD_HINT = "--record-baseline records it"
 NEW, MISSING = "--allow-new", "--allow-missing"
 
 
@@ -225,15 +225,15 @@ def file_departures(baseline: Baseline) -> tuple[Departure, ...]:
         twin = next((path for path in new if here[path] == recorded[old]["checksum"]), None)
         if twin is None:
             gone = "does not exist" if old in baseline.lost else "is not compared"
-            words = f"{old} is in the baseline and {gone} any more: {ANEW}, {MISSING} lets it be"
+            words = f"{old} is in the baseline and {gone} any more: {RECORD_HINT}, {MISSING} lets it be"
             result.append(Departure((old,), words, is_recorded=True, is_allowed=coverage.allow_missing))
             continue
         new.remove(twin)
-        words = f"{old} was renamed to {twin}, its text is the same: {ANEW}, {NEW} and {MISSING} let it be"
+        words = f"{old} was renamed to {twin}, its text is the same: {RECORD_HINT}, {NEW} and {MISSING} let it be"
         result.append(
             Departure((old,), words, is_recorded=True, is_allowed=coverage.allow_new and coverage.allow_missing)
         )
-    words = f"is not in the baseline: {ANEW}, {NEW} lets it be"
+    words = f"is not in the baseline: {RECORD_HINT}, {NEW} lets it be"
     return (
         *result,
         *(Departure((path,), f"{path} {words}", is_recorded=False, is_allowed=coverage.allow_new) for path in new),
@@ -259,11 +259,13 @@ def motion_departures(
             keys: dict[str, list[str]] = {name: [] for name in variants}
             for case in by_mechanism.get(linkage.name, ()):
                 keys[case.variant].append(regime_key(case.regime, case.conditions))
-            groups += [_missing(place.path, linkage, keys, baseline), _new(place.path, keys, baseline)]
+            groups += [_missing_motions(place.path, linkage, keys, baseline), _new_motions(place.path, keys, baseline)]
     return tuple(chain.from_iterable(groups))
 
 
-def _missing(path: str, linkage: Linkage, keys: Mapping[str, Sequence[str]], baseline: Baseline) -> Iterator[Departure]:
+def _missing_motions(
+    path: str, linkage: Linkage, keys: Mapping[str, Sequence[str]], baseline: Baseline
+) -> Iterator[Departure]:
     """Variants and regimes that the file has no more, and motions that are not compared though all are to be."""
     coverage, variants = baseline.coverage, baseline.linkages[path]["variants"]
     possible = tuple(f"{name}: " for name in (*REGIMES, *LAWS, *(regime.name for regime in linkage.regimes)))
@@ -275,21 +277,22 @@ def _missing(path: str, linkage: Linkage, keys: Mapping[str, Sequence[str]], bas
         if key not in compared and (coverage.every_motion or not key.startswith(possible))
     ]
     for place in places:
-        words = f"{_words(place)} is in the baseline and is not compared any more: {ANEW}, {MISSING} lets it be"
+        gone = f"{_place_words(place)} is in the baseline and is not compared any more"
+        words = f"{gone}: {RECORD_HINT}, {MISSING} lets it be"
         yield Departure(place, words, is_recorded=True, is_allowed=coverage.allow_missing)
 
 
-def _new(path: str, keys: Mapping[str, Sequence[str]], baseline: Baseline) -> Iterator[Departure]:
+def _new_motions(path: str, keys: Mapping[str, Sequence[str]], baseline: Baseline) -> Iterator[Departure]:
     """Motions without a recorded figure, by variant."""
     coverage, recorded = baseline.coverage, baseline.linkages[path]["variants"]
     for variant, key in ((variant, key) for variant, compared in keys.items() for key in compared):
         if not recorded.get(variant, {}).get(key, {}).get("figures"):
             place = (path, variant, key)
-            words = f"{_words(place)} is not in the baseline: {ANEW}, {NEW} lets it be"
+            words = f"{_place_words(place)} is not in the baseline: {RECORD_HINT}, {NEW} lets it be"
             is_allowed = coverage.allow_new or not coverage.new_motions
             yield Departure(place, words, is_recorded=False, is_allowed=is_allowed)
 
 
-def _words(place: tuple[str, ...]) -> str:
+def _place_words(place: tuple[str, ...]) -> str:
     path, variant, *motion = place
     return f"{path} ({variant})" + "".join(f", {words}" for words in motion)

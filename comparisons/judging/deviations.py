@@ -89,11 +89,14 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
         raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))
     if quantity.needs_thread and (reason := quantity.undefined(case)):
         raise NoSampleError(reason)
-    return signal_deviation(case, quantity, quantity.observed(case, motion), len(_clock(quantity, motion)))
+    return signal_deviation(case, quantity, quantity.observed(case, motion), len(_sample_times(quantity, motion)))
 
 
 def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int) -> Deviation:
-    """As ``deviation``, of a signal read from an engine's motion before; ``clock`` counts the engine's samples."""
+    """Compare a signal that was read from an engine's motion; ``clock`` counts the engine's samples of it.
+
+    Raises NoSampleError where no sample is left.
+    """
     counted = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
         counted &= ~near_jumps(signal.time, case.motion)
@@ -103,9 +106,9 @@ def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int)
         )
     reference = quantity.reference(case, signal.time)
     if signal.values.ndim < reference.ndim:
-        reference = _size(reference)
-    difference = _size(signal.values - reference)[counted]
-    peak = float(np.max(_size(reference)[counted]))
+        reference = _magnitudes(reference)
+    difference = _magnitudes(signal.values - reference)[counted]
+    peak = float(np.max(_magnitudes(reference)[counted]))
     if peak == 0.0 and case.mechanism.linkage.is_massless:
         raise NoSampleError(f"{quantity.name} is zero throughout, as no link has a mass: its error has no scale")
     scale = peak or 1.0
@@ -113,31 +116,31 @@ def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int)
     return Deviation(
         time=signal.time,
         angle=case.motion.angle(signal.time),
-        observed=signal.values if signal.values.ndim == 1 else _size(signal.values),
-        reference=reference if reference.ndim == 1 else _size(reference),
+        observed=signal.values if signal.values.ndim == 1 else _magnitudes(signal.values),
+        reference=reference if reference.ndim == 1 else _magnitudes(reference),
         peak=peak,
         error_max=float(difference[worst] / scale),
         error_rms=float(np.sqrt(np.mean(difference**2)) / scale),
         worst_time=float(signal.time[counted][worst]),
         samples=len(difference),
         left_out=clock - len(difference),
-        error_at_jumps=_beyond_jumps(case, quantity, signal, reference) / scale,
+        error_at_jumps=_error_at_jumps(case, quantity, signal, reference) / scale,
     )
 
 
-def _beyond_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Array) -> float:
+def _error_at_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Array) -> float:
     """By how much the largest error of a sample at an acceleration jump is over the size of the jump."""
     worst = 0.0
     for jump in case.motion.jumps if quantity.holds_acceleration else ():
         near = near_jump(signal.time, case.motion, jump)
         if near.any():
-            before, after = _sides(case, quantity, jump)
-            error = _size(signal.values[near] - reference[near])
-            worst = max(worst, float(np.max(error - _size(after - before))))
+            before, after = _truth_beside_jump(case, quantity, jump)
+            error = _magnitudes(signal.values[near] - reference[near])
+            worst = max(worst, float(np.max(error - _magnitudes(after - before))))
     return worst
 
 
-def _sides(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:
+def _truth_beside_jump(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:
     """The truth just before and just after a jump, (1, ...) each; before the start the crank is at rest."""
     driven = Case(case.mechanism, case.motion)  # a new case: a case stores the truth of few clocks only
     after = quantity.reference(driven, np.array([jump]))
@@ -148,12 +151,12 @@ def _sides(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:
     return quantity.reference(resting, np.array([jump])), after
 
 
-def _size(values: Array) -> Array:
+def _magnitudes(values: Array) -> Array:
     """Magnitude of every sample: of a number, or of a vector along the last axis."""
     return np.abs(values) if values.ndim == 1 else np.asarray(np.hypot(*values.T))
 
 
-def _clock(quantity: Quantity, motion: ObservedMotion) -> Array:
+def _sample_times(quantity: Quantity, motion: ObservedMotion) -> Array:
     """Times at which the engine has samples of a quantity, those left out included."""
     if quantity.clock is Channel.JOINT_FORCE:
         return next(iter(motion.history.joint_force.values())).time

@@ -20,7 +20,7 @@ OWN = "own"  # stands in the table for every regime of a linkage's own
 SWING = "swing"  # stands there for every law from one crank angle to another but constant speed, which is one law
 TABLE = Path(__file__).with_name("limits.toml")
 LISTS: Final = ("quantities", "settings", "regimes", "mechanisms")
-USERS: Final = "set by the user"
+USER_REASON: Final = "set by the user"
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class LimitTable:
 
     @property
     def as_dict(self) -> list[dict[str, Any]]:
-        """The rows as a file of limits has them, JSON-ready; ``table_of`` reads them back."""
+        """The rows as a file of limits has them, JSON-ready; ``table_from_rows`` reads them back."""
         return [
             {**{name: sorted(getattr(row, name)) for name in LISTS}, "value": row.value, "reason": row.reason}
             for row in self.rows
@@ -79,12 +79,12 @@ class LimitTable:
 @cache
 def shipped_limits() -> LimitTable:
     """The table that comes with the suite."""
-    return table_of(tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"])
+    return table_from_rows(tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"])
 
 
-def table_of(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
+def table_from_rows(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
     """A whole table from its rows, which are not checked."""
-    return LimitTable(tuple(map(_row, rows)))
+    return LimitTable(tuple(map(_limit_row, rows)))
 
 
 def limit(quantity: str, setting: str, regime: str) -> Limit:
@@ -110,8 +110,8 @@ def with_rows(rows: object, origin: str, unknown: list[str] | None = None) -> Li
     if not isinstance(rows, list) or not rows:
         raise LinkproofError(f"{origin}: expected tables [[limit]] with quantities and a value, got none; add one")
     for number, row in enumerate(rows, start=1):
-        _check(row, f"{origin}: limit {number}")
-    return LimitTable((*map(_row, rows), *shipped_limits().rows))
+        _check_row(row, f"{origin}: limit {number}")
+    return LimitTable((*map(_limit_row, rows), *shipped_limits().rows))
 
 
 def check_named(
@@ -131,8 +131,8 @@ def check_named(
                     raise UnknownNameError(f"{kind} of limit {number}", name, names)
 
 
-def _check(row: Any, place: str) -> None:  # noqa: ANN401 - whatever TOML holds
-    """Raise LinkproofError for a user's row that cannot be."""
+def _check_row(row: Any, place: str) -> None:  # noqa: ANN401 - whatever TOML holds
+    """Raise LinkproofError for a user's row with a wrong key, value or name."""
     known = (*LISTS, "value", "reason")
     if not isinstance(row, Mapping):
         raise LinkproofError(f"{place}: expected a table with quantities and a value, got {row!r}; write one")
@@ -156,8 +156,10 @@ def _check(row: Any, place: str) -> None:  # noqa: ANN401 - whatever TOML holds
             raise UnknownNameError(f"quantity of {place}", name, shipped_limits().quantities)
 
 
-def _row(row: Mapping[str, Any]) -> Limit:
-    return Limit(float(row["value"]), str(row.get("reason", USERS)), *(frozenset(row.get(name, ())) for name in LISTS))
+def _limit_row(row: Mapping[str, Any]) -> Limit:
+    return Limit(
+        float(row["value"]), str(row.get("reason", USER_REASON)), *(frozenset(row.get(name, ())) for name in LISTS)
+    )
 
 
 # Judging a record: its error against its limit and against its baseline.
@@ -208,7 +210,7 @@ class Standard:
 
 @cache
 def shipped_standard() -> Standard:
-    """The suite's own limits, and no baseline."""
+    """The standard without a user's files: the suite's own limits, and no baseline."""
     return Standard(shipped_limits())
 
 

@@ -72,7 +72,7 @@ class Quantity:
     zero: str = ""
 
     def origin(self, motion: ObservedMotion) -> Origin:
-        """The weakest origin of its parts."""
+        """The weakest origin of the engine's signals that the quantity is computed from."""
         if self.name.startswith(JOINT_FORCE):
             return motion.history.joint_force[self.name.removeprefix(JOINT_FORCE)].origin
         return motion.origin(self.channels)
@@ -85,7 +85,7 @@ class Quantity:
         return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
 
     def shared(self, case: Case, motion: ObservedMotion) -> str:
-        """The parts of it that the reference and the engine share."""
+        """The part of the value that is the reference's, not the engine's, in words; empty without one."""
         if not self.zero or (self.needs_output and top_of_turn(case.mechanism) is None):
             return ""
         return self.zero if motion.last_turn is None else ""
@@ -105,13 +105,14 @@ class Quantity:
 
     def fits(self, case: Case) -> bool:
         """Whether it is a result of the case's drive and its linkage has what it needs."""
-        wanted = self.prescribed if case.is_prescribed else self.free
+        is_result = self.prescribed if case.is_prescribed else self.free
         linkage = case.mechanism.linkage
         lacks = (self.needs_output and linkage.output is None) or (self.needs_thread and linkage.thread is None)
-        return wanted and not lacks
+        return is_result and not lacks
 
 
 def _inertia(case: Case, motion: ObservedMotion) -> Signal:
+    """Jeq = 2 T/ω², kg m² (kg of a linear drive), away from standstill."""
     time = motion.signal(Channel.VELOCITY).time
     fast = np.abs(case.at(time).speed) >= case.least_speed
     inertia = 2.0 * motion.kinetic_energy(time)[fast] / motion.crank(Channel.VELOCITY, time)[fast] ** 2
@@ -134,30 +135,35 @@ def _displacement(case: Case, motion: ObservedMotion) -> Signal:
     That place is the engine's own where its motion shows it, in a full turn, or anywhere if the crank cannot make one;
     else the closed form's.
     """
-    place = _output(Channel.POSITION, 0, case, motion)
+    place = _output_signal(Channel.POSITION, 0, case, motion)
     turn = slice(None) if top_of_turn(case.mechanism) is None else motion.last_turn
     if not case.mechanism.repeats:  # a last turn shows one of several
         turn = None
-    top = _top(case) if turn is None else peak(Signal(place.time[turn], -place.values[turn]), case.motion.jumps)
+    top = (
+        _farthest_coordinate(case)
+        if turn is None
+        else peak(Signal(place.time[turn], -place.values[turn]), case.motion.jumps)
+    )
     return Signal(place.time, top + place.values)
 
 
-def _output(channel: Channel, order: int, case: Case, motion: ObservedMotion) -> Signal:
+def _output_signal(channel: Channel, order: int, case: Case, motion: ObservedMotion) -> Signal:
     """The output's coordinate or a time derivative of it, positive away from top dead centre."""
     time = motion.signal(channel).time
     return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, order)))
 
 
-def _top(case: Case) -> float:
+def _farthest_coordinate(case: Case) -> float:
     return zero_of_output(case.mechanism, case.motion)
 
 
-def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
+def _crank_signal(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
     time = motion.signal(channel).time
     return Signal(time, motion.crank(channel, time))
 
 
 def _joint_force(joint: str) -> Quantity:
+    """The force in a joint as a quantity."""
     return Quantity(
         JOINT_FORCE + joint,
         reference=lambda case, time: np.asarray(case.at(time).joint_forces[joint].T),
@@ -170,6 +176,7 @@ def _joint_force(joint: str) -> Quantity:
 
 
 def _thread(case: Case) -> ThreadPath:
+    """The linkage's thread; raises LinkproofError without one."""
     thread = case.mechanism.linkage.thread
     if thread is None:
         raise LinkproofError(
@@ -197,8 +204,8 @@ def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
     if turn is not None:
         angle = motion.crank(Channel.POSITION, time)[turn]
         way = math.copysign(1.0, angle[-1] - angle[0])
-        there = way * (reference_angle(case.mechanism, path) - angle[-1]) % FULL_TURN + way * angle[-1] - FULL_TURN
-        start = float(resample(Signal(way * angle, length[turn]), np.array([there]), min(SHARP, len(angle)))[0])
+        turned = way * (reference_angle(case.mechanism, path) - angle[-1]) % FULL_TURN + way * angle[-1] - FULL_TURN
+        start = float(resample(Signal(way * angle, length[turn]), np.array([turned]), min(SHARP, len(angle)))[0])
     return Signal(time, feed_of_length(path, length, start))
 
 
@@ -208,21 +215,22 @@ def _true_feed(case: Case, time: Array) -> Array:
 
 # Of each quantity of the table what the engine did; the truth is that of ``analytic.signals``.
 OBSERVED: Mapping[str, Observed] = {
-    "phi": partial(_crank, Channel.POSITION),
-    "omega": partial(_crank, Channel.VELOCITY),
-    "epsilon": partial(_crank, Channel.ACCELERATION),
+    "phi": partial(_crank_signal, Channel.POSITION),
+    "omega": partial(_crank_signal, Channel.VELOCITY),
+    "epsilon": partial(_crank_signal, Channel.ACCELERATION),
     "Jeq": _inertia,
     "Teq": _kinetic_energy,
     "Mkr": lambda case, motion: motion.signal(Channel.TORQUE),
     "Peq": _power,
     "S": _displacement,
-    "v": partial(_output, Channel.VELOCITY, 1),
-    "a": partial(_output, Channel.ACCELERATION, 2),
+    "v": partial(_output_signal, Channel.VELOCITY, 1),
+    "a": partial(_output_signal, Channel.ACCELERATION, 2),
     "thread_feed": _thread_feed,
 }
 
 
 def _quantity(name: str, row: dict[str, Any]) -> Quantity:
+    """A quantity from its row of ``quantities.toml``."""
     channels = {"clock": Channel(row["clock"]), "also": frozenset(map(Channel, row.get("also", ())))}
     if name not in SINGLE_SIGNALS:
         return Quantity(name, _true_feed, OBSERVED[name], **{**row, **channels})
@@ -243,10 +251,10 @@ QUANTITIES: Mapping[str, Quantity] = {
 def all_quantities(case: Case) -> dict[str, Quantity]:
     """Every quantity that is a result of a case, those of its joints among them."""
     joints = [_joint_force(joint) for joint in case.joint_names()]
-    return {q.name: _of_driver(q, case) for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
+    return {q.name: _worded_for_drive(q, case) for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
 
 
-def _of_driver(quantity: Quantity, case: Case) -> Quantity:
+def _worded_for_drive(quantity: Quantity, case: Case) -> Quantity:
     """The quantity in the unit and words of what drives the linkage."""
     linkage = case.mechanism.linkage
     if not linkage.is_linear:
@@ -269,7 +277,7 @@ def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
         elif name in known:
             quantities[name] = known[name]
         else:
-            _refuse(case, name, known)
+            _refuse_quantity(case, name, known)
     return list((quantities or known).values())
 
 
@@ -284,7 +292,8 @@ def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
             )
 
 
-def _refuse(case: Case, name: str, known: Mapping[str, Quantity]) -> None:
+def _refuse_quantity(case: Case, name: str, known: Mapping[str, Quantity]) -> None:
+    """Raise an error that says why a case has no quantity of this name."""
     if name not in QUANTITIES:
         raise UnknownNameError("quantity", name, [*QUANTITIES, JOINT_FORCE.rstrip(":"), *known])
     if QUANTITIES[name].needs_output:

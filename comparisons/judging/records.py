@@ -1,4 +1,4 @@
-"""The record of a run: its identity, cost and errors; and the same flat, by quantity."""
+"""The record of a run: its identity, cost and errors; and a flat record for each of its quantities."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class RunFacts:
 
     @property
     def key(self) -> str:
-        """The same in words."""
+        """The key of the run as one text."""
         return "/".join(self.run)
 
 
@@ -145,25 +145,27 @@ class RunRecord(RunFacts):
     @property
     def records(self) -> tuple[Record, ...]:
         """The run in each of its quantities."""
-        return self._flat(self.errors)
+        return self._flat_records(self.errors)
 
     @property
     def checks(self) -> tuple[Record, ...]:
         """The run in each of its invariants."""
-        return self._flat(self.invariants)
+        return self._flat_records(self.invariants)
 
     @property
     def every(self) -> tuple[Record, ...]:
-        """Both: quantities, then invariants."""
+        """The run in each of its quantities, then in each of its invariants."""
         return (*self.records, *self.checks)
 
-    def _flat(self, errors: Iterable[QuantityRecord]) -> tuple[Record, ...]:
+    def _flat_records(self, errors: Iterable[QuantityRecord]) -> tuple[Record, ...]:
         facts = {name: getattr(self, name) for name in FACTS}
         return tuple(Record(**facts, **vars(error)) for error in errors)
 
     def judged(self, judge: Callable[[Record], Record]) -> RunRecord:
-        """The same with every error and invariant judged by what turns a record into a judged one."""
-        errors, checks = (tuple(_error(judge(record)) for record in part) for part in (self.records, self.checks))
+        """The run with a new verdict of every error and invariant: ``judge`` returns each record with its verdict."""
+        errors, checks = (
+            tuple(_quantity_record(judge(record)) for record in part) for part in (self.records, self.checks)
+        )
         return replace(self, errors=errors, invariants=checks)
 
     @property
@@ -179,18 +181,18 @@ class RunRecord(RunFacts):
 
     @classmethod
     @cache
-    def _form(cls) -> TypeAdapter[Self]:
+    def _adapter(cls) -> TypeAdapter[Self]:
         return TypeAdapter(cls)
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Array] = MappingProxyType({})) -> Self:
         """A run back from what was ``written``; raises ValueError for anything else."""
-        result = cls._form().validate_python({name: value for name, value in row.items() if name != "curves"})
+        result = cls._adapter().validate_python({name: value for name, value in row.items() if name != "curves"})
         parts = {
-            name: tuple(QuantityRecord(**_shared(entry)) for entry in getattr(result, name))
+            name: tuple(QuantityRecord(**_interned_fields(entry)) for entry in getattr(result, name))
             for name in ("errors", "invariants")
         }
-        return cls(**{**_shared(result), **parts, "curves": curves})
+        return cls(**{**_interned_fields(result), **parts, "curves": curves})
 
 
 def run_record(
@@ -202,15 +204,15 @@ def run_record(
 ) -> RunRecord:
     """A run of its facts and of flat records."""
     own = {name: getattr(facts, name) for name in FACTS}
-    errors, invariants = (tuple(map(_error, part)) for part in (records, checks))
+    errors, invariants = (tuple(map(_quantity_record, part)) for part in (records, checks))
     return RunRecord(**own, errors=errors, invariants=invariants, details=dict(details), curves=dict(curves))
 
 
-def _error(record: Record) -> QuantityRecord:
+def _quantity_record(record: Record) -> QuantityRecord:
     return QuantityRecord(**{name: getattr(record, name) for name in ERRORS})
 
 
-def _shared(record: object) -> dict[str, Any]:
+def _interned_fields(record: object) -> dict[str, Any]:
     """The fields of a record, their texts those of others of the same words: there may be millions."""
     return {name: sys.intern(value) if type(value) is str else value for name, value in vars(record).items()}
 

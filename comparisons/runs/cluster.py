@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection
 from typing import Any, Final, TypeVar
 
 from analytic.errors import LinkproofError
-from comparisons.runs.worker_process import cut_off, same_path
+from comparisons.runs.worker_process import inherited_path, isolated_start
 from comparisons.runs.workers import Pool
 
 # A cluster on this machine: scheduler and workers in processes of their own, which end with this one.
@@ -26,8 +26,8 @@ from comparisons.runs.workers import Pool
 # users.
 
 
-_CLOSING: Final = 5.0  # s
-_SETTINGS: Final = {
+_CLOSING_TIME: Final = 5.0  # s
+_DASK_SETTINGS: Final = {
     "distributed.worker.daemon": False,  # a daemonic worker may start no process, and every engine run is one
     "distributed.scheduler.allowed-failures": 10,  # so many workers may die before their job counts as the cause
     # Scheduler and worker have a port for their pages, too, which knows no keys.
@@ -45,7 +45,7 @@ def local_cluster(workers: int, security: Any) -> Iterator[str]:  # noqa: ANN401
     context = multiprocessing.get_context("spawn")
     channel, far_end = context.Pipe()
     process = context.Process(target=serve, args=(far_end, workers, security))
-    with cut_off(), same_path():
+    with isolated_start(), inherited_path():
         process.start()
     far_end.close()
     try:
@@ -58,7 +58,7 @@ def local_cluster(workers: int, security: Any) -> Iterator[str]:  # noqa: ANN401
         yield address
     finally:
         channel.close()
-        process.join(_CLOSING)
+        process.join(_CLOSING_TIME)
         process.kill()
         process.join()
 
@@ -69,7 +69,7 @@ def serve(channel: Connection, workers: int, security: Any) -> None:  # noqa: AN
     from distributed import LocalCluster  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        dask.config.set({**_SETTINGS, "temporary-directory": folder})
+        dask.config.set({**_DASK_SETTINGS, "temporary-directory": folder})
         cluster = LocalCluster(
             n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, memory_limit=0,
             security=security,
@@ -100,7 +100,7 @@ def check_scheduler(scheduler: object) -> None:
         address = ADDRESS.fullmatch(scheduler)
         is_scheduler = LOCAL.fullmatch(scheduler) or (address and 0 < int(address[1]) < 1 << 16)
     else:
-        is_scheduler = scheduler is None or isinstance(scheduler, _distributed().Client)
+        is_scheduler = scheduler is None or isinstance(scheduler, _import_dask().Client)
     if not is_scheduler:
         raise LinkproofError(
             "--scheduler: expected an address such as tcp://host:8786, local:N for N workers here, or in Python a "
@@ -122,7 +122,7 @@ def opened(scheduler: object, otherwise: P, *, alone: bool = False) -> Iterator[
         client: Any = scheduler
         if isinstance(scheduler, str):
             local = LOCAL.fullmatch(scheduler)
-            security = _distributed("cryptography" if local else "distributed").Security
+            security = _import_dask("cryptography" if local else "distributed").Security
             stack.enter_context(warnings.catch_warnings(action="ignore"))
             for logger in map(logging.getLogger, _LOGGERS):
                 stack.callback(logger.setLevel, logger.level)
@@ -130,7 +130,7 @@ def opened(scheduler: object, otherwise: P, *, alone: bool = False) -> Iterator[
             # The keys of Dask's configuration, if it has any; for workers here a pair that no one else has.
             keys = security.temporary() if local else security()
             address = stack.enter_context(local_cluster(int(local[1]), keys)) if local else scheduler
-            client = _client(address, keys)
+            client = _connect(address, keys)
             stack.callback(client.close, timeout=PATIENCE)
         from comparisons.runs.cluster_pool import ClusterPool  # noqa: PLC0415
 
@@ -139,7 +139,7 @@ def opened(scheduler: object, otherwise: P, *, alone: bool = False) -> Iterator[
         yield pool
 
 
-def _distributed(needed: str = "distributed") -> Any:  # noqa: ANN401 - a package that need not be there
+def _import_dask(needed: str = "distributed") -> Any:  # noqa: ANN401 - a package that need not be there
     """Dask; raises LinkproofError if it or another package that is needed is not installed."""
     try:
         import_module(needed)
@@ -150,12 +150,12 @@ def _distributed(needed: str = "distributed") -> Any:  # noqa: ANN401 - a packag
         ) from error
 
 
-def _client(address: str, security: Any) -> Any:  # noqa: ANN401
+def _connect(address: str, security: Any) -> Any:  # noqa: ANN401
     try:
         with ThreadPoolExecutor(1) as thread:  # the caller's may have a loop of its own
-            greeting = asyncio.wait_for(_greet(address, security.get_connection_args("client")), PATIENCE)
+            greeting = asyncio.wait_for(_shake_hands(address, security.get_connection_args("client")), PATIENCE)
             thread.submit(asyncio.run, greeting).result()
-        return _distributed().Client(address, timeout=PATIENCE, set_as_default=False, security=security)
+        return _import_dask().Client(address, timeout=PATIENCE, set_as_default=False, security=security)
     except Exception as error:  # a server that is not Dask's can answer with anything
         raise LinkproofError(
             f"expected a Dask scheduler at {address}, got none that answers ({type(error).__name__}): start it with: "
@@ -163,7 +163,7 @@ def _client(address: str, security: Any) -> Any:  # noqa: ANN401
         ) from error
 
 
-async def _greet(address: str, keys: Mapping[str, Any]) -> None:
+async def _shake_hands(address: str, keys: Mapping[str, Any]) -> None:
     """Shake hands with a scheduler; a client of Dask would wait for ever for one that listens and says nothing."""
     from distributed.comm import connect  # noqa: PLC0415
 

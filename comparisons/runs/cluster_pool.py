@@ -27,7 +27,7 @@ NO_WORKER_TIMEOUT: Final = 60.0  # s without any worker after which the run is g
 JOBS_PER_THREAD: Final = 2  # that Dask has at a time: one runs, and the next waits beside it
 RETRIES: Final = 3  # by Dask, of a job that its worker could not finish
 ATTEMPTS: Final = 10  # of a job all of whose workers have died
-_RECALLED: Final = (asyncio.CancelledError, futures.CancelledError, OSError)  # of a future: its result is lost
+_LOST_RESULT: Final = (asyncio.CancelledError, futures.CancelledError, OSError)  # of a future: its result is lost
 
 
 @dataclass(eq=False)
@@ -45,10 +45,10 @@ class ClusterPool:
     machines: dict[str, DaskMachine] = field(default_factory=dict)  # by the address of the worker that takes jobs
     _threads: dict[str, int] = field(default_factory=dict)
     # Of each worker its machine, or an exception.
-    _fact_requests: dict[str, futures.Future[object]] = field(default_factory=dict)
+    _machine_requests: dict[str, futures.Future[object]] = field(default_factory=dict)
     _preferred: dict[Hashable, str] = field(default_factory=dict)  # machine of each place
-    _looked: float = -PULSE
-    _seen: float = field(default_factory=time.monotonic)  # when a worker was there
+    _last_look: float = -PULSE
+    _last_worker_time: float = field(default_factory=time.monotonic)  # when a worker was there
 
     def __post_init__(self) -> None:
         self.address = str(self.client.scheduler.address)  # which a closed client does not know
@@ -60,25 +60,25 @@ class ClusterPool:
 
     @property
     def room(self) -> int:
-        """How many jobs Dask may have at a time."""
+        """Number of jobs that Dask may have at a time."""
         return sum(1 if self.alone else JOBS_PER_THREAD * self._threads[address] for address in self.machines)
 
     def check(self) -> None:
         """Raise LinkproofError unless there are workers, and all can do the jobs of this process."""
-        packages = self._answer(self.client._get_versions)["scheduler"]["packages"]
-        if fault := self._difference({name: packages[name] for name in DASK}, DASK):
+        packages = self._call_scheduler(self.client._get_versions)["scheduler"]["packages"]
+        if fault := self._version_fault({name: packages[name] for name in DASK}, DASK):
             raise LinkproofError(f"scheduler {self.address}: {fault}")
         self.refresh()
-        if not self._fact_requests:
+        if not self._machine_requests:
             raise LinkproofError(
                 f"expected workers at {self.address}, got none: start some with: dask worker {self.address} --no-nanny"
             )
-        futures.wait(self._fact_requests.values(), STARTUP_TIMEOUT)
-        self._take_answers()
-        for address, future in self._fact_requests.items():
-            if fault := self._fault(future.result() if future.done() else TimeoutError()):
+        futures.wait(self._machine_requests.values(), STARTUP_TIMEOUT)
+        self._update_machines()
+        for address, future in self._machine_requests.items():
+            if fault := self._why_unusable(future.result() if future.done() else TimeoutError()):
                 raise LinkproofError(f"worker {address}: {fault}")
-        if self.alone and any(self._answer(self.client.scheduler.processing, workers=None).values()):
+        if self.alone and any(self._call_scheduler(self.client.scheduler.processing, workers=None).values()):
             raise LinkproofError(f"expected idle workers at {self.address} for timed runs, got some at work: wait")
 
     def refresh(self) -> bool:
@@ -88,17 +88,17 @@ class ClusterPool:
         """
         if self.client.status != "running":
             raise PoolLostError(f"the scheduler at {self.address} is gone")
-        if time.monotonic() < self._looked + PULSE:
+        if time.monotonic() < self._last_look + PULSE:
             return False
-        self._threads = self._answer(self.client.scheduler.ncores)
-        self._fact_requests = {
-            address: self._fact_requests.get(address) or self._ask(address) for address in self._threads
+        self._threads = self._call_scheduler(self.client.scheduler.ncores)
+        self._machine_requests = {
+            address: self._machine_requests.get(address) or self._ask_for_machine(address) for address in self._threads
         }
-        self._take_answers()
-        self._looked = time.monotonic()
+        self._update_machines()
+        self._last_look = time.monotonic()
         if self.machines:
-            self._seen = self._looked
-        elif self._looked > self._seen + NO_WORKER_TIMEOUT:
+            self._last_worker_time = self._last_look
+        elif self._last_look > self._last_worker_time + NO_WORKER_TIMEOUT:
             raise PoolLostError(f"no worker is left at {self.address}")
         return True
 
@@ -113,7 +113,7 @@ class ClusterPool:
 
         Raises PoolLostError if the workers or the scheduler are lost; all results until then have been yielded.
         """
-        self._seen = time.monotonic()
+        self._last_worker_time = time.monotonic()
         dispatcher = Dispatcher(self, pickle.dumps(function), enumerate(jobs), bounds, begun)
         try:
             yield from dispatcher.results()
@@ -132,7 +132,7 @@ class ClusterPool:
             self._preferred[place] = min(addresses, key=lambda host: places[host])
         return addresses[self._preferred[place]]
 
-    def _ask(self, address: str) -> futures.Future[object]:
+    def _ask_for_machine(self, address: str) -> futures.Future[object]:
         """Ask a worker for its machine; not by ``submit``, which waits for ever for a worker that dies meanwhile."""
 
         async def answer() -> object:
@@ -143,17 +143,17 @@ class ClusterPool:
 
         return asyncio.run_coroutine_threadsafe(answer(), self.client.loop.asyncio_loop)
 
-    def _take_answers(self) -> None:
+    def _update_machines(self) -> None:
         """Find the workers that have answered by now, and can do the jobs; ``alone`` takes one of each machine."""
         self.machines = {}
-        answers = {address: future.result() for address, future in self._fact_requests.items() if future.done()}
+        answers = {address: future.result() for address, future in self._machine_requests.items() if future.done()}
         for address, result in answers.items():
-            if isinstance(result, DaskMachine) and not self._fault(result):
+            if isinstance(result, DaskMachine) and not self._why_unusable(result):
                 self.hosts[result.host] = result.kind
                 if not self.alone or result.host not in {machine.host for machine in self.machines.values()}:
                     self.machines[address] = result
 
-    def _fault(self, result: object) -> str:
+    def _why_unusable(self, result: object) -> str:
         """Why a worker cannot do the jobs of this process; empty if it can."""
         if isinstance(result, ImportError):
             return f"expected linkproof, as here, got none ({result}): install the same there"
@@ -170,16 +170,17 @@ class ClusterPool:
                 f"expected machines of one kind, so that times are comparable, got {result.kind} beside {kinds[0]}: "
                 "measure on each of them into a folder of its own and join these with: linkproof merge"
             )
-        return self._difference(result.versions, {**self.here.versions, **result.versions})
+        return self._version_fault(result.versions, {**self.here.versions, **result.versions})
 
-    def _difference(self, versions: Mapping[str, str], names: Iterable[str]) -> str:
+    def _version_fault(self, versions: Mapping[str, str], names: Iterable[str]) -> str:
+        """Why these versions of the named packages do not fit this process; empty if they do."""
         for name in names:
             expected, got = self.here.versions.get(name, "none"), versions.get(name, "none")
             if expected != got:
                 return f"expected {name} {expected}, as here, got {got}: install the same"
         return ""
 
-    def _answer(self, question: Callable[..., Any], *args: Any, **words: Any) -> Any:  # noqa: ANN401
+    def _call_scheduler(self, question: Callable[..., Any], *args: Any, **words: Any) -> Any:  # noqa: ANN401
         """The answer of the scheduler; raises PoolLostError if it does not answer in time."""
         try:
             return self.client.sync(question, *args, callback_timeout=STARTUP_TIMEOUT, **words)
@@ -219,9 +220,9 @@ class Dispatcher:
             number = job[0]
             if isinstance(result, bytes):
                 yield number, pickle.loads(result)
-            elif isinstance(result, _RECALLED) and self.attempts[number] < ATTEMPTS:
+            elif isinstance(result, _LOST_RESULT) and self.attempts[number] < ATTEMPTS:
                 self.waiting.appendleft(job)
-            elif isinstance(result, (*_RECALLED, KilledWorker)):
+            elif isinstance(result, (*_LOST_RESULT, KilledWorker)):
                 yield number, Lost(Failure.CRASHED, "all Dask workers that ran it have died")
             else:
                 reason = f"expected a result, got {type(result).__name__}: {result}; restart them"

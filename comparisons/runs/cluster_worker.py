@@ -10,16 +10,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 
-from comparisons.runs.environment import environment, sources
+from comparisons.runs.environment import environment, source_checksum
 from comparisons.runs.run_engine import Lost
 from comparisons.runs.worker_pool import Bounds, WorkerPool
 from engines.registry import engine_names, plugins
 
 DASK = ("dask", "distributed")
-_own = threading.local()  # the process that a thread of a Dask worker has used last, by what it was started for
+_thread_state = (
+    threading.local()
+)  # the process that a thread of a Dask worker has used last, by what it was started for
 
 
-class NotWantedError(Exception):
+class JobRecalledError(Exception):
     """No one waits for the running job any more."""
 
 
@@ -40,7 +42,7 @@ def this_machine() -> DaskMachine:
     """The machine of this process and the versions of its software."""
     others = plugins()
     facts = environment([name for name in engine_names() if name not in others]) | others
-    facts |= {name: version(name) for name in DASK} | {"linkproof's files": sources()}
+    facts |= {name: version(name) for name in DASK} | {"linkproof's files": source_checksum()}
     kind = facts.pop("machine")
     versions = {name: value for name, value in facts.items() if name not in ("date", "commit")}
     return DaskMachine(socket.gethostname(), kind, versions, bool(multiprocessing.current_process().daemon))
@@ -48,29 +50,32 @@ def this_machine() -> DaskMachine:
 
 def work(function: bytes, job: bytes, bounds: Bounds) -> bytes:
     """The pickled result of a pickled function for a pickled job, within bounds in a process beside this one."""
-    pool = _process(function, bounds)
-    pool.check = _check()
+    pool = _pool_of_thread(function, bounds)
+    pool.check = _recall_check()
     try:
-        ((_, result),) = pool.take_up([pickle.loads(job)], bounds.seconds)
+        ((_, result),) = pool.run_more([pickle.loads(job)], bounds.seconds)
     except BaseException:
         pool.close()
         raise
     return pickle.dumps(replace(result, host=pool.host) if isinstance(result, Lost) else result)
 
 
-def _process(function: bytes, bounds: Bounds) -> WorkerPool:
+def _pool_of_thread(function: bytes, bounds: Bounds) -> WorkerPool:
     """The process that this thread has used last, or a new one for another function; it ends by itself when idle."""
     purpose = (function, bounds.memory)
-    if getattr(_own, "purpose", None) != purpose:
-        if hasattr(_own, "pool"):
-            _own.pool.close()
-        _own.purpose, _own.pool = purpose, WorkerPool(pickle.loads(function), (), bounds, 1, host=socket.gethostname())
-    pool: WorkerPool = _own.pool
+    if getattr(_thread_state, "purpose", None) != purpose:
+        if hasattr(_thread_state, "pool"):
+            _thread_state.pool.close()
+        _thread_state.purpose, _thread_state.pool = (
+            purpose,
+            WorkerPool(pickle.loads(function), (), bounds, 1, host=socket.gethostname()),
+        )
+    pool: WorkerPool = _thread_state.pool
     return pool
 
 
-def _check() -> Callable[[], None]:
-    """A function that raises NotWantedError once the present job is recalled, or its Dask worker closes."""
+def _recall_check() -> Callable[[], None]:
+    """A function that raises JobRecalledError once the present job is recalled, or its Dask worker closes."""
     from distributed import get_worker  # noqa: PLC0415  only where Dask is
 
     worker = get_worker()
@@ -79,6 +84,6 @@ def _check() -> Callable[[], None]:
     def check() -> None:
         task = worker.state.tasks.get(key)
         if task is None or task.state != "executing" or worker.status.name in ("closing", "closed", "failed"):
-            raise NotWantedError(key)
+            raise JobRecalledError(key)
 
     return check

@@ -35,7 +35,7 @@ def environment(engines: Sequence[str] = ()) -> dict[str, str]:
 
 
 @cache
-def sources() -> str:
+def source_checksum() -> str:
     """A checksum of linkproof's own files: the same for the same files, wherever they are installed."""
     root, digest = Path(__file__).parents[2], hashlib.sha256()
     for room in OURS:

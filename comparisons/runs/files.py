@@ -48,7 +48,7 @@ def claim(folder: Path) -> Claim:
             f"another linkproof command is writing to '{folder}': wait until it ends, or choose another folder"
         ) from error
     except OSError as error:
-        raise _cannot_write(folder, error) from error
+        raise _write_error(folder, error) from error
     _CLAIMS[place] = result
     return result
 
@@ -65,17 +65,17 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 def check_writable(path: Path) -> None:
     """Raise LinkproofError now, rather than after an hour's work, if a file could not be written at ``path``."""
-    nearest = next(folder for folder in _place(path).parents if folder.exists())
+    nearest = next(folder for folder in _final_path(path).parents if folder.exists())
     if not nearest.is_dir() or not os.access(nearest, os.W_OK):
-        raise _no_file(path)
+        raise _no_file_error(path)
 
 
 def write_file(path: Path, write: Callable[[Path], object]) -> None:
     """Let ``write`` fill a file of its own, then rename it to ``path``; raises LinkproofError if it cannot."""
-    place = _place(path)
+    place = _final_path(path)
     with writing(path):
         place.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = _nameless(place.parent), _neighbour(place)
+        handle, temporary = _open_nameless_file(place.parent), _temporary_path(place)
         try:
             target = temporary if handle is None else _OPEN_FILES / str(handle)
             write(target)
@@ -89,7 +89,7 @@ def write_file(path: Path, write: Callable[[Path], object]) -> None:
                 os.close(handle)
 
 
-def _nameless(folder: Path) -> int | None:
+def _open_nameless_file(folder: Path) -> int | None:
     """A new file without a name, which vanishes if the process is killed; None where the system has no such files."""
     if not _OPEN_FILES.is_dir() or not hasattr(os, "O_TMPFILE"):
         return None
@@ -99,7 +99,7 @@ def _nameless(folder: Path) -> int | None:
         return None
 
 
-def _neighbour(place: Path) -> Path:
+def _temporary_path(place: Path) -> Path:
     """A name in the same folder that nothing has."""
     return place.with_name(f".{place.name}.{uuid4().hex}{place.suffix}")
 
@@ -110,20 +110,20 @@ def writing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise _cannot_write(path, error) from error
+        raise _write_error(path, error) from error
 
 
-def _place(path: Path) -> Path:
+def _final_path(path: Path) -> Path:
     """The path of a file to write, at the end of its links; raises LinkproofError if something else is there."""
     place = Path(os.path.realpath(path))
     if place.is_symlink() or (os.path.exists(path) and not os.path.isfile(path)):  # the first is a loop
-        raise _no_file(path)
+        raise _no_file_error(path)
     return place
 
 
-def _no_file(path: Path) -> LinkproofError:
+def _no_file_error(path: Path) -> LinkproofError:
     return LinkproofError(f"cannot write '{path}': expected a file in a folder that can be written; give another place")
 
 
-def _cannot_write(path: Path, error: OSError) -> LinkproofError:
+def _write_error(path: Path, error: OSError) -> LinkproofError:
     return LinkproofError(f"cannot write '{path}': {error.strerror}; give a place that can be written")

@@ -20,7 +20,7 @@ from engines.contract import Abilities, Engine, Method, Run, Setting, StudiedEng
 from engines.scene import Scene
 
 _IMPORTED: Final[set[str]] = set()  # plug-ins that this worker has imported
-_KNOWN: Final[dict[tuple[str, ...], Engine]] = {}  # plug-ins that workers have looked at, by their entry points
+_PLACEHOLDERS: Final[dict[tuple[str, ...], Engine]] = {}  # plug-ins that workers have looked at, by their entry points
 
 
 @dataclass
@@ -42,11 +42,11 @@ class Plugin:
         return _adapter, (self.name,)
 
     def version(self) -> str | None:
-        """The engine's."""
+        """The engine's version; None if it is not installed."""
         return self.engine_version
 
     def why_unavailable(self) -> str | None:
-        """The reason in a sentence, if there is one."""
+        """Why the engine cannot be used, in a sentence; None if it can."""
         return self.reason
 
     def run(self, scene: Scene, setting: Setting) -> Run:
@@ -56,15 +56,15 @@ class Plugin:
 
 @dataclass
 class StudiedPlugin(Plugin):
-    """The same of an engine whose ways of stepping can be studied."""
+    """A placeholder for a plug-in whose ways of stepping can be studied."""
 
     work_unit: str = ""
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
-        """The adapter's, from a worker; raises AdapterError for whatever it does instead."""
-        (methods,) = _from_workers(_methods, [(self.name, scene)])
+        """The adapter's methods on a scene, from a worker; raises AdapterError where it gives none."""
+        (methods,) = _call_in_workers(_method_rows, [(self.name, scene)])
         if isinstance(methods, Lost):
-            raise _error(self.name, methods)
+            raise _load_error(self.name, methods)
         return tuple(Method(**each) for each in methods)
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
@@ -87,23 +87,23 @@ def engines(names: Sequence[str]) -> list[Engine]:
     points = {name: registry.entry_point(name) for name in names}
     # Not told from others by the type EntryPoint: once importlib_metadata is imported, entry points are of its own.
     entries = {name: point for name, point in points.items() if not isinstance(point, registry.Unusable)}
-    keys = {name: _key(entry) for name, entry in entries.items() if name in foreign}
-    new = [name for name, key in keys.items() if key not in _KNOWN]
-    for name, facts in zip(new, _from_workers(_described, [(name,) for name in new]), strict=True):
-        _KNOWN[keys[name]] = _stand_in(name, entries[name], facts)
-    return [_KNOWN[keys[name]] if name in keys else registry.engine(name) for name in names]
+    keys = {name: _entry_point_key(entry) for name, entry in entries.items() if name in foreign}
+    new = [name for name, key in keys.items() if key not in _PLACEHOLDERS]
+    for name, facts in zip(new, _call_in_workers(_plugin_facts, [(name,) for name in new]), strict=True):
+        _PLACEHOLDERS[keys[name]] = _placeholder(name, entries[name], facts)
+    return [_PLACEHOLDERS[keys[name]] if name in keys else registry.engine(name) for name in names]
 
 
-def _stand_in(name: str, entry: EntryPoint, facts: dict[str, Any] | Lost) -> Engine:
+def _placeholder(name: str, entry: EntryPoint, facts: dict[str, Any] | Lost) -> Engine:
     module = registry.module_of(entry)
     if isinstance(facts, Lost):
         version = entry.dist.version if entry.dist else None
-        return registry.Unusable(name, module, version, _error(name, facts))
+        return registry.Unusable(name, module, version, _load_error(name, facts))
     kind = StudiedPlugin if "work_unit" in facts else Plugin
     return kind(name, module, **facts)
 
 
-def _key(entry: EntryPoint) -> tuple[str, ...]:
+def _entry_point_key(entry: EntryPoint) -> tuple[str, ...]:
     return (entry.name, entry.value, str(entry.dist.locate_file("")) if entry.dist else "")
 
 
@@ -117,7 +117,7 @@ def _adapter(name: str) -> Engine:
     return registry.engine(name)
 
 
-def _from_workers(function: Any, jobs: Sequence[tuple[Any, ...]]) -> list[Any]:  # noqa: ANN401
+def _call_in_workers(function: Any, jobs: Sequence[tuple[Any, ...]]) -> list[Any]:  # noqa: ANN401
     """The result of a function for each of the jobs, or its failure."""
     if not jobs:
         return []
@@ -128,12 +128,12 @@ def _from_workers(function: Any, jobs: Sequence[tuple[Any, ...]]) -> list[Any]: 
     return [results[number] for number in range(len(jobs))]
 
 
-def _error(name: str, lost: Lost) -> AdapterError:
+def _load_error(name: str, lost: Lost) -> AdapterError:
     whole = lost.outcome in (Failure.ADAPTER_ERROR, Failure.SUITE_ERROR)
     return AdapterError(lost.reason if whole else f"the adapter of {name} cannot be loaded: its process {lost.reason}")
 
 
-def _described(name: str) -> dict[str, Any]:
+def _plugin_facts(name: str) -> dict[str, Any]:
     """A plug-in's properties as plain data; the registry has checked its abilities and version."""
     adapter = engine(name)
     with blamed_on(adapter):
@@ -149,7 +149,7 @@ def _described(name: str) -> dict[str, Any]:
         return facts | ({"work_unit": str(adapter.work_unit)} if isinstance(adapter, StudiedEngine) else {})
 
 
-def _methods(name: str, scene: Scene) -> list[dict[str, Any]]:
+def _method_rows(name: str, scene: Scene) -> list[dict[str, Any]]:
     """The methods of a plug-in on a scene, as plain data."""
     adapter = engine(name)
     with blamed_on(adapter):

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 RECORDS: Final = "records.jsonl"
 CURVES: Final = "curves.npy"  # doubles; a record's "curves" has the place of the first and the shape, by name
 HEADER_SIZE: Final = 128  # bytes of NumPy's header, padded by it so that the number of doubles may grow
-_SHOWN: Final = 40  # bytes of a line in a message
+_SHOWN_BYTES: Final = 40  # bytes of a line in a message
 _CHECKSUM: Final = ', "checksum": "'  # ends a line: of all before it and of the record's arrays
 
 
@@ -47,7 +47,7 @@ class RecordFile:
 
     def __post_init__(self) -> None:
         if (self.folder / RECORDS).is_file():
-            self._places = dict(self._scanned())
+            self._places = dict(self._scan())
 
     @property
     def keys(self) -> Sequence[str]:
@@ -125,23 +125,23 @@ class RecordFile:
         if self.survives_power_failure:
             os.fsync(file.fileno())
 
-    def _scanned(self) -> Iterator[tuple[str, tuple[int, int]]]:
+    def _scan(self) -> Iterator[tuple[str, tuple[int, int]]]:
         """Keys and places of the records."""
         first = 0
         with (self.folder / RECORDS).open("rb") as file:
             for line in file:
                 try:
-                    yield self._key(line), (first, len(line))
+                    yield self._checked_key(line), (first, len(line))
                 except (ValueError, TypeError, KeyError, OSError, OverflowError):
                     if not self.may_be_torn:
                         raise
                 first += len(line)
 
-    def _key(self, line: bytes) -> str:
+    def _checked_key(self, line: bytes) -> str:
         """The key of a record; raises ValueError, or what reading raises, for one that is not as it was written."""
         row = json.loads(line)
         if not isinstance(row, dict) or not isinstance(row["key"], str):
-            raise ValueError(f"{RECORDS}: expected records with a key, got {line[:_SHOWN]!r}")
+            raise ValueError(f"{RECORDS}: expected records with a key, got {line[:_SHOWN_BYTES]!r}")
         if self.may_be_torn:
             text, _, ending = line.decode().rpartition(_CHECKSUM)
             blocks = [self.curve(row, name) for name in row["curves"]]
@@ -150,7 +150,7 @@ class RecordFile:
         return row["key"]
 
 
-def passing_records() -> RecordFile:
+def temporary_records() -> RecordFile:
     """Records in a temporary folder, which goes with them, or with the workers if this process is killed."""
     folder = Path(tempfile.mkdtemp(prefix="linkproof-", dir=get_temp_dir()))
     file = RecordFile(folder)
@@ -191,6 +191,6 @@ def _write_header(path: Path) -> None:
 
 
 def _last_line_end(path: Path) -> int:
-    """Where the last whole line of a file ends."""
+    """Number of bytes up to the end of a file's last whole line."""
     with path.open("rb") as file:
         return sum(len(line) for line in file if line.endswith(b"\n"))

@@ -33,7 +33,7 @@ SHOW_OUTPUT: Final = "LINKPROOF_WORKER_OUTPUT"
 OURS: Final = ("analytic", "engines", "comparisons", "reports")
 
 _ROOT = Path(__file__).parents[2]
-_LENGTH = 300  # characters of an exception's own words
+_LONGEST_MESSAGE = 300  # characters of an exception's own words
 
 
 class Failure(StrEnum):
@@ -76,8 +76,8 @@ def blamed_on(adapter: _Named) -> Iterator[None]:
         if isinstance(error, KeyboardInterrupt) and getsignal(SIGINT) != SIG_IGN:
             raise
         module = getattr(adapter, "module", type(adapter).__module__)  # a stand-in knows the module it stands for
-        place = _place(error, (module.rpartition(".")[0] or module,), f"announced in {module}")
-        raise AdapterError(f"the adapter of {adapter.name} raised {_words(error)} ({place})") from error
+        place = _error_location(error, (module.rpartition(".")[0] or module,), f"announced in {module}")
+        raise AdapterError(f"the adapter of {adapter.name} raised {_error_words(error)} ({place})") from error
 
 
 def lost(error: BaseException, memory: int) -> Lost:
@@ -97,17 +97,17 @@ def lost(error: BaseException, memory: int) -> Lost:
 def suite_error(error: BaseException) -> str:
     """One sentence on an exception that no input of a user should raise."""
     return (
-        f"this is a fault of linkproof: {_words(error)} ({_place(error, OURS)}); report it with the command and the "
-        f"input, and with the traceback that {SHOW_OUTPUT}=1 shows"
+        f"this is a fault of linkproof: {_error_words(error)} ({_error_location(error, OURS)}); report it with the "
+        f"command and the input, and with the traceback that {SHOW_OUTPUT}=1 shows"
     )
 
 
-def _words(error: BaseException) -> str:
+def _error_words(error: BaseException) -> str:
     words = " ".join(str(error).split())
-    return f"{type(error).__name__}: {words}"[:_LENGTH].rstrip(": ")
+    return f"{type(error).__name__}: {words}"[:_LONGEST_MESSAGE].rstrip(": ")
 
 
-def _place(error: BaseException, packages: tuple[str, ...], otherwise: str = "") -> str:
+def _error_location(error: BaseException, packages: tuple[str, ...], otherwise: str = "") -> str:
     """File and line of the innermost frame inside these packages; else ``otherwise``, or of the innermost at all."""
     walk = traceback.walk_tb(error.__traceback__)
     frames = [(frame.f_globals.get("__name__", ""), frame.f_code.co_filename, n) for frame, n in walk]
@@ -124,14 +124,16 @@ def _place(error: BaseException, packages: tuple[str, ...], otherwise: str = "")
 
 Array = NDArray[np.float64]
 
-_REASON: Final = 1000  # characters of a reason
+_LONGEST_REASON: Final = 1000  # characters of a reason
 _LARGEST: Final = 1e100  # of a signal, in any unit: squares of values computed from it are still finite
 # A gap is longer than so many of the engine's own steps: anywhere, and where it may start anew, at the borders of the
 # motion's parts. Measured of every engine and setting over the catalogue's motions, swings with dwells and released
 # cranks: up to 1.7 anywhere, and 4 at borders, where pymunk's ``best`` has no forces for three samples.
 GAP, BORDER_GAP = 2.5, 5.0
 NEIGHBOURS = 5  # steps on either side, whose median is the engine's own step there
-LONG = 0.9  # of all steps turn a prescribed driver less than a long one, which a short part of a slow motion may have
+LONG_QUANTILE = (
+    0.9  # of all steps turn a prescribed driver less than a long one, which a short part of a slow motion may have
+)
 ROUNDING = 1e-9  # of the duration
 
 
@@ -162,7 +164,7 @@ def checked(run: Run, model: Scene, name: str) -> Run:
     """
     run = readable(run, model, name)
     if run.outcome is Outcome.FINISHED:
-        for channel, signal in _signals(run.history, model):
+        for channel, signal in _requested_signals(run.history, model):
             if signal is not None and (hole := gap(signal.time, model.drive)):
                 return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel} has no samples {hole}")
     return run
@@ -174,13 +176,13 @@ def readable(run: Run, model: Scene, name: str) -> Run:
     One that claims to have finished, and cannot be read between its samples or is not finite throughout, has diverged.
     Raises AdapterError for what no simulation can do wrong.
     """
-    fault = next(_faults(run, model), None)
+    fault = next(_contract_faults(run, model), None)
     if fault is not None:
         raise AdapterError(f"the adapter of {name} returned a run that is not as the contract has it: expected {fault}")
-    run = replace(run, reason=" ".join(run.reason.split())[:_REASON])
+    run = replace(run, reason=" ".join(run.reason.split())[:_LONGEST_REASON])
     if run.outcome is not Outcome.FINISHED:
         return run
-    for channel, signal in _signals(run.history, model):
+    for channel, signal in _requested_signals(run.history, model):
         if signal is None:
             continue
         if len(signal.time) < POINTS:
@@ -195,7 +197,7 @@ def readable(run: Run, model: Scene, name: str) -> Run:
     return run
 
 
-def _signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signal | None]]:
+def _requested_signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signal | None]]:
     """Every signal that a scene requests, by name; None if the history lacks it."""
     for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
         yield channel.value, getattr(history, channel.value, None)
@@ -204,46 +206,48 @@ def _signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signa
             yield f"the force of joint {joint.name}", history.joint_force.get(joint.name) if history else None
 
 
-def _faults(run: object, model: Scene) -> Iterator[str]:
+def _contract_faults(run: object, model: Scene) -> Iterator[str]:
     """Every violation of the contract by a run, as "expected value, got actual value"."""
     if type(run) is not Run:
-        yield f"a Run, got {_shown(run)}"
+        yield f"a Run, got {_shown_value(run)}"
         return
     if not isinstance(run.outcome, Outcome):
-        yield f"an Outcome, got {_shown(run.outcome)}"
+        yield f"an Outcome, got {_shown_value(run.outcome)}"
     if not isinstance(run.reason, str):
-        yield f"a reason as text, got {_shown(run.reason)}"
+        yield f"a reason as text, got {_shown_value(run.reason)}"
     for part in ("seconds", "setup_seconds"):
         if not _is_time(getattr(run, part)):
-            yield f"{part} that are finite and not negative, got {_shown(getattr(run, part))}"
+            yield f"{part} that are finite and not negative, got {_shown_value(getattr(run, part))}"
     for part in ("steps", "solver_work"):
         value = getattr(run, part)
         if type(value) is not int or not 0 <= value < 1 << 63:
-            yield f"{part} as a number from 0 on, got {_shown(value)}"
+            yield f"{part} as a number from 0 on, got {_shown_value(value)}"
     if not isinstance(run.passes, tuple) or not all(map(_is_time, run.passes)):
-        yield f"passes as steps in s, got {_shown(run.passes)}"
+        yield f"passes as steps in s, got {_shown_value(run.passes)}"
     plain = isinstance(run.details, Mapping) and all(isinstance(key, str) for key in run.details)
     wrong = [value for value in run.details.values() if not _is_plain(value)] if plain else [run.details]
     if wrong:
-        yield f"details that are texts and finite numbers, got {_shown(wrong[0])}"
+        yield f"details that are texts and finite numbers, got {_shown_value(wrong[0])}"
     if run.outcome is Outcome.FINISHED:
         yield from _history_faults(run.history, model)
 
 
 def _history_faults(history: object, model: Scene) -> Iterator[str]:
+    """Violations of the contract by a finished run's history."""
     if type(history) is not History or not isinstance(history.joint_force, Mapping):
-        yield f"a History of a run that finished, got {_shown(history)}"
+        yield f"a History of a run that finished, got {_shown_value(history)}"
         return
     bodies = (len(model.bodies), 3)
     shapes = {"torque": ((),), "position": (bodies,), "velocity": (bodies,), "acceleration": (bodies,)}
-    for name, signal in _signals(history, model):
+    for name, signal in _requested_signals(history, model):
         if signal is not None:
             yield from (f"{fault} in {name}" for fault in _signal_faults(signal, shapes.get(name, ((2,), ()))))
 
 
 def _signal_faults(signal: object, shapes: tuple[tuple[int, ...], ...]) -> Iterator[str]:
+    """Violation of the contract by a signal whose samples must have one of these shapes."""
     if type(signal) is not Signal or not isinstance(signal.origin, Origin):
-        yield f"a Signal, got {_shown(signal)}"
+        yield f"a Signal, got {_shown_value(signal)}"
     elif not all(isinstance(part, np.ndarray) and part.dtype.kind in "fiu" for part in (signal.time, signal.values)):
         yield "times and values as arrays of real numbers, got others"
     elif signal.time.ndim != 1 or signal.values.shape not in [(len(signal.time), *shape) for shape in shapes]:
@@ -261,7 +265,7 @@ def _is_plain(value: object) -> bool:
     return isinstance(value, str) or (isinstance(value, float | int) and abs(value) < math.inf)
 
 
-def _shown(value: object) -> str:
+def _shown_value(value: object) -> str:
     """A number as it is, anything else by its type alone, since its own text may be anything."""
     return repr(value) if isinstance(value, float | int) else f"a {type(value).__name__}"
 
@@ -273,7 +277,7 @@ def gap(time: Array, drive: Drive) -> str:
     after, the larger one: it may change from one part of a motion to the next. Between samples a gap also turns a
     prescribed driver further than long steps do.
     """
-    borders = _borders(drive)
+    borders = _part_borders(drive)
     instants = np.concatenate([borders[:1], time, borders[-1:]])
     steps = np.diff(instants)
     medians = np.median(sliding_window_view(np.pad(steps, NEIGHBOURS, mode="reflect"), NEIGHBOURS), axis=1)
@@ -283,14 +287,14 @@ def gap(time: Array, drive: Drive) -> str:
     beyond = steps - np.where(at_border, BORDER_GAP, GAP) * own
     if isinstance(drive, Prescribed):
         turned = np.abs(np.diff(drive.motion.angle(instants)))[1:-1]
-        beyond[1:-1][turned <= GAP * np.quantile(turned, LONG)] = 0.0
+        beyond[1:-1][turned <= GAP * np.quantile(turned, LONG_QUANTILE)] = 0.0
     worst = int(np.argmax(beyond))
     if not beyond[worst] > 0.0:
         return ""
     return f"from {instants[worst]:.4g} to {instants[worst + 1]:.4g} s, where its own step is {own[worst]:.2g} s"
 
 
-def _borders(drive: Drive) -> Array:
+def _part_borders(drive: Drive) -> Array:
     """Start and end of a motion, and where a part of it ends or its torque has a kink between, s."""
     if isinstance(drive, Prescribed):
         return np.array([0.0, *(segment.end for segment in drive.motion.segments)])

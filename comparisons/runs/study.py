@@ -13,7 +13,7 @@ from typing import Any, Final, Generic, TypeVar
 
 from analytic.errors import LinkproofError
 from comparisons.runs.files import Claim, claim, write_text, writing
-from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile, passing_records
+from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile, temporary_records
 from comparisons.runs.run_engine import Lost
 from comparisons.runs.workers import DEFAULT_BOUNDS, EVERY_CORE, Bounds, LocalPool, Pool
 
@@ -75,6 +75,7 @@ class Journal:
         return claim(self.folder)
 
     def _check_header(self, header: Path) -> None:
+        """Raise LinkproofError, with the first line that differs, for the journal of another request."""
         begun = header.read_text(encoding="utf-8", errors="replace")
         lines = zip_longest(begun.splitlines(), self.request.splitlines(), fillvalue="nothing")
         different = [(then, now) for then, now in lines if then != now]
@@ -129,7 +130,7 @@ class Study(Generic[R]):
     _finished: int = field(default=0, init=False)  # of those known
 
     def __post_init__(self) -> None:
-        self._records = self.journal.records if self.journal else passing_records()
+        self._records = self.journal.records if self.journal else temporary_records()
         self._keep = self.journal.keep if self.journal else self._records.append
 
     def expect(self, tasks: Iterable[Task]) -> list[Task]:

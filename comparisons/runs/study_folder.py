@@ -24,7 +24,7 @@ from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile
 DOCUMENT: Final = "study.json"
 SUMS: Final = "SHA256SUMS"
 FORMAT: Final = 4  # the files of versions before had 1 to 3
-AGAIN: Final = "run {} with --out again"
+REPEAT_HINT: Final = "run {} with --out again"
 # What versions before wrote instead.
 OLD_FILES: Final = {"compare": "curves.nc", "judge": "curves.nc", "bench": "bench.json", "stress": "stress.json"}
 
@@ -47,19 +47,19 @@ def save_study(folder: Path, kind: str, document: Mapping[str, Any], records: It
         file.finish()
         table = {"kind": kind, "format": FORMAT, **document}
         with (new / DOCUMENT).open("w", encoding="utf-8") as target:  # in pieces: there may be many key figures
-            json.dump(table, target, indent=1, ensure_ascii=False, allow_nan=False, default=_plain)
-        sums = "".join(f"{_sum(new / name)}\n" for name in (DOCUMENT, RECORDS, CURVES))
+            json.dump(table, target, indent=1, ensure_ascii=False, allow_nan=False, default=_json_value)
+        sums = "".join(f"{_checksum_line(new / name)}\n" for name in (DOCUMENT, RECORDS, CURVES))
         (new / SUMS).write_text(sums, "utf-8")
-        _replace(folder / kind, new)
+        _replace_folder(folder / kind, new)
     del lock
 
 
 def to_json(document: Mapping[str, Any]) -> str:
     """JSON text with records written out; NaN never appears."""
-    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=_plain) + "\n"
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=_json_value) + "\n"
 
 
-def _plain(value: object) -> object:
+def _json_value(value: object) -> object:
     """A data class as JSON has it, with its ``sentence`` if it has one; raises TypeError for anything else."""
     if not is_dataclass(value) or isinstance(value, type):
         raise TypeError(f"cannot write {type(value).__name__} as JSON")
@@ -82,9 +82,9 @@ def load_study(
     place, old = folder / kind, folder / OLD_FILES[kind]
     if not (place / DOCUMENT).is_file():
         if old.is_file():
-            raise LinkproofError(f"'{old}' is of an earlier version of linkproof: {AGAIN.format(kind)}")
+            raise LinkproofError(f"'{old}' is of an earlier version of linkproof: {REPEAT_HINT.format(kind)}")
         raise LinkproofError(f"no results of {kind} in '{folder}': expected the folder given to {kind} --out")
-    with usable(folder, kind):
+    with study_errors(folder, kind):
         _check_sums(place)
         document = json.loads((place / DOCUMENT).read_text("utf-8"))
         if document["format"] != FORMAT:
@@ -95,29 +95,31 @@ def load_study(
 
 
 @contextmanager
-def usable(folder: Path, kind: str) -> Iterator[None]:
+def study_errors(folder: Path, kind: str) -> Iterator[None]:
     """Turn errors of reading a changed or damaged study into LinkproofError."""
     try:
         yield
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise LinkproofError(f"'{folder / kind}' cannot be used: {fault_words(error)}; {AGAIN.format(kind)}") from error
+        raise LinkproofError(
+            f"'{folder / kind}' cannot be used: {fault_words(error)}; {REPEAT_HINT.format(kind)}"
+        ) from error
 
 
 def _check_sums(place: Path) -> None:
     """Raise ValueError for a file that is not as it was written."""
     sums = (place / SUMS).read_text("utf-8").splitlines()
     for name in (DOCUMENT, RECORDS, CURVES):
-        if _sum(place / name) not in sums:
+        if _checksum_line(place / name) not in sums:
             raise ValueError(f"the checksum of {name} does not match: the file was changed after it was written")
 
 
-def _sum(path: Path) -> str:
+def _checksum_line(path: Path) -> str:
     """A file's line among the checksums, as sha256sum writes it."""
     with path.open("rb") as file:
         return f"{hashlib.file_digest(file, 'sha256').hexdigest()}  {path.name}"
 
 
-def _replace(place: Path, new: Path) -> None:
+def _replace_folder(place: Path, new: Path) -> None:
     """Put a finished folder in the place of the one before."""
     old = place.with_name(f".{place.name}.old")
     shutil.rmtree(old, ignore_errors=True)

@@ -29,9 +29,9 @@ from comparisons.runs.run_engine import GIB, Failure, Lost, lost
 from comparisons.runs.worker_process import (
     START_MARK,
     BrokenMessageError,
-    cut_off,
-    message_of,
-    received,
+    isolated_start,
+    parse_message,
+    read_available,
     serve,
     start_method,
     start_server,
@@ -106,7 +106,7 @@ class _Worker:
         try:
             if not self.channel.poll():
                 return self.process.is_alive()
-            some = received(self.channel)
+            some = read_available(self.channel)
         except (EOFError, OSError):
             return False
         self.deadline = max(self.deadline, time.monotonic() + _ANSWER_TIMEOUT)  # a long answer may arrive late
@@ -168,7 +168,7 @@ class WorkerPool:
             self._start(left)
             yield from results
 
-    def take_up(self, jobs: Iterable[tuple[Any, ...]], seconds: float) -> Iterator[tuple[int, Any]]:
+    def run_more(self, jobs: Iterable[tuple[Any, ...]], seconds: float) -> Iterator[tuple[int, Any]]:
         """Results of further jobs, each of which may take so many seconds; workers of earlier ones make them."""
         self.jobs, self.bounds = jobs, replace(self.bounds, seconds=seconds)
         return self.results()
@@ -183,17 +183,17 @@ class WorkerPool:
         """Give every free worker a job, and start as many workers as there are jobs for."""
         self.todo.extend(_Job(*numbered) for numbered in islice(left, max(0, self.size - len(self.todo))))
         if self.todo and self.todo[0].needs_new:
-            for worker in self._free():
+            for worker in self._free_workers():
                 if worker.used:
                     self._stop(worker)
         busy = sum(worker.job is not None for worker in self.workers)
         while len(self.workers) < min(self.size, busy + len(self.todo)):
             self.workers.append(_new_worker(self.pickled, self.function, self.bounds.memory, self.host))
-        for worker in self._free():
+        for worker in self._free_workers():
             if self.todo and not (worker.used and self.todo[0].needs_new):
                 self._assign(worker, self.todo.popleft())
 
-    def _free(self) -> list[_Worker]:
+    def _free_workers(self) -> list[_Worker]:
         return [worker for worker in self.workers if worker.ready and worker.job is None]
 
     def _assign(self, worker: _Worker, job: _Job) -> None:
@@ -219,7 +219,7 @@ class WorkerPool:
         if not worker.read_message():
             return self._crashed(worker, _exit_reason(worker.exit_code()))
         try:
-            message = message_of(worker.sent, worker.mark, self.bounds.memory)
+            message = parse_message(worker.sent, worker.mark, self.bounds.memory)
         except BrokenMessageError:
             return self._crashed(worker, "wrote into the pipe that its result comes through")
         if message is None:
@@ -230,12 +230,12 @@ class WorkerPool:
             worker.ready = True
             return []
         worker.used = True
-        result = self._unpickled(message)
+        result = self._unpickle(message)
         if isinstance(result, Lost) and result.outcome is Failure.CRASHED:
             self._stop(worker)  # its state is not known
         return [(job.number, result)]
 
-    def _unpickled(self, message: bytes) -> object:
+    def _unpickle(self, message: bytes) -> object:
         """A job's result; lost if it cannot be read back here."""
         try:
             return pickle.loads(message)
@@ -286,7 +286,7 @@ def _new_worker(pickled: bytes, function: Callable[..., Any], memory: int, host:
         process = context.Process(  # type: ignore[attr-defined]
             target=serve, args=(far_end, far_output, pickled, memory, host), daemon=True
         )
-        with _START_LOCK, cut_off():
+        with _START_LOCK, isolated_start():
             process.start()
     except (OSError, EOFError) as error:
         raise LinkproofError(

@@ -49,7 +49,7 @@ class BrokenMessageError(Exception):
     """The bytes are not a message of a worker."""
 
 
-def message_of(sent: bytes | bytearray, mark: bytes, longest: int) -> bytes | None:
+def parse_message(sent: bytes | bytearray, mark: bytes, longest: int) -> bytes | None:
     """The message with this mark from a worker; None if the rest has not arrived yet.
 
     An engine shares the pipe with its worker, and may write into it or change Python's functions. Raises
@@ -71,7 +71,7 @@ def message_of(sent: bytes | bytearray, mark: bytes, longest: int) -> bytes | No
     return message
 
 
-def received(channel: Connection) -> bytes:
+def read_available(channel: Connection) -> bytes:
     """The bytes that have arrived, none at the end; unlike ``recv_bytes`` it never waits for the rest of a message."""
     if os.name == "posix":
         return os.read(channel.fileno(), _CHUNK)
@@ -104,7 +104,7 @@ def start_server(modules: Sequence[str]) -> None:
     if start_method() == "forkserver":
         _leave_temporary_folder()
         forkserver.set_forkserver_preload(["comparisons.runs.fork_server", "comparisons.runs.worker_process", *modules])
-        with cut_off(), same_path():
+        with isolated_start(), inherited_path():
             forkserver.ensure_running()
 
 
@@ -116,7 +116,7 @@ def _leave_temporary_folder() -> None:
 
 
 @contextlib.contextmanager
-def same_path() -> Iterator[None]:
+def inherited_path() -> Iterator[None]:
     """A Python started here imports modules from the same folders as this one, and not from the working folder."""
     path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
     before = dict(os.environ)
@@ -130,14 +130,14 @@ def same_path() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def cut_off() -> Iterator[None]:
+def isolated_start() -> Iterator[None]:
     """A process started here ignores Ctrl-C, prints nothing and does not import the main module.
 
     A Ctrl-C meanwhile reaches this process at the end. Without the main module, which has no job in it, a script that
     calls us needs no ``if __name__ == "__main__"``, and a command line is not imported twice.
     """
     main = sys.modules["__main__"]
-    with _deaf_to_interrupts(), _silent():
+    with _interrupts_blocked(), _output_discarded():
         sys.modules["__main__"] = ModuleType("__main__")
         try:
             yield
@@ -146,7 +146,7 @@ def cut_off() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
+def _interrupts_blocked() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -158,7 +158,7 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _silent() -> Iterator[None]:
+def _output_discarded() -> Iterator[None]:
     """Discard output to the file descriptors 1 and 2, unless it is requested."""
     if os.environ.get(SHOW_OUTPUT):
         yield
@@ -189,26 +189,26 @@ def serve(channel: Connection, output: Connection | None, function: bytes, memor
         os.setpgid(0, 0)  # processes that an engine starts are in the worker's group, and are killed with it
     _die_with_parent()
     _leave_server()
-    _redirect(output)
+    _redirect_output(output)
     _send(channel, START_MARK, b"")
     with contextlib.suppress(EOFError):
         while channel.poll(IDLE_TIMEOUT if host else None):
             mark, job = channel.recv_bytes(), channel.recv_bytes()
-            _send(channel, mark, _answer(function, job, memory))
+            _send(channel, mark, _run_pickled_job(function, job, memory))
 
 
-def _answer(function: bytes, job: bytes, memory: int) -> bytes:
+def _run_pickled_job(function: bytes, job: bytes, memory: int) -> bytes:
     """The pickled result of one job, which is ``Lost`` if the job raises anything."""
     try:
-        with _bounded(memory):
-            value = _loaded(function)(*pickle.loads(job))
+        with _memory_bounded(memory):
+            value = _unpickled_function(function)(*pickle.loads(job))
         return pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
     except BaseException as error:
         return pickle.dumps(lost(error, memory))
 
 
 @functools.cache
-def _loaded(function: bytes) -> Callable[..., object]:
+def _unpickled_function(function: bytes) -> Callable[..., object]:
     """A function, unpickled once for all jobs, so that it can cache."""
     loaded: Callable[..., object] = pickle.loads(function)
     return loaded
@@ -251,7 +251,7 @@ def _end_with(sentinel: int) -> None:
     os._exit(1)
 
 
-def _redirect(output: Connection | None) -> None:
+def _redirect_output(output: Connection | None) -> None:
     """Send all output, from Python and from C, to the parent; write no core dumps."""
     with contextlib.suppress(ImportError):
         import resource  # noqa: PLC0415  POSIX only
@@ -265,7 +265,7 @@ def _redirect(output: Connection | None) -> None:
 
 
 @contextlib.contextmanager
-def _bounded(memory: int) -> Iterator[None]:
+def _memory_bounded(memory: int) -> Iterator[None]:
     """Let the process add at most ``memory`` bytes to its address space, if the system can bound it."""
     try:
         import resource  # noqa: PLC0415

@@ -98,7 +98,7 @@ class LastingPool:
             self._pool = WorkerPool(function, (), bounds, self.processes)
         self._pool.begun = begun
         try:
-            yield from self._pool.take_up(jobs, bounds.seconds)
+            yield from self._pool.run_more(jobs, bounds.seconds)
         except BaseException:
             self.close()
             raise

@@ -1,4 +1,4 @@
-"""Borders of a map's ``within limit``: searched from the easy value outwards, then bisected between two runs."""
+"""Borders of a map's ``within limit``: searched from the easy value outwards, then bisect_borders between two runs."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Border:
 
     @property
     def line(self) -> tuple[str, str, str, str]:
-        """Axis, row, engine and usage, as those of the cells beside it."""
+        """Axis, row, engine and usage of the cells on both sides of the border."""
         return (self.axis, self.row, self.engine, self.usage)
 
     @property
@@ -52,11 +52,11 @@ class Border:
         return float(f"{math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high):.6g}")
 
     def cell(self, value: float) -> Cell:
-        """A cell of its line."""
+        """The cell of the border's line at a value of its axis."""
         return Cell(self.axis, self.row, value, self.engine, self.usage)
 
     def narrowed(self, result: CellResult) -> Border:
-        """The half of it that has the border, by a run between its ends."""
+        """The border between closer values, after a run at a value between its two."""
         if result.verdict in GOOD:
             return replace(self, inside=result.cell.value)
         return replace(self, outside=result.cell.value, verdict=result.verdict)
@@ -72,13 +72,14 @@ def borders(results: Iterable[CellResult]) -> list[Border]:
     """On every line of every map, the first run beyond the easy value on either side that is not within limit."""
     ordered = sorted(results, key=lambda result: (*result.cell.line, result.cell.value))
     lines = itertools.groupby(ordered, key=lambda result: result.cell.line)
-    return [border for _, line in lines for border in _on(list(line))]
+    return [border for _, line in lines for border in _line_borders(list(line))]
 
 
-def _on(line: Sequence[CellResult]) -> Iterator[Border]:
+def _line_borders(line: Sequence[CellResult]) -> Iterator[Border]:
+    """The first border on either side of a line's easy value."""
     start = nearest([result.cell.value for result in line], axes()[line[0].cell.axis].good)
-    for way in (line[start:], line[start::-1]):
-        for inside, outside in itertools.pairwise(way):
+    for side in (line[start:], line[start::-1]):
+        for inside, outside in itertools.pairwise(side):
             if inside.verdict not in GOOD:
                 break
             if outside.verdict not in GOOD:
@@ -86,10 +87,10 @@ def _on(line: Sequence[CellResult]) -> Iterator[Border]:
                 break
 
 
-def bisected(
+def bisect_borders(
     rough: Sequence[Border], make: Callable[[Sequence[Cell]], Sequence[CellResult]], precision: float = PRECISE
 ) -> list[Border]:
-    """The same borders between runs that differ by no more than ``precision``; ``make`` makes many cells at once."""
+    """Borders narrowed until the values of each differ by a factor ``precision`` at most; ``make`` runs many cells."""
     narrow = list(rough)
     while wide := [number for number, border in enumerate(narrow) if _is_wide(border, precision)]:
         middles = [narrow[number].cell(narrow[number].middle) for number in wide]

@@ -13,9 +13,9 @@ from comparisons.runs.environment import environment
 from comparisons.runs.run_engine import GIB
 from comparisons.runs.study import Announce, Journal, Study, Task
 from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
-from comparisons.stress.border import COARSE, PRECISE, bisected, borders
+from comparisons.stress.border import COARSE, PRECISE, bisect_borders, borders
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
-from comparisons.stress.cells import Axis, axes, cells, lost, made
+from comparisons.stress.cells import Axis, axes, cells, lost, run_cell
 from comparisons.stress.saved import Stress
 
 MEMORY: Final = 2 * GIB  # a cell may add
@@ -62,12 +62,12 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
         usages = ", ".join(request.usages) or "any setting"
         raise LinkproofError(f"no stability run matches {usages}: choose other axes or settings")
     study = _study(announce, journal, request.pool)
-    make = partial(_made, study, request)
+    make = partial(_run_cells, study, request)
     grid = make(requested)
     rough = borders(grid)
     if request.quick:
         rough = [border for border in rough if border.usage == QUICK_BORDERS]
-    narrow = bisected(rough, make, COARSE if request.quick else PRECISE)
+    narrow = bisect_borders(rough, make, COARSE if request.quick else PRECISE)
     results, counts = tuple(study.results()), summary(study.results())
     document = {
         "command": request.command,
@@ -81,16 +81,16 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
 
 def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Pool = EVERY_CORE) -> list[CellResult]:
     """These cells alone, each in a worker process of its own, in their order; ``time_limit`` as in a request."""
-    return _made(_study(lambda *_: None, None, pool), StressRequest((), (), time_limit=time_limit), chosen)
+    return _run_cells(_study(lambda *_: None, None, pool), StressRequest((), (), time_limit=time_limit), chosen)
 
 
 def _study(announce: Announce, journal: Journal | None, pool: Pool) -> Study[CellResult]:
-    return Study(made, lost, CellResult.written, CellResult.from_row, journal, announce, pool)
+    return Study(run_cell, lost, CellResult.written, CellResult.from_row, journal, announce, pool)
 
 
-def _made(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cell]) -> list[CellResult]:
+def _run_cells(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cell]) -> list[CellResult]:
     """Results of cells, in their order."""
-    by_seconds = grouped((_seconds(request, cell), Task(cell.key, (cell,), cell.key)) for cell in chosen)
+    by_seconds = grouped((_cell_seconds(request, cell), Task(cell.key, (cell,), cell.key)) for cell in chosen)
     study.expect(task for tasks in by_seconds.values() for task in tasks)
     for seconds in sorted(by_seconds):
         for _ in study.make(by_seconds[seconds], Bounds(seconds, MEMORY)):
@@ -98,7 +98,7 @@ def _made(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cel
     return [study.result(cell.key) for cell in chosen]
 
 
-def _seconds(request: StressRequest, cell: Cell) -> float:
+def _cell_seconds(request: StressRequest, cell: Cell) -> float:
     """The time limit of a cell, s."""
     if request.time_limit is not None:
         return request.time_limit

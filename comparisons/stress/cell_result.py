@@ -108,7 +108,7 @@ class CellResult(RunRecord):
 
 
 def blank_result(cell: Cell, mechanism: str, motion: str = "") -> CellResult:
-    """A cell of which nothing is known yet."""
+    """The result of a cell before it is run."""
     return CellResult(
         mechanism=mechanism,
         variant="",

@@ -110,20 +110,22 @@ def _axis(table: dict[str, Any]) -> Axis:
 
 def _row(common: Mapping[str, Any], table: Mapping[str, Any]) -> Row:
     of_row = {field.name for field in fields(Row)} - {"conditions"}
-    conditions: dict[str, Any] = {key: _plain(value) for key, value in {**common, **table}.items() if key not in of_row}
+    conditions: dict[str, Any] = {
+        key: _tuple_for_list(value) for key, value in {**common, **table}.items() if key not in of_row
+    }
     return Row(conditions=Conditions(**conditions), **{key: table[key] for key in of_row & table.keys()})
 
 
-def _plain(value: object) -> object:
+def _tuple_for_list(value: object) -> object:
     return tuple(value) if isinstance(value, list) else value
 
 
 def nearest(values: Sequence[float], target: float) -> int:
-    """Place of the value nearest to one, by ratio."""
-    return min(range(len(values)), key=lambda n: _ratio(values[n], target))
+    """Index of the value nearest to ``target``, by ratio."""
+    return min(range(len(values)), key=lambda n: _factor_between(values[n], target))
 
 
-def _ratio(first: float, second: float) -> float:
+def _factor_between(first: float, second: float) -> float:
     low, high = sorted((first, second))
     return float("inf") if low <= 0.0 < high else (high / low if low > 0.0 else 1.0)
 
@@ -180,11 +182,11 @@ def find_cell(key: str) -> Cell:
         raise LinkproofError(f"cell '{key}': expected a number as its value, got '{value}'; correct it") from None
 
 
-def made(cell: Cell) -> CellResult:
+def run_cell(cell: Cell) -> CellResult:
     """Make a cell's run here and now, and judge it."""
     begun = time.perf_counter()
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    blank = replace(_unmade(cell), host=host())
+    blank = replace(_blank_result(cell), host=host())
     adapter = engine(cell.engine)
     with blamed_on(adapter):
         absent = why_unavailable(adapter)
@@ -196,7 +198,7 @@ def made(cell: Cell) -> CellResult:
         reason = f"the closed form has no motion to hold an engine to: {error}"
         return replace(blank, verdict=StressVerdict.UNSUPPORTED, reason=reason)
     given = scene(conditions, true)
-    run = _run(adapter, given, cell.usage, conditions)
+    run = _run_usage(adapter, given, cell.usage, conditions)
     # Those of naive would hide a wrong motion.
     limits_of = Setting.BEST if cell.usage == Setting.BEST else Setting.TUNED
     blank = replace(
@@ -207,10 +209,10 @@ def made(cell: Cell) -> CellResult:
 
 def lost(loss: Lost, cell: Cell) -> CellResult:
     """A cell whose worker gave no result."""
-    return replace(_unmade(cell), verdict=StressVerdict(loss.outcome.value), reason=loss.reason, host=loss.host)
+    return replace(_blank_result(cell), verdict=StressVerdict(loss.outcome.value), reason=loss.reason, host=loss.host)
 
 
-def _unmade(cell: Cell) -> CellResult:
+def _blank_result(cell: Cell) -> CellResult:
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
     blank = blank_result(cell, conditions.linkage, conditions.motion)
     return replace(blank, differing=conditions.differing)
@@ -222,7 +224,8 @@ def _case(conditions: Conditions) -> Case:
     return case(replace(conditions))
 
 
-def _run(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:
+def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:
+    """The engine's run of a scene in a setting, or by a method at the conditions' step."""
     if usage in SETTINGS:
         return run_engine(adapter, given, Setting(usage))
     assert isinstance(adapter, StudiedEngine)

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
 from comparisons.judging.limits import grouped
-from comparisons.runs.study_folder import load_study, save_study, usable
+from comparisons.runs.study_folder import load_study, save_study, study_errors
 from comparisons.stress.border import Border
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
 from comparisons.stress.cells import axes
@@ -44,13 +44,13 @@ class Stress:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
+        """The document and all cells, JSON-ready."""
         return {**self.document, "cells": [result.data for result in self.results]}
 
     @cached_property
     def results(self) -> tuple[CellResult, ...]:
         """Every cell in the order of the maps, whichever process was done first."""
-        return tuple(sorted(self.cells, key=lambda result: _place(result.cell)))
+        return tuple(sorted(self.cells, key=lambda result: _table_position(result.cell)))
 
     @cached_property
     def borders(self) -> tuple[Border, ...]:
@@ -103,8 +103,8 @@ class Stress:
         )  # fmt: skip
 
 
-def _place(cell: Cell) -> tuple[object, ...]:
-    """Where a cell stands in the table of axes; a row or a usage that the table has no more comes last."""
+def _table_position(cell: Cell) -> tuple[object, ...]:
+    """A cell's position in the table of axes, for sorting; a row or usage that the table no longer has comes last."""
     axis = axes()[cell.axis]
     rows, usages = [row.label for row in axis.rows], (*axis.settings, *axis.methods)
     falling = axis.values[0] > axis.values[-1]
@@ -124,7 +124,7 @@ def save(folder: Path, stress: Stress) -> None:
 def load(folder: Path) -> Stress:
     """Read a stress test back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
     stress = Stress(*load_study(folder, KIND, FORM, CellResult.from_row))
-    with usable(folder, KIND):
+    with study_errors(folder, KIND):
         _ = stress.columns
         if not stress.results:
             raise ValueError("it has no cell")

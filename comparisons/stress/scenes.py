@@ -31,7 +31,7 @@ from engines.scene import Body, Channel, Scene
 
 Array = NDArray[np.float64]
 
-RELATIVE, ABSOLUTE = 1e-11, 1e-13  # tolerances of φ, rad, and ω, rad/s
+RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-11, 1e-13  # tolerances of φ, rad, and ω, rad/s
 MOST_RELAXATIONS = 1e3  # of the time constant Jeq/b: up to here a window each is cheap
 
 
@@ -73,29 +73,35 @@ class StiffMotion:
 
 
 def relaxations(mechanism: Mechanism, duration: float) -> float:
-    """How many of its shortest time constants Jeq/b a damped crank is released for."""
+    """The duration of a damped crank's release over its shortest time constant Jeq/b."""
     turn = mechanism.turn
     return duration * float(np.max(damping_coefficient(turn) / reduced_inertia(turn)))
 
 
-def stiff_motion(mechanism: Mechanism, own: ReleasedRegime) -> StiffMotion:
-    """Let the crank go; raises LinkproofError where Radau's method gives up."""
+def stiff_motion(mechanism: Mechanism, regime: ReleasedRegime) -> StiffMotion:
+    """A released crank's motion held back hard by dampers; raises LinkproofError where Radau's method gives up."""
     from scipy.integrate import solve_ivp  # noqa: PLC0415  only stiff cells pay for it
 
-    equation = equation_of_motion(mechanism, own.torque).tabulated()
+    equation = equation_of_motion(mechanism, regime.torque).tabulated()
 
     def rate(_: float, state: Array) -> tuple[float, float]:
         return float(state[1]), float(equation.acceleration(state[0], state[1]))
 
-    start = (own.start_angle, own.start_speed)
+    start = (regime.start_angle, regime.start_speed)
     solution = solve_ivp(
-        rate, (0.0, own.duration), start, method="Radau", rtol=RELATIVE, atol=ABSOLUTE, dense_output=True
+        rate,
+        (0.0, regime.duration),
+        start,
+        method="Radau",
+        rtol=RELATIVE_TOLERANCE,
+        atol=ABSOLUTE_TOLERANCE,
+        dense_output=True,
     )
     if not solution.success or not math.isfinite(solution.y[0, -1]):
         raise LinkproofError(
             f"'{mechanism.linkage.name}': expected a motion to its end, got '{solution.message}'; damp less"
         )
-    return StiffMotion(own.name, own.duration, equation, solution.sol, solution.t)
+    return StiffMotion(regime.name, regime.duration, equation, solution.sol, solution.t)
 
 
 # From the conditions of one cell of a stress map to a case and the scene an engine is given.
@@ -241,21 +247,21 @@ def case(conditions: Conditions) -> Case:
     return case_of_file_regime(mechanism, released)
 
 
-def scene(conditions: Conditions, of: Case) -> Scene:
+def scene(conditions: Conditions, case: Case) -> Scene:
     """The scene of a cell, with every channel and, on request, a disturbed start."""
-    undisturbed = of.scene(frozenset(Channel))
+    undisturbed = case.scene(frozenset(Channel))
     if not conditions.disturbed:
         return undisturbed
     size = conditions.disturbance * scene_size(undisturbed)
     if conditions.disturbed == "velocity":
         size *= abs(conditions.rate)
-    bodies = (_off(body, number, conditions.disturbed, size) for number, body in enumerate(undisturbed.bodies))
+    bodies = (_displaced(body, number, conditions.disturbed, size) for number, body in enumerate(undisturbed.bodies))
     return replace(undisturbed, bodies=tuple(bodies))
 
 
-def _off(body: Body, number: int, what: str, size: float) -> Body:
+def _displaced(body: Body, number: int, level: str, size: float) -> Body:
     """A body with its place or its velocity off by ``size``, m or m/s."""
     direction = np.array([math.cos(number * GOLDEN_ANGLE), math.sin(number * GOLDEN_ANGLE)])
-    x, y = np.array(getattr(body, what)) + size * direction
+    x, y = np.array(getattr(body, level)) + size * direction
     place = (float(x), float(y))
-    return replace(body, velocity=place) if what == "velocity" else replace(body, position=place)
+    return replace(body, velocity=place) if level == "velocity" else replace(body, position=place)

@@ -42,12 +42,13 @@ Array = NDArray[np.float64]
 WRONG = 1e-2
 
 
-def wrongs(case: Case, motion: ObservedMotion) -> list[str]:
+def motion_faults(case: Case, motion: ObservedMotion) -> list[str]:
     """The faults of a motion, in words; empty for a right one."""
-    return [words for size, words in _errors(case, motion) if not size <= WRONG]
+    return [words for size, words in _motion_errors(case, motion) if not size <= WRONG]
 
 
-def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
+def _motion_errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
+    """The largest error of every signal over its scale, each in words."""
     for order, name in enumerate(("position", "velocity")):
         body, share, time = _state_error(case, motion, order)
         yield (
@@ -56,19 +57,19 @@ def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
         )
     if case.is_prescribed and motion.has(Channel.TORQUE):
         torque = motion.signal(Channel.TORQUE)
-        yield from _off("torque", case, torque, case.at(torque.time).torque)
+        yield from _peak_error("torque", case, torque, case.at(torque.time).torque)
     forces = motion.history.joint_force if case.unbounded_at is None else {}
     truths = {joint: case.at(signal.time).joint_forces[joint].T for joint, signal in forces.items()}
     sizes = {joint: np.hypot(*true.T) for joint, true in truths.items()}
     truths = {joint: true if forces[joint].values.ndim > 1 else sizes[joint] for joint, true in truths.items()}
     faint = FAINT_FORCE * max((float(np.max(size)) for size in sizes.values()), default=0.0)
     for joint, true in truths.items():
-        yield from _off(f"force in {joint}", case, forces[joint], true, faint)
-    missing = _missing(case, motion)
+        yield from _peak_error(f"force in {joint}", case, forces[joint], true, faint)
+    missing = _unsampled_share(case, motion)
     yield missing, f"{missing:.2g} of the duration has no samples"
 
 
-def _off(name: str, case: Case, signal: Signal, true: Array, least: float = 0.0) -> Iterator[tuple[float, str]]:
+def _peak_error(name: str, case: Case, signal: Signal, true: Array, least: float = 0.0) -> Iterator[tuple[float, str]]:
     """Largest error of a torque or a force over its peak, ``least`` at least, away from jumps of the acceleration."""
     smooth = ~near_jumps(signal.time, case.motion)
     if smooth.any():
@@ -78,7 +79,7 @@ def _off(name: str, case: Case, signal: Signal, true: Array, least: float = 0.0)
         yield float(error[worst]), f"{name} off by {error[worst]:.2g} of its peak at {signal.time[smooth][worst]:.3g} s"
 
 
-def _missing(case: Case, motion: ObservedMotion) -> float:
+def _unsampled_share(case: Case, motion: ObservedMotion) -> float:
     """Share of the duration between samples that lie half a turn and more apart."""
     time = motion.signal(Channel.POSITION).time
     blind = np.abs(np.diff(case.motion.angle(time))) > HALF_TURN
@@ -93,7 +94,7 @@ def _state_error(case: Case, motion: ObservedMotion, order: int) -> tuple[str, f
     difference = (signal.values - true) / unit
     if order == 0:  # whole turns apart is the same place
         difference[:, :, 2] = np.angle(np.exp(1j * difference[:, :, 2]))
-    difference[:, _without_angle(motion.scene), 2] = 0.0
+    difference[:, _point_bodies(motion.scene), 2] = 0.0
     sizes = np.maximum(np.hypot(difference[..., 0], difference[..., 1]), np.abs(difference[..., 2]))
     scale = 1.0
     if order:
@@ -103,7 +104,7 @@ def _state_error(case: Case, motion: ObservedMotion, order: int) -> tuple[str, f
     return motion.scene.bodies[worst[1]].name, float(sizes[worst]) / scale, float(signal.time[worst[0]])
 
 
-def _without_angle(scene: Scene) -> list[int]:
+def _point_bodies(scene: Scene) -> list[int]:
     """Bodies that are points: masses at a pin, whose angle means nothing."""
     guided = {slider.body for slider in scene.sliders}
     return [n for n, body in enumerate(scene.bodies) if body.inertia is None and body.name not in guided]
@@ -140,15 +141,15 @@ def judged(blank: CellResult, case: Case, scene: Scene, run: Run, setting: str) 
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return replace(blank, verdict=StressVerdict(run.outcome.value), reason=run.reason)
     motion = ObservedMotion(scene, run.history)
-    rows = _blank(case, setting)
+    rows = _record_to_judge(case, setting)
     with np.errstate(all="ignore"):  # a wrong motion can be any numbers
-        checked = _invariants(case, motion, rows)
+        checked = _judged_invariants(case, motion, rows)
         failed = [record for record in checked if record.outcome != Verdict.PASSED]
-        alarms = "; ".join(_alarm(record, motion) for record in failed)
+        alarms = "; ".join(_alarm_words(record, motion) for record in failed)
         try:
             if case.is_prescribed:
                 case.check_motion()
-            nearest, wrong = _deviations(case, motion, rows), wrongs(case, motion)
+            nearest, wrong = _nearest_deviation(case, motion, rows), motion_faults(case, motion)
         except LinkproofError as error:
             nearest, wrong = None, [f"there is no one motion to find ({error})"]
     verdict, reason = _verdict(nearest, wrong, failed, alarms)
@@ -168,7 +169,7 @@ def _verdict(
         return verdict, f"{'; '.join(wrong)}. {'Flagged: ' + alarms if failed else 'No check flagged it'}"
     if over:
         assert nearest is not None
-        return StressVerdict.OVER, f"{nearest.quantity} off by {_share(nearest.error_max)} of its peak"
+        return StressVerdict.OVER, f"{nearest.quantity} off by {_share_words(nearest.error_max)} of its peak"
     if inferred:
         return StressVerdict.ALARM, f"right, yet {alarms}"
     return (StressVerdict.OVER, alarms) if failed else (StressVerdict.WITHIN, "")
@@ -183,8 +184,8 @@ def verdict_of(cell: CellResult) -> StressVerdict | None:
     return _verdict(nearest, [cell.wrong] if cell.wrong else [], failed, "")[0]
 
 
-def _alarm(record: Record, motion: ObservedMotion) -> str:
-    words = ALARMS[record.quantity].format(error=_share(record.error_max), joint=_open_joint(record, motion))
+def _alarm_words(record: Record, motion: ObservedMotion) -> str:
+    words = ALARMS[record.quantity].format(error=_share_words(record.error_max), joint=_open_joint(record, motion))
     return words if record.worst_time is None else f"{words} at {record.worst_time:.3g} s"
 
 
@@ -195,11 +196,11 @@ def _open_joint(record: Record, motion: ObservedMotion) -> str:
     return max(gaps, key=lambda joint: float(gaps[joint][0]))
 
 
-def _share(error: float | None) -> str:
+def _share_words(error: float | None) -> str:
     return f"{error:.2g}"
 
 
-def _blank(case: Case, setting: str) -> Record:
+def _record_to_judge(case: Case, setting: str) -> Record:
     """A record by the limits of the regime that the motion is most like."""
     regime = case.motion.regime
     if case.is_prescribed and regime not in REGIMES:
@@ -207,13 +208,13 @@ def _blank(case: Case, setting: str) -> Record:
     return replace(blank_record(case, setting), regime=regime if case.is_prescribed else OWN, conditions="stress")
 
 
-def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> list[Record]:
+def _judged_invariants(case: Case, motion: ObservedMotion, blank: Record) -> list[Record]:
     """The judged records, with the furthest over its limit, or the nearest to it, first."""
     records = [record for record in checks(case, motion, blank) if Verdict(record.outcome).judged]
-    return sorted(records, key=_over, reverse=True)
+    return sorted(records, key=_error_over_limit, reverse=True)
 
 
-def _deviations(case: Case, motion: ObservedMotion, blank: Record) -> Record | None:
+def _nearest_deviation(case: Case, motion: ObservedMotion, blank: Record) -> Record | None:
     """The quantity nearest to its limit, or furthest over it."""
     records = []
     for quantity in all_quantities(case).values():
@@ -226,18 +227,18 @@ def _deviations(case: Case, motion: ObservedMotion, blank: Record) -> Record | N
         bound = limit(quantity.name, blank.setting, blank.regime).value
         error = worst.error_max if worst.error_at_jumps <= bound else max(worst.error_max, worst.error_at_jumps)
         outcome = Verdict.PASSED if error <= bound else Verdict.OVER_LIMIT
-        records.append(replace(blank, quantity=quantity.name, error_max=_finite(error), limit=bound,
+        records.append(replace(blank, quantity=quantity.name, error_max=_finite_number(error), limit=bound,
                              worst_time=worst.worst_time, outcome=outcome.value))  # fmt: skip
-    return max(records, key=_over, default=None)
+    return max(records, key=_error_over_limit, default=None)
 
 
-def _over(record: Record) -> float:
+def _error_over_limit(record: Record) -> float:
     """Error over limit."""
     assert record.error_max is not None
     assert record.limit is not None
     return record.error_max / record.limit
 
 
-def _finite(value: float) -> float:
+def _finite_number(value: float) -> float:
     """A number that JSON can hold, however far off."""
     return LARGEST if math.isnan(value) else min(value, LARGEST)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import attrgetter
 
-from comparisons.work_precision.records import METHOD, SETTING, Bench, BenchRecord, PointRecord, by_quantity
+from comparisons.work_precision.records import METHOD, SETTING, Bench, BenchRecord, PointRecord, split_by_quantity
 from comparisons.work_precision.step_sweep import Floor, StepSweep, floor, observed_order, pareto, price, sustained
 from engines.contract import Setting
 
@@ -113,16 +113,16 @@ def _method(record: BenchRecord) -> tuple[object, ...]:
 
 
 def judged(points: Sequence[PointRecord]) -> tuple[PointRecord, ...]:
-    """The same points with their orders and their places on their engine's fronts filled in."""
-    records = by_quantity(points, ())
+    """Points with their orders, and the quantities in which they are on their engine's front, filled in."""
+    records = split_by_quantity(points, ())
     orders: dict[str, dict[str, float]] = {}
     for sweep in method_sweeps(records):
         if (order := sweep.order) is not None:
             for record in sweep.records:
                 orders.setdefault(record.key, {})[record.quantity] = order
     fronts: dict[str, list[str]] = {}
-    for group in by_engine(records).values():
-        for record in (record for part in apart(group) for record in on_front(part)):
+    for group in group_by_engine(records).values():
+        for record in (record for part in split_by_runs(group) for record in on_front(part)):
             fronts.setdefault(record.key, []).append(record.quantity)
     return tuple(
         replace(point, orders=orders.get(point.key, {}), fronts=tuple(fronts.get(point.key, ()))) for point in points
@@ -132,7 +132,7 @@ def judged(points: Sequence[PointRecord]) -> tuple[PointRecord, ...]:
 Key = tuple[str, str, str, str, str]
 
 
-def by_engine(records: Iterable[BenchRecord]) -> dict[Key, list[BenchRecord]]:
+def group_by_engine(records: Iterable[BenchRecord]) -> dict[Key, list[BenchRecord]]:
     """Records by mechanism, variant, regime, quantity and engine, in the order they appear."""
     groups: dict[Key, list[BenchRecord]] = {}
     for record in records:
@@ -140,7 +140,7 @@ def by_engine(records: Iterable[BenchRecord]) -> dict[Key, list[BenchRecord]]:
     return groups
 
 
-def apart(records: Iterable[BenchRecord]) -> tuple[list[BenchRecord], list[BenchRecord]]:
+def split_by_runs(records: Iterable[BenchRecord]) -> tuple[list[BenchRecord], list[BenchRecord]]:
     """Single runs, and those made of several."""
     parts: tuple[list[BenchRecord], list[BenchRecord]] = ([], [])
     for record in records:
@@ -172,10 +172,12 @@ def choices(records: Sequence[BenchRecord], limits: Sequence[float] = WANTED) ->
     if not finished:
         return ()
     closest = min(finished, key=lambda record: (_error(record), _seconds(record)))
-    return tuple(PointChoice(min(_reaching(finished, error), key=_seconds, default=None), closest) for error in limits)
+    return tuple(
+        PointChoice(min(_points_reaching(finished, error), key=_seconds, default=None), closest) for error in limits
+    )
 
 
-def _reaching(records: Sequence[BenchRecord], limit: float) -> Iterator[BenchRecord]:
+def _points_reaching(records: Sequence[BenchRecord], limit: float) -> Iterator[BenchRecord]:
     """Settings at or below an error, and of every sweep its coarsest step that holds it."""
     yield from (record for record in records if record.kind == SETTING and _error(record) <= limit)
     for sweep in method_sweeps(records):
@@ -218,7 +220,7 @@ class EngineFacts:
 
     engine: str
     records: tuple[BenchRecord, ...]
-    own_efforts: Efforts
+    default_efforts: Efforts
 
     @cached_property
     def sweeps(self) -> tuple[MethodSweep, ...]:
@@ -228,7 +230,7 @@ class EngineFacts:
     @cached_property
     def methods(self) -> tuple[MethodSweep, ...]:
         """The sweeps at a method's default effort."""
-        return tuple(sweep for sweep in self.sweeps if self.is_own(sweep.first))
+        return tuple(sweep for sweep in self.sweeps if self.is_default_effort(sweep.first))
 
     @property
     def is_control(self) -> bool:
@@ -245,9 +247,9 @@ class EngineFacts:
         """The settings compared with the methods' front; empty for the control."""
         return () if self.is_control else compare_settings(self.records)
 
-    def is_own(self, record: BenchRecord) -> bool:
+    def is_default_effort(self, record: BenchRecord) -> bool:
         """Whether a point belongs to a method at its default effort."""
-        return (record.setting, record.effort) in self.own_efforts
+        return (record.setting, record.effort) in self.default_efforts
 
 
 @dataclass(frozen=True)
@@ -259,7 +261,7 @@ class PlaceFacts:
     variant: str
     regime: str
     records: tuple[BenchRecord, ...]
-    own_efforts: Mapping[str, Efforts]
+    default_efforts: Mapping[str, Efforts]
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -282,10 +284,10 @@ class PlaceFacts:
         mine: dict[str, dict[str, list[BenchRecord]]] = {}
         for record in self.records:
             mine.setdefault(record.quantity, {name: [] for name in names})[record.engine].append(record)
-        return {quantity: tuple(self._facts(rows)) for quantity, rows in mine.items()}
+        return {quantity: tuple(self._engine_facts(rows)) for quantity, rows in mine.items()}
 
-    def _facts(self, rows: Mapping[str, Sequence[BenchRecord]]) -> list[EngineFacts]:
-        facts = [EngineFacts(name, tuple(mine), self.own_efforts.get(name, ())) for name, mine in rows.items()]
+    def _engine_facts(self, rows: Mapping[str, Sequence[BenchRecord]]) -> list[EngineFacts]:
+        facts = [EngineFacts(name, tuple(mine), self.default_efforts.get(name, ())) for name, mine in rows.items()]
         return sorted(facts, key=lambda entry: entry.is_control)
 
     def ranked(self, quantity: str) -> list[BenchRecord]:

@@ -38,10 +38,10 @@ class SceneReduction:
     channels: frozenset[Channel] = EVERYTHING
     without: tuple[str, ...] = ()
 
-    def of(self, linkage: Linkage) -> Linkage | None:
+    def reduce(self, linkage: Linkage) -> Linkage | None:
         """The linkage without these loads; None if it has no such load."""
-        rest = without(linkage, *self.without)
-        return None if self.without and rest == linkage else rest
+        reduced = without(linkage, *self.without)
+        return None if self.without and reduced == linkage else reduced
 
 
 REDUCTIONS: Final = (
@@ -71,13 +71,13 @@ def measure(linkage: Linkage, engines: Sequence[str]) -> list[MeasuredCost]:
 
 def most_reducible(linkages: Sequence[Linkage]) -> Linkage:
     """The linkage with most in it to be left out, the first of several."""
-    return max(linkages, key=lambda linkage: sum(part.of(linkage) is not None for part in REDUCTIONS))
+    return max(linkages, key=lambda linkage: sum(part.reduce(linkage) is not None for part in REDUCTIONS))
 
 
 def _jobs(linkage: Linkage, engines: Sequence[str]) -> Iterator[tuple[MeasuredCost, Callable[[], Run]]]:
     """A run of every reduction in every engine: brought to speed over half a turn, and half a turn more."""
     drive = Prescribed(crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.03))
-    rests = [(part, part.of(linkage)) for part in REDUCTIONS]
+    rests = [(part, part.reduce(linkage)) for part in REDUCTIONS]
     models = [(part, scene(Mechanism(rest), drive, part.channels)) for part, rest in rests if rest is not None]
     for name in engines:
         adapter = engine(name)

@@ -22,7 +22,7 @@ from engines.scene import Scene
 
 JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.
-WARM = 16.0
+WARM_UP_STEPS = 16.0
 _WARM: set[str] = set()  # the engines this process has run
 
 
@@ -31,7 +31,7 @@ def longest_step(case: Case, steps_per_turn: float) -> float:
     return 2.0 * math.pi / (case.motion.peak_speed * steps_per_turn)
 
 
-def chosen(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
+def chosen_families(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
     """The quantities of these names that a case has, ``joint_force`` standing for its worst joint.
 
     φ belongs to every case: under a prescribed motion it shows how well the drive is followed.
@@ -92,7 +92,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     Raises AdapterError for every exception of the adapter but MemoryError.
     """
     case, adapter = unpickle_case(pickled), engine(name)
-    families = chosen(case, quantities)
+    families = chosen_families(case, quantities)
     channels = frozenset(
         channel for family in families.values() for quantity in family for channel in quantity.channels
     )
@@ -100,16 +100,16 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     with blamed_on(adapter):
         if isinstance(way, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
-        first_use = _warm_up(adapter, scene, longest_step(case, WARM))
+        first_use = _warm_up(adapter, scene, longest_step(case, WARM_UP_STEPS))
         blank = point_record(case, adapter, way, steps_per_turn, host=host())
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, way, blank.step))
         run = checked(run, scene, name)
-    measured = replace(_measured(blank, run, wall), details={CALIBRATION: steady, FIRST_USE: first_use})
+    measured = replace(_with_run(blank, run, wall), details={CALIBRATION: steady, FIRST_USE: first_use})
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return measured
     try:
-        errors = tuple(_errors(case, families, ObservedMotion(scene, run.history)))
+        errors = tuple(_family_errors(case, families, ObservedMotion(scene, run.history)))
     except NoSampleError as error:
         return replace(measured, outcome=Verdict.UNDEFINED.value, detail=str(error))
     endless = [record.quantity for record in errors if not math.isfinite(record.error_max or 0.0)]
@@ -121,7 +121,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     return replace(measured, errors=errors)
 
 
-def _measured(blank: PointRecord, run: Run, wall: float) -> PointRecord:
+def _with_run(blank: PointRecord, run: Run, wall: float) -> PointRecord:
     return replace(
         blank,
         outcome=run.outcome.value,
@@ -132,15 +132,17 @@ def _measured(blank: PointRecord, run: Run, wall: float) -> PointRecord:
         steps=run.steps,
         solver_work=run.solver_work,
         runs=max(1, len(run.passes)) if run.history else 0,
-        used=", ".join(f"{name.replace('_', ' ')} {_short(value)}" for name, value in run.details.items()),
+        used=", ".join(f"{name.replace('_', ' ')} {_number_words(value)}" for name, value in run.details.items()),
     )
 
 
-def _short(value: str | int | float) -> str:
+def _number_words(value: str | int | float) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> Iterator[QuantityRecord]:
+def _family_errors(
+    case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion
+) -> Iterator[QuantityRecord]:
     """Errors of a motion, of a family of quantities the worst member's, with what the engine does not tell of each."""
     alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
     for name, family in families.items():
@@ -160,7 +162,7 @@ def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: Obse
 
 
 def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
-    """Why a quantity is not the engine's word; empty where it is."""
+    """Why the engine has no value of its own for a quantity; empty where it has."""
     if quantity.lacking(motion):
         return "not offered"
     return "computed by the adapter" if quantity.origin(motion) is Origin.COMPUTED else ""

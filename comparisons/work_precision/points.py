@@ -18,10 +18,15 @@ EFFORTS: Mapping[str, tuple[float, ...]] = {
     "relative tolerance": (1e-6, 1e-9, 1e-12),
 }
 # A step too long for an engine may be cured by a shorter one, but not for ever.
-FAILURES = 3
+MOST_FAILURES = 3
 # Steps that every sweep takes, whatever they cost and gain: fewer are no curve, and show neither order nor floor.
 FEWEST = 6
-LASTING = (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE, Verdict.NOT_PROVIDED)  # whatever the step
+LASTING_FAILURES = (
+    Failure.TIMED_OUT,
+    Outcome.UNSUPPORTED,
+    Outcome.UNAVAILABLE,
+    Verdict.NOT_PROVIDED,
+)  # whatever the step
 
 
 @dataclass(frozen=True)
@@ -98,7 +103,7 @@ class PointSweep:
     def next(self) -> Point | None:
         """The point to measure next; None when the sweep has ended."""
         if not self.ended:
-            self.ended = self._end()
+            self.ended = self._why_ended()
         return None if self.ended else self.points[len(self.measurements)]
 
     def add(self, measurement: PointRecord | None) -> None:
@@ -108,10 +113,10 @@ class PointSweep:
         else:
             self.measurements.append(measurement)
 
-    def _end(self) -> str:
+    def _why_ended(self) -> str:
         done = self.measurements
         if done and done[-1].outcome != Outcome.FINISHED:
-            return self._end_by_failure()
+            return self._why_failed()
         if len(done) == len(self.points):
             return "the sweep ends here"
         if len(done) < FEWEST:
@@ -120,12 +125,12 @@ class PointSweep:
         errors = [[error.error_max for error in each.errors if error.error_max is not None] for each in finished]
         if not any(still_improves(entries) for entries in zip(*errors, strict=True)):
             return "two refinements in a row improved nothing"
-        price = self._price(self.points[len(done)])
+        price = self._estimated_seconds(self.points[len(done)])
         if price > self.budget:
             return f"the next step would take about {price:.2g} s, over {self.budget:g} s"
         return ""
 
-    def _price(self, point: Point) -> float:
+    def _estimated_seconds(self, point: Point) -> float:
         """Estimated time of a point, s, from the cheapest set-up and step so far, without slow spells."""
         pairs = zip(self.points, self.measurements, strict=False)
         rates = [
@@ -134,12 +139,12 @@ class PointSweep:
         setup = min((measurement.setup_seconds for measurement in self.measurements), default=0.0)
         return setup + min(rates, default=0.0) * (point.steps_per_turn or 0.0)
 
-    def _end_by_failure(self) -> str:
+    def _why_failed(self) -> str:
         """Failures end a sweep that worked before, and one that never did after three."""
         last = self.measurements[-1]
-        lasting = last.outcome in LASTING
+        lasting = last.outcome in LASTING_FAILURES
         worked = any(each.outcome == Outcome.FINISHED for each in self.measurements)
-        if lasting or worked or len(self.measurements) in (FAILURES, len(self.points)):
+        if lasting or worked or len(self.measurements) in (MOST_FAILURES, len(self.points)):
             return f"{last.outcome}: {last.detail}"
         return ""
 
@@ -150,22 +155,22 @@ def planned_sweeps(
     """The sweeps of one engine on one case: settings, methods, and on request methods at other solver ``efforts``."""
     if extent.fronts_only:
         settings = [setting for setting in settings if setting is not Setting.BEST]
-        methods = [*_last(methods, extrapolated=False), *_last(methods, extrapolated=True)]
+        methods = [*_most_advanced(methods, extrapolated=False), *_most_advanced(methods, extrapolated=True)]
     sweeps = [PointSweep([Point(case, engine, setting)], math.inf) for setting in settings]
     for method in methods:
-        sweeps.append(_sweep(case, engine, method, extent.steps_per_turn, extent))
+        sweeps.append(_method_sweep(case, engine, method, extent.steps_per_turn, extent))
         if efforts and extent.effort_stride:
             steps = extent.steps_per_turn[:: extent.effort_stride]
-            sweeps += [_sweep(case, engine, other, steps, extent) for other in _other_efforts(method)]
+            sweeps += [_method_sweep(case, engine, other, steps, extent) for other in _other_efforts(method)]
     return sweeps
 
 
-def _last(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
+def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
     """The most advanced method of a single run, or of several extrapolated: an engine names its simplest first."""
     return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
 
 
-def _sweep(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> PointSweep:
+def _method_sweep(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> PointSweep:
     return PointSweep([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
 
 

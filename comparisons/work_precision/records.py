@@ -109,7 +109,7 @@ class BenchRecord(PointRecord):
         return self.outcome == Outcome.FINISHED and self.error is not None and bool(self.repeats)
 
 
-def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tuple[BenchRecord, ...]:
+def split_by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tuple[BenchRecord, ...]:
     """Points in each of their quantities; one that did not finish in all requested ``quantities``.
 
     A quantity that the engine does not tell at all is not provided there.
@@ -214,13 +214,13 @@ class Bench:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
+        """The document and all points, JSON-ready."""
         return {**self.document, "records": [point.data for point in self.points]}
 
     @cached_property
     def records(self) -> tuple[BenchRecord, ...]:
         """Every point in each of its quantities."""
-        return by_quantity(self.points, self.document["quantities"])
+        return split_by_quantity(self.points, self.document["quantities"])
 
     @cached_property
     def costs(self) -> tuple[MeasuredCost, ...]:
@@ -229,7 +229,7 @@ class Bench:
 
     @cached_property
     def noise(self) -> Noise:
-        """The machine's, as measured beside the points."""
+        """Times of the fixed work that were measured beside the points."""
         return Noise(tuple(self.document["noise"]["samples"]))
 
 

@@ -19,7 +19,7 @@ ABOVE_FLOOR = 3.0
 SLOPE_SHARE, SLOPE_ROOM = 0.25, 0.3
 LEAST_POINTS, LEAST_ORDER, LEAST_DROP = 3, 0.4, 3.0
 # A refinement that takes less than this factor off no longer improves.
-IMPROVED = 1.5
+LEAST_GAIN = 1.5
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class StepSweep:
     @property
     def is_falling(self) -> bool:
         """Whether the finest step is the best and better than the one before by more than scatter."""
-        return self.best == len(self.errors) - 1 and self.last_gain >= IMPROVED
+        return self.best == len(self.errors) - 1 and self.last_gain >= LEAST_GAIN
 
     def error_at(self, step: float) -> float | None:
         """The error at a step, s; None where that step was not taken."""
@@ -126,7 +126,7 @@ def still_improves(errors: Sequence[float]) -> bool:
     """Whether another refinement is worth its price: not after two in a row without a smaller error."""
     if len(errors) < LEAST_POINTS:
         return True
-    return min(errors[-2:]) * IMPROVED < min(errors[:-2])
+    return min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
 
 
 def pareto(costs: Sequence[float], errors: Sequence[float]) -> NDArray[np.bool_]:
@@ -175,8 +175,8 @@ def price(costs: Sequence[float], errors: Sequence[float], limit: float) -> floa
 
 
 # A floor a third as high is a lower one; errors within a factor two of each other are level.
-LOWER = 3.0
-LEVEL = 2.0
+LOWER_FACTOR = 3.0
+LEVEL_FACTOR = 2.0
 GROWTH = 0.3  # least power of 1/step that is growth and not scatter
 # Double precision leaves this much of a peak after the sums that a torque is made of.
 ROUND_OFF = 1e-13
@@ -215,13 +215,13 @@ def floor(sweep: StepSweep, others: Sequence[StepSweep] = ()) -> Floor:
     leaves over in each step is divided by the step's square in an acceleration.
     """
     cause, evidence = (
-        _at_round_off(sweep)
-        or _lowered_at_its_step(sweep, others)
-        or _falling(sweep)
-        or _lowered_by_effort(sweep, others)
-        or _growing(sweep)
-        or _lower_than_with_less_effort(sweep, others)
-        or _level(sweep, others)
+        _find_round_off(sweep)
+        or _find_effort_at_step(sweep, others)
+        or _find_falling(sweep)
+        or _find_effort(sweep, others)
+        or _find_growth(sweep)
+        or _find_highest_effort(sweep, others)
+        or _find_level(sweep, others)
     )
     return Floor(float(sweep.errors[sweep.best]), float(sweep.steps[sweep.best]), cause, evidence)
 
@@ -229,12 +229,14 @@ def floor(sweep: StepSweep, others: Sequence[StepSweep] = ()) -> Floor:
 Finding = tuple[Cause, str] | None
 
 
-def _at_round_off(sweep: StepSweep) -> Finding:
+def _find_round_off(sweep: StepSweep) -> Finding:
+    """The error is double precision's own; None where it is larger."""
     least = sweep.errors[sweep.best]
     return (Cause.ROUND_OFF, f"{short(least)} of the peak is double precision's own") if least <= ROUND_OFF else None
 
 
-def _falling(sweep: StepSweep) -> Finding:
+def _find_falling(sweep: StepSweep) -> Finding:
+    """The error still falls at the finest step; None where it does not."""
     if not sweep.is_falling:
         return None
     finer = sweep.steps[-2] / sweep.steps[-1]
@@ -242,11 +244,11 @@ def _falling(sweep: StepSweep) -> Finding:
     return Cause.FALLING, f"at the finest step; refining the step {finer:.3g} × reduced the error {gain} ×"
 
 
-def _lowered_at_its_step(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
-    """More solver effort has a smaller error at the very step of the smallest one."""
+def _find_effort_at_step(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
+    """More solver effort gives a smaller error at the best step; None where it does not."""
     least, step = sweep.errors[sweep.best], sweep.steps[sweep.best]
     harder = [(other, other.error_at(step)) for other in others if other.works_harder_than(sweep)]
-    lower = [(other, error) for other, error in harder if error is not None and error * LOWER <= least]
+    lower = [(other, error) for other, error in harder if error is not None and error * LOWER_FACTOR <= least]
     if not lower:
         return None
     hardest, error = min(lower, key=lambda pair: pair[1])
@@ -256,10 +258,12 @@ def _lowered_at_its_step(sweep: StepSweep, others: Sequence[StepSweep]) -> Findi
     )
 
 
-def _lowered_by_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
-    """More solver effort has a lower floor."""
+def _find_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
+    """More solver effort has a lower floor; None where it has not."""
     least = sweep.errors[sweep.best]
-    lower = [other for other in others if other.works_harder_than(sweep) and other.errors[other.best] * LOWER <= least]
+    lower = [
+        other for other in others if other.works_harder_than(sweep) and other.errors[other.best] * LOWER_FACTOR <= least
+    ]
     if not lower:
         return None
     lowest = min(lower, key=lambda other: other.errors[other.best])
@@ -269,23 +273,25 @@ def _lowered_by_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding
     )
 
 
-def _growing(sweep: StepSweep) -> Finding:
-    """The error grows again as the step shrinks."""
+def _find_growth(sweep: StepSweep) -> Finding:
+    """The error grows again as the step shrinks; None where it does not."""
     best, steps, errors = sweep.best, sweep.steps, sweep.errors
     past = errors[best + 1 :]
-    if not past or past[-1] < LEVEL * errors[best] or past[-1] * LEVEL < max(past):
+    if not past or past[-1] < LEVEL_FACTOR * errors[best] or past[-1] * LEVEL_FACTOR < max(past):
         return None
     power = theil_sen(np.log(steps[best:]), np.log(np.maximum(errors[best:], np.finfo(float).tiny)))
     growth = f"from {short(errors[best])} at {short(steps[best])} s it grows as h^{power:.1f} to {short(past[-1])}"
     return (Cause.ROUNDING, f"{growth} at {short(steps[-1])} s") if power <= -GROWTH else None
 
 
-def _lower_than_with_less_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
-    """The hardest working sweep has the lowest floor, so that yet more effort may have a lower one."""
+def _find_highest_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
+    """The sweep with most effort has the lowest floor, so that yet more may have a lower one; None otherwise."""
     least = sweep.errors[sweep.best]
     if any(other.works_harder_than(sweep) for other in others):
         return None
-    beaten = [other for other in others if sweep.works_harder_than(other) and least * LOWER <= other.errors[other.best]]
+    beaten = [
+        other for other in others if sweep.works_harder_than(other) and least * LOWER_FACTOR <= other.errors[other.best]
+    ]
     if not beaten or len(beaten) < sum(sweep.works_harder_than(other) for other in others):
         return None
     nearest = min(beaten, key=lambda other: other.errors[other.best])
@@ -293,22 +299,24 @@ def _lower_than_with_less_effort(sweep: StepSweep, others: Sequence[StepSweep]) 
     return Cause.EFFORT, f"{evidence}; more was not tried"
 
 
-def _level(sweep: StepSweep, others: Sequence[StepSweep]) -> tuple[Cause, str]:
-    """Neither the step nor the effort moves it; or too few points to tell."""
+def _find_level(sweep: StepSweep, others: Sequence[StepSweep]) -> tuple[Cause, str]:
+    """Neither step nor effort changes the error; or there are too few points to tell."""
     least = sweep.errors[sweep.best]
     level = [
-        step for step, error in zip(sweep.steps, sweep.errors, strict=True) if error <= LEVEL * least or error == least
+        step
+        for step, error in zip(sweep.steps, sweep.errors, strict=True)
+        if error <= LEVEL_FACTOR * least or error == least
     ]
     if len(sweep.errors) == 1:
         return Cause.UNSETTLED, "one step alone was taken"
     if len(level) < 2:
         return Cause.UNSETTLED, f"{short(least)} at {short(level[0])} s alone, and no trend past it"
     harder = [other for other in others if other.works_harder_than(sweep)]
-    tried = f", at {_hardest(harder).effort_words} too" if harder else ""
+    tried = f", at {_hardest_working(harder).effort_words} too" if harder else ""
     return Cause.MODEL, f"steps of {short(level[0])} to {short(level[-1])} s all give about {short(least)}{tried}"
 
 
-def _hardest(sweeps: Sequence[StepSweep]) -> StepSweep:
+def _hardest_working(sweeps: Sequence[StepSweep]) -> StepSweep:
     most = sweeps[0]
     for sweep in sweeps[1:]:
         most = sweep if sweep.works_harder_than(most) else most

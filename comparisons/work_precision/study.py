@@ -38,7 +38,7 @@ from engines.scene import Channel
 
 
 # A run that takes this much longer than its budget, s, hangs.
-HANGS = 60.0
+HANG_SECONDS = 60.0
 
 
 class Rounds:
@@ -61,23 +61,23 @@ class Rounds:
         self.pickled = [pickle.dumps(case) for case in cases]
         self.ends = time.monotonic() + extent.deadline
         self.study: Study[PointRecord] = Study(
-            measure, self._lost, PointRecord.written, PointRecord.from_row, journal, announce, pool
+            measure, self._lost_point, PointRecord.written, PointRecord.from_row, journal, announce, pool
         )
 
     def run(self, number: int, points: Sequence[Point]) -> None:
         """Measure points in a round, as long as there is time."""
         tasks = [self._task(number, point) for point in points if point.way]
         self.study.expect(tasks)
-        bounds = Bounds(seconds=min(HANGS + 20.0 * self.extent.budget, max(1.0, self.left())))
+        bounds = Bounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
         with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
-            while self.left() > 0.0 and next(ended, None) is not None:
+            while self.seconds_left() > 0.0 and next(ended, None) is not None:
                 pass
 
     def measurement(self, number: int, point: Point) -> PointRecord | None:
         """The measurement of a point in a round; None if it was not measured."""
         if not point.way:
             return self._unmeasured(point, Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
-        key = _key(number, point)
+        key = _task_key(number, point)
         return self.study.result(key) if self.study.has(key) else None
 
     def repeats(self, point: Point, rounds: int) -> list[PointRecord]:
@@ -119,26 +119,26 @@ class Rounds:
         case = self.cases[point.case]
         place = f"{case.mechanism.linkage.name}, {case.motion.regime}"
         return Task(
-            key=_key(number, point),
+            key=_task_key(number, point),
             job=(self.pickled[point.case], point.engine, point.way, point.steps_per_turn, self.quantities, number == 0),
             label=f"round {number + 1}: {place}, {point.engine} {point.words}",
         )
 
-    def _lost(
-        self, lost: Lost, pickled: bytes, name: str, way: Setting | Method, steps: float | None, *_: object
+    def _lost_point(
+        self, lost: Lost, pickled: bytes, engine_name: str, way: Setting | Method, steps: float | None, *_: object
     ) -> PointRecord | None:
         """The record of a run without a result; None if our own deadline ended it, not a fault of the engine."""
-        if self.left() <= 0.0:
+        if self.seconds_left() <= 0.0:
             return None
         sentences = {"outcome": lost.outcome.value, "detail": lost.reason, "host": lost.host}
-        return point_record(unpickle_case(pickled), engine(name), way, steps, **sentences)
+        return point_record(unpickle_case(pickled), engine(engine_name), way, steps, **sentences)
 
-    def left(self) -> float:
+    def seconds_left(self) -> float:
         """Time until the deadline, s."""
         return self.ends - time.monotonic()
 
 
-def _key(number: int, point: Point) -> str:
+def _task_key(number: int, point: Point) -> str:
     return f"{number} {point.key}"
 
 
@@ -182,9 +182,9 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
         pool=request.pool,
     )
     longest = 0.0
-    for turn in _turns(request.cases, sweeps):
+    for turn in _sweep_groups(request.cases, sweeps):
         begun = time.monotonic()
-        if rounds.left() < longest:  # some points of a curve would show nothing
+        if rounds.seconds_left() < longest:  # some points of a curve would show nothing
             for sweep in turn:
                 sweep.add(None)
         while batch := [(sweep, point) for sweep in turn if (point := sweep.next()) is not None]:
@@ -271,7 +271,7 @@ def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
                 yield from planned_sweeps(number, name, methods, request.settings, request.extent, efforts=first)
 
 
-def _turns(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[list[PointSweep]]:
+def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[list[PointSweep]]:
     """Sweeps that are measured to their ends and repeated, one group after the other: those of a case at a time.
 
     Where the time ends first, a linkage of each structure has whole curves, rather than every linkage a point: the

@@ -14,7 +14,7 @@ import pytest
 from comparisons.campaign.campaign import CampaignRequest, judged, lost, tasks
 from comparisons.campaign.key_figures import KeyFigure, compared
 from comparisons.campaign.project import Project, compared_cases, notes, standard
-from comparisons.invariants.checks import NEEDS as INVARIANTS
+from comparisons.invariants.checks import NEEDED_CHANNELS as INVARIANTS
 from comparisons.judging.baseline import Departure, file_departures, motion_departures
 from comparisons.judging.limits import Standard, deciding
 from comparisons.judging.records import Record, RunRecord, Verdict, blank_record

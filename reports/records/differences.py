@@ -59,7 +59,7 @@ def closing_line(difference: FolderDifference) -> str:
     """How much is compared, has moved, and by more than is allowed."""
     figures = f", {len(difference.figures)} key figures" if difference.figures else ""
     moved = f"{len(difference.moves)} moved{figures}"
-    return f"{difference.compared} records in both folders: {moved}; {difference.beyond} beyond limits"
+    return f"{difference.compared} records in both folders: {moved}; {difference.beyond_count} beyond limits"
 
 
 def _facts(difference: FolderDifference) -> Table:
@@ -94,7 +94,7 @@ def _move(move: MovedRecord) -> Iterator[TableCell | str]:
     yield ABSENT if move.factor is None else figure(move.factor, 2)
     share = move.peak_share
     yield ABSENT if share is None else change(share, ".1f").replace("-", "−")
-    yield "beyond" if move.beyond else ""
+    yield "beyond" if move.is_beyond else ""
 
 
 def _figures(difference: FolderDifference) -> Iterator[Table]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from comparisons.work_precision.analysis import EngineFacts, MethodSweep, PlaceFacts, Regimes, apart, on_front
+from comparisons.work_precision.analysis import EngineFacts, MethodSweep, PlaceFacts, Regimes, on_front, split_by_runs
 from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
 from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
 from reports.document.parts import PageFigure
@@ -91,7 +91,7 @@ def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
 
 def _fronts(records: Sequence[BenchRecord]) -> list[tuple[Array, Array]]:
     """The front of methods' single runs, and that of several extrapolated; a setting alone is no front."""
-    return [_places(on_front(part)) for part in apart(record for record in records if record.kind == METHOD)]
+    return [_places(on_front(part)) for part in split_by_runs(record for record in records if record.kind == METHOD)]
 
 
 def _places(records: Sequence[BenchRecord]) -> tuple[Array, Array]:

@@ -128,7 +128,10 @@ def _sweep(record: BenchRecord) -> tuple[object, ...]:
 
 
 def _shared(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
-    own, solver = record.kind == SETTING or facts.is_own(record), effort_words(record.effort, record.effort_unit)
+    own, solver = (
+        record.kind == SETTING or facts.is_default_effort(record),
+        effort_words(record.effort, record.effort_unit),
+    )
     table = {name: getattr(record, name) for name in SHARED}
     return {**table, "way": way(facts, record), "own": own, "solver": solver, "ends": {}, "points": {}}
 

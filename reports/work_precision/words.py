@@ -44,7 +44,7 @@ def way(facts: EngineFacts, record: BenchRecord) -> str:
     """
     runs = f" x{record.runs}" if record.is_extrapolated else ""
     name = record.setting.removesuffix(runs) + runs
-    if record.kind == SETTING or facts.is_own(record):
+    if record.kind == SETTING or facts.is_default_effort(record):
         return name
     return f"{name}, {effort_words(record.effort, record.effort_unit)}"
 

@@ -15,12 +15,61 @@ import venv
 from pathlib import Path
 
 from tests.docs.test_snippets import FILE, MEASURING, SETTING_UP, agrees, blocks, commands
-from tests.linkproof.test_wheel import SCRIPT
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 EXTRAS = "exudyn"  # what README's commands need
 CHECKER = "mypy"
+SCRIPT = """
+import numpy as np
+import linkproof
+from linkproof.engine import Abilities, Channel, Engine, Run, Scene, Setting, SteppedEngine
+
+
+def heaviest(linkage: linkproof.Linkage) -> float:
+    values = linkproof.evaluate(linkage, np.linspace(0.0, 6.0, 50), "Jeq")
+    return float(values["Jeq"].max())
+
+
+def channels(engine: Engine) -> list[Channel]:
+    return list(engine.abilities.readouts)
+
+
+class Mine:
+    name = "mine"
+    is_control = False
+    abilities = Abilities({}, frozenset(), frozenset(), frozenset())
+
+    def version(self) -> str | None:
+        return None
+
+    def run(self, scene: Scene, setting: Setting) -> Run:
+        raise NotImplementedError
+
+
+needle = linkproof.load("juki-mf7923d")
+peak: float = heaviest(needle)
+curves = linkproof.results(needle, speed=1200.0, clockwise=True)
+force = curves["joint_force"].sel(joint="A", component="x")
+try:
+    comparison = linkproof.compare("juki-mf7923d", engine="direct", speed=1200)
+    passed: bool = comparison.passed
+    worst = max(record.error_max or 0.0 for record in comparison.records)
+except linkproof.LinkproofError as error:
+    print(error)
+facts = linkproof.check(needle)
+print(f"{peak:.3g}", force.attrs["units"], passed, worst < 1e-3, facts["structure"], channels(Mine()))
+"""
+# Each call is wrong by its types.
+WRONG = """
+import linkproof
+
+linkproof.load(3)
+linkproof.results("juki-mf7923d", speed="fast")
+linkproof.compare("juki-mf7923d", engines="direct")
+linkproof.Mechanism
+"""
+WRONG_LINES = (4, 5, 6, 7)
 
 
 def checked(package: Path) -> list[str]:
@@ -43,7 +92,8 @@ def checked(package: Path) -> list[str]:
         text = README.read_text(encoding="utf-8")
         for file, content in FILE.findall(text):
             (folder / file).write_text(content, encoding="utf-8")
-        (folder / "script.py").write_text(SCRIPT, encoding="utf-8")
+        for file, content in (("script.py", SCRIPT), ("wrong.py", WRONG)):
+            (folder / file).write_text(content, encoding="utf-8")
         faults = [
             _differences(command, shown, run(*shlex.split(command)))
             for kind, block in blocks(README) if kind == "console"
@@ -52,6 +102,9 @@ def checked(package: Path) -> list[str]:
         ]  # fmt: skip
         for words in (("linkproof", "doctor"), ("mypy", "--strict", "script.py"), ("python", "script.py")):
             faults.append(_differences(shlex.join(words), "", run(*words)))
+        output = run("mypy", "--strict", "wrong.py").stdout
+        lines = tuple(int(line.split(":")[1]) for line in output.splitlines() if ": error:" in line)
+        faults.append("" if lines == WRONG_LINES else f"mypy of wrong calls: {output}")
         return [each for each in faults if each]
 
 

@@ -33,3 +33,9 @@ def test_the_recipe_lists_every_dependency():
     assert recipe["package"] == {"name": "linkproof", "version": PROJECT["version"]}
     needed = [each.partition(" ")[0].replace("matplotlib-base", "matplotlib") for each in recipe["requirements"]["run"]]
     assert needed == ["python", *(each.partition(">")[0] for each in PROJECT["dependencies"])]
+
+
+def test_every_package_says_that_it_is_typed():
+    packages = [path.parent for path in ROOT.glob("*/__init__.py")]
+    assert len(packages) == 5
+    assert all((package / "py.typed").is_file() for package in packages)

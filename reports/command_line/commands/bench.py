@@ -13,7 +13,7 @@ from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
 from comparisons.runs.cluster import check_scheduler, opened
 from comparisons.runs.workers import LastingPool
-from comparisons.work_precision.measure import JOINTS, chosen
+from comparisons.work_precision.measure import JOINTS, chosen_families
 from comparisons.work_precision.points import FULL, QUICK
 from comparisons.work_precision.records import KIND, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest
@@ -91,7 +91,7 @@ def _request(options: BenchOptions, requested: CampaignRequest) -> BenchRequest:
         if name not in (*COMPARED, JOINTS):
             raise UnknownNameError("quantity", name, (*COMPARED, JOINTS))
     for case in every:
-        groups = chosen(case, quantities)
+        groups = chosen_families(case, quantities)
         if not groups:
             raise LinkproofError(_nothing_to_measure(case, quantities))
         check_defined(case, [quantity for family in groups.values() for quantity in family])

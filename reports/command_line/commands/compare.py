@@ -11,7 +11,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import sheets
-from comparisons.campaign.errata import SPEED, judge_errata
+from comparisons.campaign.errata import SPEED_QUANTITY, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
 from comparisons.campaign.project import JudgedCampaign
 from comparisons.campaign.results import save, with_runs
@@ -52,7 +52,8 @@ def compare(
         with destination.progress() as announce, destination.own_stdout():
             judged = wanted.compared(pool, announce=counting(announce), journal=records)
             of_errata = linkages if (destination.json or out) and request.own_regimes else ()
-            has_speed = SPEED in (request.quantities or (SPEED,))  # so that its runs serve for printed models too
+            # So that its runs serve for printed models too.
+            has_speed = SPEED_QUANTITY in (request.quantities or (SPEED_QUANTITY,))
             known = records if has_speed else None
             errata = list(judge_errata(of_errata, engines, bounds=wanted.running.bounds, pool=pool, journal=known))
         if destination.json or out:

@@ -44,7 +44,7 @@ def diff(before: Path, after: Path, destination: Destination) -> int:
     for printout in (*([difference_printout(campaign)] if campaign else []), *map(study_printout, studies)):
         destination.print_out(printout)
     is_worse = any(move.is_worse for study in studies for move in study.moves)
-    return FAILED if is_worse or (campaign and campaign.beyond) else PASSED
+    return FAILED if is_worse or (campaign and campaign.beyond_count) else PASSED
 
 
 def _refuse_merged(*folders: Path) -> None:
@@ -58,7 +58,7 @@ def _refuse_merged(*folders: Path) -> None:
 
 def merge(saved: Sequence[Path], out: Path) -> None:
     """Join folders into one, and write its report."""
-    _write_machines(merging.merge(merging.folders_of(saved), out), out)
+    _write_machines(merging.merge(merging.folders_to_merge(saved), out), out)
 
 
 def _write_machines(folders: Sequence[MergedFolder], out: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load, parse
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.key_figures import changes, compared, figures_now, key_figures
+from comparisons.campaign.key_figures import changes, compared, key_figures, present_figures
 from comparisons.judging.baseline import Baseline, Place
 from comparisons.reference.case import Case
 
@@ -29,7 +29,7 @@ def _heavier(share: float):
 
 
 def _now():
-    return figures_now(compared([_case()], Baseline()))
+    return present_figures(compared([_case()], Baseline()))
 
 
 def _baseline() -> Baseline:

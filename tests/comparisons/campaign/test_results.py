@@ -14,7 +14,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.results import described, document, save
+from comparisons.campaign.results import document, linkage_from_text, save
 from comparisons.campaign.results import load as load_results
 from comparisons.datasheet.building import bare_sheet
 from comparisons.datasheet.saved import save_sheets
@@ -113,4 +113,4 @@ def test_a_campaign_of_failures_can_be_saved(tmp_path):
 
 def test_a_saved_text_with_a_byte_order_mark_is_read_again():
     text = find("juki-mf7923d").read_text(encoding="utf-8")
-    assert described("\ufeff" + text, "juki-mf7923d", None, (0.0, -9.81)) == load("juki-mf7923d")
+    assert linkage_from_text("\ufeff" + text, "juki-mf7923d", None, (0.0, -9.81)) == load("juki-mf7923d")

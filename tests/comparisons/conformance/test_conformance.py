@@ -10,8 +10,8 @@ from comparisons.conformance.conformance import (
     CHECKS,
     FIRST,
     check_engine,
-    in_workers,
     parametrize_engine_checks,
+    run_in_workers,
     with_expected,
 )
 from comparisons.conformance.mutants import MUTANT, MUTANTS, RELEASED
@@ -66,19 +66,26 @@ KINDS = {
 SILENT = {"four-bar: crank.inertia × 1.01", "cylinder: start angle + 1e-4"}
 
 
-def test_every_mutant_of_a_right_engine_fails_rows_that_name_its_kind(right):
+def kind_of(mutant):
+    return next(kind for words, kind in KINDS.items() if re.search(words, mutant.name))
+
+
+ONE_OF_EACH_KIND = list({kind_of(mutant): mutant for mutant in MUTANTS}.values())
+
+
+@pytest.mark.parametrize("mutants", [ONE_OF_EACH_KIND, pytest.param(MUTANTS, marks=pytest.mark.nightly)])
+def test_every_mutant_of_a_right_engine_fails_rows_that_name_its_kind(right, mutants):
     assert len(MUTANTS) == len({mutant.name for mutant in MUTANTS}) >= 80
     not_tested = {}
-    for mutant in MUTANTS:
-        kind = next(kind for words, kind in KINDS.items() if re.search(words, mutant.name))
+    for mutant in mutants:
         try:
             rows = mutant.rows(right)
         except NotTestedError as reason:
             not_tested[mutant.name] = str(reason)
             continue
         replace(mutant, rows=lambda _, rows=rows: rows).check(right)
-        assert symptoms(rows) == (() if mutant.name in SILENT else (kind,)), mutant.name
-    assert not_tested == {each.name: "'best' of direct is one run" for each in MUTANTS if each.name.startswith("best")}
+        assert symptoms(rows) == (() if mutant.name in SILENT else (kind_of(mutant),)), mutant.name
+    assert not_tested == {each.name: "'best' of direct is one run" for each in mutants if each.name.startswith("best")}
 
 
 def test_of_a_partial_engine_what_it_offers_is_checked():
@@ -113,7 +120,7 @@ def test_a_mutant_that_no_row_sees_is_named():
 
 
 def test_an_engine_that_brings_its_process_down_fails_that_check_alone():
-    bad, identity = in_workers(DyingEngine(), ["bad data", "identity"], 1)
+    bad, identity = run_in_workers(DyingEngine(), ["bad data", "identity"], 1)
     assert (bad.finding, identity.finding) == (Finding.FAILED, Finding.PASSED)
     assert "SIGABRT" in bad.detail
 

@@ -26,7 +26,7 @@ def findings(name, monkeypatch, checks):
 
 
 @pytest.mark.parametrize(
-    "name", [name if name == "exudyn" else pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS]
+    "name", [name if name == "mujoco" else pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS]
 )
 def test_an_engine_keeps_the_contract(name, monkeypatch):
     assert Finding.PASSED in findings(name, monkeypatch, [n for n in CHECKS if not n.startswith(MUTANT)]).values()

@@ -27,7 +27,7 @@ def _run(scene, setting):
     return DirectEngine().run(scene, setting)
 
 
-class AlterableEngine(DirectEngine):
+class AlterableEngine(Direct):
     """The direct solution of whatever world it is given: the right engine, with a hook for mutants."""
 
     def altered(self, scene):
@@ -152,7 +152,7 @@ def _shaking():
 
 def _generous(_run, scene, setting):
     """Positions come whether they are requested or not."""
-    return DirectEngine().run(replace(scene, channels=scene.channels | {Channel.POSITION}), setting)
+    return Direct().run(replace(scene, channels=scene.channels | {Channel.POSITION}), setting)
 
 
 def _fickle(run, scene, _):

@@ -10,7 +10,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load as load_results
 from comparisons.folders.difference import difference
-from comparisons.folders.studies import StudyFolder, checked_studies, study_differences
+from comparisons.folders.studies import StudyFolder, check_studies, study_differences
 from comparisons.folders.verification import verify
 from comparisons.runs.study_folder import save_study
 from comparisons.stress import saved as stress_test
@@ -56,11 +56,11 @@ def test_an_error_within_three_times_its_record_is_a_move_and_one_beyond_decides
     first = changed(folder, tmp_path / "first", to(0.1))
     within = _upgrade(first, tmp_path / "within", to(0.29))
     (move,) = within.moves
-    assert (move.after.quantity, move.beyond, within.beyond) == ("Mkr", False, 0)
+    assert (move.after.quantity, move.is_beyond, within.beyond_count) == ("Mkr", False, 0)
     assert move.factor == pytest.approx(2.9)
     beyond = _upgrade(first, tmp_path / "beyond", to(0.31))
-    assert [(move.allowed, move.beyond) for move in beyond.moves] == [(pytest.approx(0.3 * limit), True)]
-    assert beyond.beyond == 1
+    assert [(move.allowed, move.is_beyond) for move in beyond.moves] == [(pytest.approx(0.3 * limit), True)]
+    assert beyond.beyond_count == 1
     assert beyond.runs[0].versions[1] == "2"
 
 
@@ -70,8 +70,8 @@ def test_a_new_failure_decides_and_an_old_one_does_not(folder, tmp_path):
 
     failed = _upgrade(folder, tmp_path / "b", fail)
     assert [(move.before.outcome, move.after.outcome) for move in failed.moves] == [("passed", "over-limit")]
-    assert failed.beyond == 1
-    assert _upgrade(tmp_path / "b", tmp_path / "c", lambda *_: None).beyond == 0
+    assert failed.beyond_count == 1
+    assert _upgrade(tmp_path / "b", tmp_path / "c", lambda *_: None).beyond_count == 0
 
 
 def test_a_mass_that_was_changed_moves_key_figures_of_the_same_linkage_beyond(folder, tmp_path):
@@ -80,7 +80,7 @@ def test_a_mass_that_was_changed_moves_key_figures_of_the_same_linkage_beyond(fo
     heavier.write_text(text.replace("0.64\n", "0.6464\n", 1), encoding="utf-8")
     found = difference(load_results(folder), load_results(save_campaign(tmp_path / "b", load(str(heavier)))))
     assert {figure.figure for figure in found.figures} >= {"Mkr.peak", "Peq.peak", "Jeq.mean"}
-    assert found.beyond == len(found.figures)
+    assert found.beyond_count == len(found.figures)
 
 
 def test_two_variants_and_two_designs_are_pairs_and_their_figures_decide_nothing(folder, tmp_path):
@@ -88,7 +88,7 @@ def test_two_variants_and_two_designs_are_pairs_and_their_figures_decide_nothing
     found = difference(load_results(folder), load_results(printed))
     assert found.linkages == ((("juki-mf7923d", "as-built"), ("juki-mf7923d", "as-printed")),)
     assert found.figures
-    assert found.beyond == 0
+    assert found.beyond_count == 0
     other = tmp_path / "other.toml"
     shutil.copyfile(_file("juki-mf7923d", tmp_path), other)
     found = difference(load_results(folder), load_results(save_campaign(tmp_path / "design", load(str(other)))))
@@ -129,7 +129,7 @@ def saved(folder, edit=lambda bench, stress: None):
 
 def test_nothing_differs_in_folders_as_they_were_written(tmp_path):
     folder = saved(tmp_path / "a")
-    assert [faults for _, faults in checked_studies(StudyFolder(folder))] == [[], []]
+    assert [faults for _, faults in check_studies(StudyFolder(folder))] == [[], []]
     words = verification_line(verify(folder))
     assert words.endswith("; stress: 3 cells, 1 borders; nothing differs")
     assert words.startswith("bench: ")

@@ -11,8 +11,8 @@ import pytest
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load as load_results
-from comparisons.folders.merging import folders_of, merge
-from comparisons.folders.tables import HEAD, write_tables
+from comparisons.folders.merging import folders_to_merge, merge
+from comparisons.folders.tables import COLUMNS, write_tables
 from comparisons.folders.verification import verify
 from comparisons.judging.limits import with_rows
 from comparisons.judging.records import CURVE, Record
@@ -103,7 +103,7 @@ def elsewhere(folder, tmp_path_factory):
 
 
 def test_folders_of_one_name_are_merged_whole_under_two_names(folder, elsewhere, tmp_path):
-    merged = merge(folders_of([folder, elsewhere]), tmp_path / "both")
+    merged = merge(folders_to_merge([folder, elsewhere]), tmp_path / "both")
     assert [one.path for one in merged] == [tmp_path / "both" / "results", tmp_path / "both" / "results~2"]
     assert merged[1].machine == "another"
     for source, one in zip((folder, elsewhere), merged, strict=True):
@@ -112,23 +112,23 @@ def test_folders_of_one_name_are_merged_whole_under_two_names(folder, elsewhere,
 
 
 def test_what_is_merged_can_be_merged_again(folder, elsewhere, tmp_path):
-    merge(folders_of([folder]), tmp_path / "one")
-    again = folders_of([tmp_path / "one", elsewhere])
+    merge(folders_to_merge([folder]), tmp_path / "one")
+    again = folders_to_merge([tmp_path / "one", elsewhere])
     assert [one.path for one in again] == [tmp_path / "one" / "results", elsewhere]
 
 
 def test_a_run_that_one_machine_made_twice_is_refused(folder, tmp_path):
     with pytest.raises(LinkproofError, match="expected every run once, got compare juki-mf7923d/as-built/run-up/"):
-        folders_of([folder, changed(folder, tmp_path / "b", lambda *_: None)])
+        folders_to_merge([folder, changed(folder, tmp_path / "b", lambda *_: None)])
 
 
 def test_a_folder_with_nothing_in_it_and_a_damaged_list_are_refused(tmp_path):
     with pytest.raises(LinkproofError, match="nothing to merge in"):
-        folders_of([tmp_path])
+        folders_to_merge([tmp_path])
     for text in ("[]", '{"format": 1, "folders": ["../../secret"]}', '{"format": 1, "folders": []}'):
         (tmp_path / "merged.json").write_text(text, encoding="utf-8")
         with pytest.raises(LinkproofError, match="is no list of merged folders"):
-            folders_of([tmp_path])
+            folders_to_merge([tmp_path])
 
 
 def test_every_run_is_a_file_with_a_row_per_sample_and_every_digit(folder, tmp_path):
@@ -137,7 +137,7 @@ def test_every_run_is_a_file_with_a_row_per_sample_and_every_digit(folder, tmp_p
     assert path.name == "juki-mf7923d_as-built_run-up_direct_tuned.csv"
     with path.open(encoding="utf-8", newline="") as opened:
         head, *rows = csv.reader(opened)
-    assert tuple(head) == HEAD
+    assert tuple(head) == COLUMNS
     assert len(rows) == sum(curve.shape[1] for curve in results.runs[0].curves.values())
     mine = [row for row in rows if row[0] == "Mkr"]
     assert {row[1] for row in mine} == {"N m"}

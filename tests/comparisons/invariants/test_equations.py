@@ -15,7 +15,14 @@ from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants import corrections
 from comparisons.invariants.assur_groups import AssurGroups
-from comparisons.invariants.corrections import LEVELS, Corrected, carried, findings, forgotten, speed_errors
+from comparisons.invariants.corrections import (
+    LEVELS,
+    Corrected,
+    accumulate_errors,
+    findings,
+    speed_errors,
+    undissipated_error,
+)
 from comparisons.judging.limits import limit
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
@@ -175,15 +182,15 @@ def test_blocks_of_a_long_motion_say_the_same_as_the_whole(monkeypatch):
 
 def test_a_carried_value_is_the_recursion_it_says():
     kept, added = np.array([0.5, 1.0, 0.25]), np.array([1.0, -2.0, 3.0])
-    np.testing.assert_allclose(carried(4.0, kept, added), [4.0, 3.0, 1.0, 3.25])
-    np.testing.assert_allclose(carried(4.0, np.ones(3), added), [4.0, 5.0, 3.0, 6.0])
+    np.testing.assert_allclose(accumulate_errors(4.0, kept, added), [4.0, 3.0, 1.0, 3.25])
+    np.testing.assert_allclose(accumulate_errors(4.0, np.ones(3), added), [4.0, 5.0, 3.0, 6.0])
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.3, 1e6])
 def test_an_energy_error_decays_at_its_rate(rate):
     """A steady source s against a decay r makes s/r (1 − e^{−rt}): known at every sample, however coarse."""
     time = np.linspace(0.0, 2.0, 41)
-    left = forgotten(3.0 * time, np.full(41, rate), time)
+    left = undissipated_error(3.0 * time, np.full(41, rate), time)
     exact = 3.0 * time if rate == 0.0 else 3.0 / rate * -np.expm1(-rate * time)
     np.testing.assert_allclose(left, exact, rtol=1e-10)
 

@@ -14,7 +14,7 @@ from analytic.description.crank_motion import REGIMES, CrankMotion, Segment, cra
 from analytic.description.linkage import ReleasedRegime, RotaryDamper
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.invariants.checks import _check, checks, closure, crank_phase, joint_gaps
+from comparisons.invariants.checks import _judge_signal, checks, closure, crank_phase, joint_gaps
 from comparisons.invariants.energy_account import energy_balance
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import limit
@@ -262,7 +262,7 @@ def test_an_energy_balance_shows_its_error_estimate_where_that_is_larger():
 def test_an_invariant_without_a_sample_is_undefined():
     blank = dataclasses.replace(blank_record(driven(JUKI), "tuned"), quantity="closure")
     nowhere = Signal(np.linspace(0.0, 1.0, 30), np.full(30, np.nan))
-    record = _check(blank, nowhere, 1.0, 30)
+    record = _judge_signal(blank, nowhere, 1.0, 30)
     assert (record.outcome, record.error_max, record.left_out) == (Verdict.UNDEFINED, None, 30)
     assert record.detail
 

@@ -10,7 +10,7 @@ from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
 from comparisons.judging.baseline import Baseline, Place, read_baseline, regime_key
 from comparisons.judging.limits import (
-    USERS,
+    USER_REASON,
     LimitTable,
     Standard,
     deciding,
@@ -45,7 +45,7 @@ def test_rows_of_a_user_go_before_the_table(tmp_path):
     path.write_text('[[limit]]\nquantities = ["Mkr"]\nmechanisms = ["press"]\nregimes = ["own"]\nvalue = 0.5\n')
     table = read_limits(path)
     own = table.limit("Mkr", "tuned", "a-regime-of-its-own", "press")
-    assert (own.value, own.reason) == (0.5, USERS)
+    assert (own.value, own.reason) == (0.5, USER_REASON)
     for quantity, regime, mechanism in ("Jeq", "free", "press"), ("Mkr", "run-up", "press"), ("Mkr", "free", "other"):
         assert table.limit(quantity, "tuned", regime, mechanism) == limit(quantity, "tuned", regime)
 

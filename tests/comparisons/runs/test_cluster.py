@@ -254,7 +254,8 @@ with opened("local:1", None) as pool:
 """
 
 
-@pytest.mark.parametrize("by", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGINT])
 def test_a_local_cluster_dies_with_its_command(tmp_path, by):
     path = tmp_path / "process"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
@@ -270,5 +271,5 @@ def test_a_local_cluster_dies_with_its_command(tmp_path, by):
 
 
 def test_daemonic_workers_and_those_without_linkproof_are_refused(pool):
-    assert "DASK_DISTRIBUTED__WORKER__DAEMON=False" in pool._fault(replace(pool.here, is_daemon=True))
-    assert pool._fault(ImportError("no")).startswith("expected linkproof, as here, got none (no)")
+    assert "DASK_DISTRIBUTED__WORKER__DAEMON=False" in pool._why_unusable(replace(pool.here, is_daemon=True))
+    assert pool._why_unusable(ImportError("no")).startswith("expected linkproof, as here, got none (no)")

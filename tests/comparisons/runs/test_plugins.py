@@ -49,9 +49,7 @@ def test_every_hostile_plugin_fails_in_its_own_row(folder):
     assert code == 1
 
 
-def test_a_plugin_is_imported_only_on_request_and_prints_nowhere(folder):
-    words = ("compare", "juki-mf7923d", "--quantity", "S", "--jobs", "2", "--engine")
-    assert linkproof(folder, *words, "direct")[0] == 0
+def test_a_plugin_that_nobody_asks_for_is_not_imported(folder):
     code, told = linkproof(folder, "engines", "faithful", "number")
     assert [record["version"] for record in told["records"]] == ["1.0", "1.0"]  # the second is its package's
     assert (code, told["records"][1]["unusable"].count("got a float")) == (0, 1)
@@ -75,6 +73,6 @@ def test_entry_points_of_importlib_metadata_are_plugins_as_well(monkeypatch):
     point = SimpleNamespace(name="strange", value="strange:Adapter", dist=None)
     monkeypatch.setattr(registry, "announced", lambda: {"strange": [point]})
     monkeypatch.setattr(registry, "engine", lambda name: pytest.fail("imported in this process"))
-    monkeypatch.setattr(plugins, "_from_workers", lambda function, jobs: [Lost(Failure.CRASHED, "in a worker")])
+    monkeypatch.setattr(plugins, "_call_in_workers", lambda function, jobs: [Lost(Failure.CRASHED, "in a worker")])
     (adapter,) = plugins.engines(("strange",))
     assert "in a worker" in str(adapter.error)

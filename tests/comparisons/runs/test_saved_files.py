@@ -57,7 +57,7 @@ def test_a_kill_in_the_middle_leaves_the_old_file_and_no_litter(tmp_path):
 
 
 def test_a_system_without_nameless_files_writes_too(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "_nameless", lambda _: None)
+    monkeypatch.setattr(files, "_open_nameless_file", lambda _: None)
     write_text(tmp_path / "file.txt", "text")
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("file.txt", "text")]
 
@@ -94,7 +94,7 @@ ROWS = st.dictionaries(st.text(), VALUES, max_size=4)
 ARRAYS = st.dictionaries(st.text(), arrays(float, array_shapes(min_side=0, max_dims=2, max_side=4)), max_size=3)
 
 
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.dictionaries(st.text(), st.tuples(ROWS, ARRAYS), max_size=5))
 def test_records_come_back_to_the_last_bit(written):
     with tempfile.TemporaryDirectory() as folder:

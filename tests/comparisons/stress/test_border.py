@@ -1,4 +1,4 @@
-"""Borders are bisected to the requested precision by as few runs as halving takes."""
+"""Borders are bisect_borders to the requested precision by as few runs as halving takes."""
 
 import math
 from dataclasses import replace
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from comparisons.stress.border import PRECISE, SMALLEST, bisected, borders
+from comparisons.stress.border import PRECISE, SMALLEST, bisect_borders, borders
 from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
 
 MASS = [10.0**power for power in range(-6, 7)]
@@ -47,7 +47,7 @@ def test_both_borders_are_bracketed_to_a_tenth(above, below):
     rough = borders(grid(make))
     assert len(rough) == 2
     asked.clear()
-    high, low = sorted(bisected(rough, make), key=lambda one: -one.middle)
+    high, low = sorted(bisect_borders(rough, make), key=lambda one: -one.middle)
     assert high.inside < above <= high.outside
     assert low.outside <= below < low.inside
     assert high.ratio <= PRECISE
@@ -72,7 +72,7 @@ def test_only_the_first_border_from_the_easy_value_counts():
 def test_a_border_next_to_zero_is_not_followed_for_ever():
     values = [1e-1, 1e-6, 1e-12, 0.0]
     make, asked = world(below=1e-300)
-    (border,) = bisected(borders(grid(make, values, "change-point")), make)
+    (border,) = bisect_borders(borders(grid(make, values, "change-point")), make)
     assert border.outside == 0.0
     assert border.inside <= SMALLEST
     assert len(asked) < 10
@@ -82,7 +82,7 @@ def test_a_border_next_to_zero_is_not_followed_for_ever():
 def test_a_border_that_the_machine_draws_is_not_narrowed_down(verdict):
     rough = borders([result(1.0, StressVerdict.WITHIN), result(1e3, verdict)])
     assert len(rough) == 1
-    assert bisected(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
+    assert bisect_borders(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
 
 
 def test_an_axis_whose_borders_are_not_worth_it_is_left_alone():
@@ -90,7 +90,7 @@ def test_an_axis_whose_borders_are_not_worth_it_is_left_alone():
         result(value, v, axis="turns-free") for value, v in ((1.0, StressVerdict.WITHIN), (1e3, StressVerdict.OVER))
     ]
     rough = borders(line)
-    assert bisected(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
+    assert bisect_borders(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
 
 
 def test_where_the_easiest_value_fails_there_is_none_either():

@@ -16,7 +16,7 @@ from comparisons.stress import campaign
 from comparisons.stress import cells as stress
 from comparisons.stress.campaign import StressRequest, make_cells
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
-from comparisons.stress.cells import axes, find_cell, lost, made, usages
+from comparisons.stress.cells import axes, find_cell, lost, run_cell, usages
 from comparisons.stress.scenes import case
 from engines.contract import Abilities, Method, Outcome, Run
 from tests.comparisons.faults import PATIENCE
@@ -105,7 +105,7 @@ def test_a_cell_that_does_not_exist_is_refused(with_engine, key, error, words):
 
 def test_the_truth_is_within_limit_at_any_mass(with_engine):
     engine = with_engine(Perfect())
-    found = made(COUPLER)
+    found = run_cell(COUPLER)
     assert found.verdict is StressVerdict.WITHIN
     assert (found.seconds, found.steps, found.solver_work) == (0.25, 12, 3)
     assert found.differing == {"linkage": found.mechanism, "link": "coupler", "mass_factor": 100.0}
@@ -117,9 +117,9 @@ def test_a_method_is_run_at_its_step_with_its_effort(with_engine):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stress, "judged", lambda blank, *_: blank)
         with contextlib.suppress(AdapterError):  # it has no motion for this linkage
-            made(Cell("speed", "1000 rpm", 120.0, "perfect", "defaults"))
+            run_cell(Cell("speed", "1000 rpm", 120.0, "perfect", "defaults"))
         with contextlib.suppress(AdapterError):
-            made(Cell("iterations", "100 steps per turn", 30.0, "perfect", "centred"))
+            run_cell(Cell("iterations", "100 steps per turn", 30.0, "perfect", "centred"))
     assert engine.asked[0] == ("method", "defaults", None, pytest.approx(0.06 / 120.0))
     assert engine.asked[1] == ("method", "centred", 30.0, pytest.approx(0.06 / 100.0))
 
@@ -127,7 +127,7 @@ def test_a_method_is_run_at_its_step_with_its_effort(with_engine):
 @pytest.mark.parametrize("engine", [Perfect(), Liar()])
 def test_json_holds_all_of_a_cell(with_engine, engine):
     with_engine(engine)
-    found = made(dataclasses.replace(COUPLER, value=1e4))
+    found = run_cell(dataclasses.replace(COUPLER, value=1e4))
     told = json.loads(json.dumps(found.data, allow_nan=False))
     assert CellResult.from_row(told) == found
     assert told["command"] == "linkproof stress 'mass/four-bar, coupler/10000/perfect/tuned'"
@@ -211,7 +211,7 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
         raise LinkproofError("it stands in a dead position")
 
     monkeypatch.setattr(stress, "_case", nowhere)
-    found = made(COUPLER)
+    found = run_cell(COUPLER)
     assert (found.verdict, engine.asked) == (StressVerdict.UNSUPPORTED, [])
     assert found.reason == "the closed form has no motion to hold an engine to: it stands in a dead position"
 

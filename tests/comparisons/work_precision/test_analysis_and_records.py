@@ -8,15 +8,15 @@ from analytic.errors import LinkproofError
 from comparisons.runs.study_folder import save_study
 from comparisons.work_precision.analysis import (
     WANTED,
-    apart,
     choices,
     compare_settings,
     judged,
     method_sweeps,
     on_front,
     places,
+    split_by_runs,
 )
-from comparisons.work_precision.records import KIND, Bench, by_quantity, load, save
+from comparisons.work_precision.records import KIND, Bench, load, save, split_by_quantity
 from comparisons.work_precision.step_sweep import Cause
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
@@ -73,7 +73,7 @@ def test_the_front_leaves_nothing_better_out():
 
 
 def test_single_runs_and_extrapolated_ones_have_fronts_of_their_own():
-    single, several = apart([*SECOND, *FOURTH])
+    single, several = split_by_runs([*SECOND, *FOURTH])
     assert (single, several) == (SECOND, FOURTH)
     told = judged(points([*SECOND, *FOURTH]))
     assert all(one.fronts == ("Mkr",) for one in told)
@@ -149,11 +149,11 @@ def test_a_document_of_another_form_is_refused_with_the_place(tmp_path, place, w
 
 def test_an_unfinished_point_stands_in_every_requested_quantity():
     failed, finished = points([row(error_max=None, outcome="diverged")]), points([row()])
-    assert [(one.quantity, one.finished) for one in by_quantity(failed, ("Jeq", "phi"))] == [
+    assert [(one.quantity, one.finished) for one in split_by_quantity(failed, ("Jeq", "phi"))] == [
         ("Jeq", False),
         ("phi", False),
     ]
-    assert [one.quantity for one in by_quantity(finished, ("Jeq", "phi"))] == ["Mkr"]
+    assert [one.quantity for one in split_by_quantity(finished, ("Jeq", "phi"))] == ["Mkr"]
 
 
 def test_a_lucky_coarse_step_is_not_chosen():

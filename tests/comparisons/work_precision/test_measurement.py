@@ -15,7 +15,7 @@ from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import costs
 from comparisons.work_precision import measure as point
 from comparisons.work_precision.costs import REDUCTIONS, ROUNDS, most_reducible
-from comparisons.work_precision.measure import chosen, measure
+from comparisons.work_precision.measure import chosen_families, measure
 from comparisons.work_precision.records import Bench
 from engines.contract import History, Method, Origin, Outcome, Run, Setting
 from engines.mechanics.joints import JointEquations
@@ -75,7 +75,7 @@ def test_the_worst_joint_stands_for_all(monkeypatch):
 
     measurement = _measured(monkeypatch, enlarged, FOUR)
     assert by_name(measurement)["joint_force"].error_max == pytest.approx(0.02, rel=1e-9)
-    assert [one.name for one in chosen(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
+    assert [one.name for one in chosen_families(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
 
 
 def test_a_missing_signal_costs_its_quantity_alone(monkeypatch):
@@ -100,7 +100,7 @@ def test_an_exception_of_an_engine_is_its_adapters_error():
 def test_a_released_crank_has_no_torque_to_judge_and_a_phase_instead():
     linkage = load("slotted-takeup")
     case = case_of_file_regime(Mechanism(linkage), next(one for one in linkage.regimes if one.name == "free"))
-    assert set(chosen(case, FOUR)) == {"Jeq", "phi", "joint_force"}
+    assert set(chosen_families(case, FOUR)) == {"Jeq", "phi", "joint_force"}
 
 
 def test_a_first_use_is_timed_once_in_a_process(monkeypatch):
@@ -147,13 +147,13 @@ def test_what_an_engine_cannot_do_is_a_row_with_its_outcome(monkeypatch):
 def test_the_linkage_with_most_to_leave_out_is_chosen_and_a_reduction_of_nothing_left_out():
     bare = without_loads(mechanism("centric-slider-crank").linkage)  # no gravity either
     assert most_reducible([bare, load(SLOTTED), bare]).name == SLOTTED
-    assert [part for part in REDUCTIONS if part.of(bare)] == [part for part in REDUCTIONS if not part.without]
-    assert all(part.of(load(SLOTTED)) for part in REDUCTIONS)
+    assert [part for part in REDUCTIONS if part.reduce(bare)] == [part for part in REDUCTIONS if not part.without]
+    assert all(part.reduce(load(SLOTTED)) for part in REDUCTIONS)
 
 
 def test_a_reduced_linkage_still_has_as_many_equations_as_unknowns():
     for part in REDUCTIONS:
-        if rest := part.of(load(SLOTTED)):
+        if rest := part.reduce(load(SLOTTED)):
             model = scene(Mechanism(rest), Prescribed(crank_motion(start_angle=0.7)), part.channels)
             equations = JointEquations(model)
             assert equations.rows == equations.size

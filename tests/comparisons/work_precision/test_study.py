@@ -195,7 +195,7 @@ def test_a_linkage_of_each_structure_is_measured_before_those_that_repeat_one_si
     cases = _cases("fork-takeup", "two-crank-takeup", "juki-mf7923d", "rimoldi-164", "slotted-takeup")
     sweeps = [one for place in range(5) for one in planned_sweeps(place, "known", METHODS, (), EXTENT, efforts=False)]
     turns = [{(sweep.points[0].case, sweep.points[0].method.runs > 1) for sweep in turn}
-             for turn in benchmark._turns(cases, sweeps)]  # fmt: skip
+             for turn in benchmark._sweep_groups(cases, sweeps)]  # fmt: skip
     structures = [0, 2, 3, 4]
     single, extrapolated = [{(place, False)} for place in structures], [{(place, True)} for place in structures]
     assert turns == [*single, *extrapolated, {(1, False)}, {(1, True)}]
@@ -205,7 +205,7 @@ def test_a_turn_that_takes_longer_than_there_is_time_for_is_not_begun(known, mon
     """A few points of a curve would show nothing: the case is left to a benchmark of its own."""
     ticks = count(0.0, 10.0)
     monkeypatch.setattr(benchmark.time, "monotonic", lambda: next(ticks))
-    monkeypatch.setattr(benchmark.Rounds, "left", lambda self: 8.0)
+    monkeypatch.setattr(benchmark.Rounds, "seconds_left", lambda self: 8.0)
     cases, short = _cases("fork-takeup", "juki-mf7923d"), dataclasses.replace(EXTENT, repeats=1)
     request = dataclasses.replace(REQUEST, cases=cases, methods=("first",), settings=(), extent=short)
     found = bench(request).points

@@ -60,7 +60,7 @@ def _record(error, outcome="passed", peak=2.0):
 
 
 def _difference(same_machine, seconds=(0.5, 0.25)):
-    move = MovedRecord(_record(1e-5), _record(4e-5, "over-limit", peak=1.0), 3e-5, beyond=True)
+    move = MovedRecord(_record(1e-5), _record(4e-5, "over-limit", peak=1.0), 3e-5, is_beyond=True)
     runs = (RunPair(RUN, ("7.0", "7.1"), seconds, (100, 200)),)
     names = ((("press", "base"), ("press", "base")),)
     facts = (("pymunk", "7.0", "7.1"),)

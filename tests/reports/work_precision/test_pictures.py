@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from comparisons.work_precision.analysis import apart, by_regime, on_front, places
+from comparisons.work_precision.analysis import by_regime, on_front, places, split_by_runs
 from comparisons.work_precision.records import KIND, METHOD, Bench, load, save
 from reports.document import html
 from reports.document.parts import Fold, Section
@@ -76,7 +76,7 @@ def test_bold_lines_are_the_fronts_solid_of_single_runs_and_dashed_of_several():
     curves = _mine(chart(PLACES, INKS).panels[0], INKS["alpha"])
     bold = {curve.line: curve for curve in curves if curve.width > 1.5}
     records = _methods(PLACES[0], "alpha")
-    for line, part in zip(("-", "--"), apart(records), strict=True):
+    for line, part in zip(("-", "--"), split_by_runs(records), strict=True):
         assert list(bold[line].y) == [one.error_max for one in on_front(part)]
     assert [curve.name for curve in bold.values()] == ["", "alpha"]
 
