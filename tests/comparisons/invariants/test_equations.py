@@ -10,7 +10,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import catalogue, load
-from analytic.dynamics.joint_forces import joint_forces
+from analytic.dynamics.joint_forces import reactions
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants import corrections
@@ -143,7 +143,7 @@ def test_reactions_are_the_closed_forms(name):
     scene = case.scene(EVERYTHING)
     instants = Corrected(ObservedMotion(scene, history), groups_of(scene), history.position.time)
     time = history.position.time
-    forces = joint_forces(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time))
+    forces = reactions(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time)).forces
     peak = max(np.max(np.abs(force)) for force in forces.values())
     for number, joint in enumerate([*scene.pins, *scene.guided]):
         assert np.max(np.abs(instants.forces[:, number] - forces[joint.name].T)) < 1e-12 * peak
