@@ -65,8 +65,8 @@ def signal_values(
     else:
         sweep = _sweep(mechanism, parameters, angle)
     _check_moves(sweep)
-    far = float(np.max(sweep.output())) if "S" in signals else 0.0
-    at = MovingSweep(mechanism, sweep, np.asarray(speed_of(parameters, speed)), np.asarray(0.0), far)
+    zero_of_s = float(np.max(sweep.output())) if "S" in signals else 0.0
+    at = MovingSweep(mechanism, sweep, np.asarray(speed_of(parameters, speed)), np.asarray(0.0), zero_of_s)
     return np.stack([signal(at, name) for name in signals])
 
 
@@ -91,8 +91,8 @@ def signal_gradients(
         return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
     design.check(places)
-    far = design.farthest(places, refine=False) if "S" in signals else 0.0
-    at = design.varied(places, far)
+    zero_of_s = design.farthest(places, refine=False) if "S" in signals else 0.0
+    at = design.varied(places, zero_of_s)
     pairs = [_values_and_slopes(signal(at, name), len(parameters)) for name in signals]
     return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 
@@ -126,14 +126,14 @@ def figure_gradients(
         return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
     design.check(places)
-    far = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else 0.0
+    zero_of_s = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else 0.0
     ends = tuple(dict.fromkeys(end for quantity in figures for end in quantity.extremes))
-    top_of = dict(zip(ends, design.extremes(ends, places, far, refine), strict=True))
+    top_of = dict(zip(ends, design.extremes(ends, places, zero_of_s, refine), strict=True))
     single = design.varied(
-        np.array([quantity.angle for quantity in figures if quantity.reduction is Reduction.AT]), far
+        np.array([quantity.angle for quantity in figures if quantity.reduction is Reduction.AT]), zero_of_s
     )
     averaged = [quantity for quantity in figures if quantity.is_mean]
-    top = design.farthest(places, refine=True) if any(quantity.signal == "S" for quantity in averaged) else far
+    top = design.farthest(places, refine=True) if any(quantity.signal == "S" for quantity in averaged) else zero_of_s
     means = design.means(averaged, places, top)
     values, gradients, row = np.empty(len(figures)), np.empty((len(figures), len(parameters))), 0
     for number, figure in enumerate(figures):
@@ -179,18 +179,18 @@ class _Design:
         signs = tuple(dyad.sign for dyad in self.mechanism.structure.dyads)
         return linkage, find_structure(linkage).with_signs(signs)
 
-    def _moving(self, model: LinkageAndStructure, angle: Any, far: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
-        """The design in motion at crank angles, rad; S counts from the coordinate ``far``, m."""
+    def _moving(self, model: LinkageAndStructure, angle: Any, zero_of_s: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
+        """The design in motion at crank angles, rad; S counts from the coordinate ``zero_of_s``, m."""
         speed = speed_of(self._duals if model is self._with_derivatives else self.parameters, self.speed)
-        return MovingSweep(self.mechanism, Sweep(*model, angle), speed, np.asarray(0.0), far)
+        return MovingSweep(self.mechanism, Sweep(*model, angle), speed, np.asarray(0.0), zero_of_s)
 
     def check(self, places: Array) -> None:
         """Raise AssemblyError where the design has no motion at one of the places."""
         _check_moves(Sweep(*self.plain, places))
 
-    def varied(self, places: Array, far: Any) -> MovingSweep:  # noqa: ANN401 - a dual
+    def varied(self, places: Array, zero_of_s: Any) -> MovingSweep:  # noqa: ANN401 - a dual
         """The design in motion at crank angles, rad, in numbers that carry their derivatives."""
-        return self._moving(self._with_derivatives, places, far)
+        return self._moving(self._with_derivatives, places, zero_of_s)
 
     def farthest(self, places: Array, refine: bool) -> Dual:
         """The output's highest coordinate, with its derivatives."""
@@ -201,18 +201,18 @@ class _Design:
         self,
         extremes: Sequence[SignalExtreme],
         places: Array,
-        far: Any,  # noqa: ANN401 - a dual
+        zero_of_s: Any,  # noqa: ANN401 - a dual
         refine: bool,
     ) -> list[tuple[Array, Array]]:
         """Value of every extreme and its derivatives (parameters,)."""
         if not extremes:
             return []
         grid = _with_period_end(places) if refine else places
-        top = far.value if isinstance(far, Dual) else far
+        top = zero_of_s.value if isinstance(zero_of_s, Dual) else zero_of_s
         plain = self._moving(self.plain, grid, top)
         sampled = np.stack([signal_extreme.height(signal(plain, signal_extreme.signal)) for signal_extreme in extremes])
         curve, places = self._find_tops(extremes, grid, sampled, top, refine)
-        at = self.varied(places, far)
+        at = self.varied(places, zero_of_s)
         tops = []
         for row, extreme in enumerate(extremes):
             values, slopes = _values_and_slopes(signal(at, extreme.signal), len(self.parameters))
@@ -224,14 +224,14 @@ class _Design:
             )
         return tops
 
-    def means(self, figures: Sequence[Figure], places: Array, far: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
+    def means(self, figures: Sequence[Figure], places: Array, zero_of_s: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
         """Value of every mean and its derivatives (parameters,): the integrals of both, in one."""
         known, count = self._moving(self.plain, places, 0.0), len(self.parameters)
         near = {quantity.signal: signal(known, quantity.signal) for quantity in figures if is_angle(quantity.signal)}
 
         def integrands(_: object, phi: Array) -> Array:
             """Integrands of the means and their derivatives, and reciprocals of the determinants for spikes."""
-            at = self.varied(phi, far)
+            at = self.varied(phi, zero_of_s)
             curves = [(quantity, signal(at, quantity.signal)) for quantity in figures]
             turned = [
                 quantity.integrand(unwrapped_near(row, phi, places, near.get(quantity.signal)))
@@ -274,7 +274,7 @@ class _Design:
 
 
 def differences(
-    function: Callable[[Mapping[str, float]], Array], at: Mapping[str, float], steps: Mapping[str, float]
+    function: Callable[[Mapping[str, float]], Array], point: Mapping[str, float], steps: Mapping[str, float]
 ) -> tuple[Array, Array, Array]:
     """Values of a function of named numbers, derivatives (values, numbers, ...) and their errors, as estimated.
 
@@ -282,15 +282,15 @@ def differences(
     error.
     """
     slopes, errors = [], []
-    for name, value in at.items():
+    for name, value in point.items():
         rows = []
         for size in (steps[name], 0.5 * steps[name], 0.25 * steps[name]):
-            high, low = (function({**at, name: value + side * size}) for side in (1.0, -1.0))
+            high, low = (function({**point, name: value + side * size}) for side in (1.0, -1.0))
             rows.append((high - low) / (2.0 * size))
         once = [(4.0 * fine - coarse) / 3.0 for coarse, fine in itertools.pairwise(rows)]
         slopes.append((16.0 * once[1] - once[0]) / 15.0)
         errors.append(np.abs(slopes[-1] - once[1]))
-    return function(at), np.stack(slopes, axis=1), np.stack(errors, axis=1)
+    return function(point), np.stack(slopes, axis=1), np.stack(errors, axis=1)
 
 
 def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, float]:

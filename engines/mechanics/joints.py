@@ -103,7 +103,7 @@ class JointEquations:
         self.mass = body_masses(self.scene)
 
     def _count_rows(self) -> None:
-        """Number the equations: rows of pins in x and y, of lines, of kept angles, and the row of the driver."""
+        """Number the equations: rows of pins in x and y, of lines, of fixed angles, and the row of the driver."""
         turning = [pair for pair in self.geared if any(map(self._can_turn, pair))]
         self.turn_body = self._numbers([body for body, _ in turning])
         self.turn_host = self._numbers([host for _, host in turning])

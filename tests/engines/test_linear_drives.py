@@ -28,23 +28,30 @@ FREE = 1e-4  # of the travel's reach
 RELEASED = {"linear-motor": (0.02, 4.0, 0.06), "cylinder-in-the-loop": (0.08, 10.0, 0.05)}
 
 
-@pytest.mark.parametrize(
-    ("name", "sample", "start", "end"),
-    [
-        ("mujoco", "linear-motor", 0.0, 0.03),
-        *(
-            pytest.param(name, *case, marks=pytest.mark.nightly)
-            for name in ENGINES
-            for case in (("linear-motor", 0.0, 0.03), ("cylinder-in-the-loop", 0.08, 0.11))
-            if (name, case[0]) != ("mujoco", "linear-motor")
-        ),
-    ],
-)
-def test_a_carried_guide_and_a_cylinder_between_moving_links_are_within_the_limits(name, sample, start, end):
-    """Without their loads, so that every engine takes them."""
+def _swing(sample, start, end):
+    """The sample without its loads, so that every engine takes it, in a swing of its driver."""
     linkage = replace(driven(sample).linkage, forces=(), springs=(), dampers=())
-    assert linkage.driver in installed(name).abilities.drivers
-    case = Case(Mechanism(linkage), swing("cycloidal", start, end, time=0.1, regime="swing"))
+    return Case(Mechanism(linkage), swing("cycloidal", start, end, time=0.1, regime="swing"))
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_the_force_on_a_prescribed_driver_is_that_of_the_closed_form(name):
+    case = _swing("linear-motor", 0.0, 0.03)
+    run = installed(name).run(case.scene(frozenset({Channel.TORQUE})), Setting.TUNED)
+    assert run.outcome is Outcome.FINISHED, run.reason
+    signal = run.history.torque
+    true = truth(case, Channel.TORQUE, "", signal.time)
+    assert np.abs(signal.values - true).max() < FREE * np.abs(true).max()
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("sample", "start", "end"), [("linear-motor", 0.0, 0.03), ("cylinder-in-the-loop", 0.08, 0.11)]
+)
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_carried_guide_and_a_cylinder_between_moving_links_are_within_the_limits(name, sample, start, end):
+    case = _swing(sample, start, end)
+    assert case.mechanism.linkage.driver in installed(name).abilities.drivers
     result = judged(pickle.dumps(case), name, Setting.TUNED, (), True)
     outcomes = {record.quantity: record.outcome for record in (*result.records, *result.invariants)}
     assert set(outcomes.values()) <= {"passed", "not-provided"}, outcomes

@@ -5,19 +5,19 @@ differentiating the closure equations once and twice, which are linear in the un
 
 ``constants(first, inner, second, sign)``
     Its constants, a named tuple of pairs of floats, from its three joints and the sign of its assembly mode.
-``poses(k, near)``
+``poses(k, host_poses)``
     Poses of its two links and the ``Closure``, from the constants and the poses of the two bodies it hangs on.
-``rates(k, near, near_rates, link_poses, closure)``
+``rates(k, host_poses, host_rates, link_poses, closure)``
     First derivatives over φ, and the ``Travel``.
 ``accelerations(k, hosts, links, closure, travel)``
     Second derivatives over φ.
 ``dead_determinant(k, closure)``
     The determinant up to which it stands in a dead position, so that its derivatives are undefined.
-``reach_margin(k, near, closure)``
+``reach_margin(k, host_poses, closure)``
     Length, m, by which the links reach beyond meeting, negative where they do not meet, and the lengths it comes from.
 ``dead_position_text(dyad, closure)``
     How its links stand in a dead position, for a reader.
-``assembly_fault(dyad, k, near, at, written)``
+``assembly_fault(dyad, k, host_poses, at, written)``
     Why the links do not meet: which link misses by how much, and the remedy; ``at`` picks the value at one crank
     angle, ``written`` writes a length.
 """
@@ -117,7 +117,7 @@ def dead_determinant(k: Constants, closure: Closure) -> Scalar:
     return LEAST_SINE
 
 
-def reach_margin(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def reach_margin(k: Constants, host_poses: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """No length is missing, but parallel lines do not cross."""
     return np.sign(abs(closure.determinant) - LEAST_SINE), 0.0
 
@@ -127,7 +127,7 @@ def dead_position_text(dyad: Dyad, closure: Closure) -> str:
     return f"the guides of '{dyad.first}' and '{dyad.second}' parallel"
 
 
-def assembly_fault(dyad: Dyad, k: Constants, near: Poses, at: At, written: Written) -> Shortfall:
+def assembly_fault(dyad: Dyad, k: Constants, host_poses: Poses, at: At, written: Written) -> Shortfall:
     """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
     return UNDETERMINED, (
         f"the guides of '{dyad.first}' and '{dyad.second}' are parallel, so nothing holds the two in "

@@ -51,43 +51,47 @@ def constants(first: Prismatic, inner: Revolute, second: Prismatic, sign: float)
     )
 
 
-def poses(k: PRPConstants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: PRPConstants, host_poses: Poses) -> tuple[Poses, Closure]:
     """The pin C lies where the two lines cross: C = one + t e = two + u f."""
-    e, f = frames.arm(near[0], k.first_along), frames.arm(near[1], k.second_along)
+    e, f = frames.arm(host_poses[0], k.first_along), frames.arm(host_poses[1], k.second_along)
     determinant = frames.cross(e, f)
-    pair = frames.point(near[0], k.first_base)
-    slide, _ = solve_slides(e, f, frames.minus(frames.point(near[1], k.second_base), pair), frames.inverse(determinant))
+    pair = frames.point(host_poses[0], k.first_base)
+    slide, _ = solve_slides(
+        e, f, frames.minus(frames.point(host_poses[1], k.second_base), pair), frames.inverse(determinant)
+    )
     c = frames.point_along(pair, slide, e)
-    first = frames.pose_through(c, frames.turned(near[0], k.first_turn), k.first_pin)
-    second = frames.pose_through(c, frames.turned(near[1], k.second_turn), k.second_pin)
+    first = frames.pose_through(c, frames.turned(host_poses[0], k.first_turn), k.first_pin)
+    second = frames.pose_through(c, frames.turned(host_poses[1], k.second_turn), k.second_pin)
     return (first, second), Closure(e, f, determinant, c)
 
 
-def rates(k: PRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(
+    k: PRPConstants, host_poses: Poses, host_rates: Rates, link_poses: Poses, closure: Closure
+) -> tuple[Rates, Travel]:
     """C moves as the point of each host under it does, plus that host's slide."""
-    a = frames.carried_rate(near[0], near_rates[0], closure.pin)
-    b = frames.carried_rate(near[1], near_rates[1], closure.pin)
+    a = frames.carried_rate(host_poses[0], host_rates[0], closure.pin)
+    b = frames.carried_rate(host_poses[1], host_rates[1], closure.pin)
     scale = frames.inverse(closure.determinant)
     first, two = solve_slides(closure.u, closure.v, frames.minus(b, a), scale)
     c = frames.point_along(a, first, closure.u)
     pair = (
-        frames.rate_through(link_poses[0], c, near_rates[0][2], k.first_pin),
-        frames.rate_through(link_poses[1], c, near_rates[1][2], k.second_pin),
+        frames.rate_through(link_poses[0], c, host_rates[0][2], k.first_pin),
+        frames.rate_through(link_poses[1], c, host_rates[1][2], k.second_pin),
     )
     return pair, Travel(scale, first, two)
 
 
 def accelerations(k: PRPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated, with the Coriolis term of each slide on its host."""
-    near, near_rates, near_seconds = hosts
+    host_poses, host_rates, host_seconds = hosts
     link_poses, _ = links
-    a = _pin_acceleration(near[0], near_rates[0], near_seconds[0], closure.pin, travel.first, closure.u)
-    b = _pin_acceleration(near[1], near_rates[1], near_seconds[1], closure.pin, travel.second, closure.v)
+    a = _pin_acceleration(host_poses[0], host_rates[0], host_seconds[0], closure.pin, travel.first, closure.u)
+    b = _pin_acceleration(host_poses[1], host_rates[1], host_seconds[1], closure.pin, travel.second, closure.v)
     slide, _ = solve_slides(closure.u, closure.v, frames.minus(b, a), travel.scale)
     c = frames.point_along(a, slide, closure.u)
     return (
-        frames.acceleration_through(link_poses[0], c, near_rates[0][2], near_seconds[0][2], k.first_pin),
-        frames.acceleration_through(link_poses[1], c, near_rates[1][2], near_seconds[1][2], k.second_pin),
+        frames.acceleration_through(link_poses[0], c, host_rates[0][2], host_seconds[0][2], k.first_pin),
+        frames.acceleration_through(link_poses[1], c, host_rates[1][2], host_seconds[1][2], k.second_pin),
     )
 
 

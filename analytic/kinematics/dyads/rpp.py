@@ -53,10 +53,10 @@ def constants(first: Revolute, inner: Prismatic, second: Prismatic, sign: float)
     )
 
 
-def poses(k: RPPConstants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: RPPConstants, host_poses: Poses) -> tuple[Poses, Closure]:
     """The pin A lies on the second link's line: A = start + t e − u f, f against the inner slide."""
-    host = near[1]
-    a, e = frames.point(near[0], k.a), frames.arm(host, k.along)
+    host = host_poses[1]
+    a, e = frames.point(host_poses[0], k.a), frames.arm(host, k.along)
     c, s = frames.turned(host, k.turn)
     x, y = frames.rotated(c, s, k.inner_along)
     f = (-x, -y)
@@ -67,10 +67,12 @@ def poses(k: RPPConstants, near: Poses) -> tuple[Poses, Closure]:
     return (first, (x, y, c, s)), Closure(e, f, determinant, a)
 
 
-def rates(k: RPPConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(
+    k: RPPConstants, host_poses: Poses, host_rates: Rates, link_poses: Poses, closure: Closure
+) -> tuple[Rates, Travel]:
     """The pin moves as the point of the host under it does, plus the two slides."""
-    host, moves, e = near[1], near_rates[1], closure.u
-    a = frames.point_rate(near[0], near_rates[0], k.a)
+    host, moves, e = host_poses[1], host_rates[1], closure.u
+    a = frames.point_rate(host_poses[0], host_rates[0], k.a)
     scale = frames.inverse(closure.determinant)
     first, two = solve_slides(e, closure.v, frames.minus(a, frames.carried_rate(host, moves, closure.pin)), scale)
     x, y = frames.point_along(frames.carried_rate(host, moves, (link_poses[1][0], link_poses[1][1])), first, e)
@@ -79,11 +81,11 @@ def rates(k: RPPConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
 
 def accelerations(k: RPPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated, with the Coriolis term of both slides on the turning host."""
-    near, near_rates, near_seconds = hosts
+    host_poses, host_rates, host_seconds = hosts
     link_poses, _ = links
-    host, moves, seconds = near[1], near_rates[1], near_seconds[1]
+    host, moves, seconds = host_poses[1], host_rates[1], host_seconds[1]
     e, f = closure.u, closure.v
-    a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
+    a = frames.point_acceleration(host_poses[0], host_rates[0], host_seconds[0], k.a)
     under = frames.carried_acceleration(host, moves, seconds, closure.pin)
     first, two = frames.coriolis(moves[2], travel.first, e), frames.coriolis(moves[2], travel.second, f)
     gap = frames.minus(frames.minus(a, under), frames.minus(first, two))

@@ -56,14 +56,14 @@ def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) 
     )
 
 
-def poses(k: RPRConstants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: RPRConstants, host_poses: Poses) -> tuple[Poses, Closure]:
     """A line of the second link at a fixed offset from B passes through A: d = A - B = t e + offset e⊥.
 
     The determinant is t, A's coordinate along the line from B's foot. Where A passes through B the direction is left
     undefined (nan).
     """
     offset, sign = k.line
-    a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
+    a, b = frames.point(host_poses[0], k.a), frames.point(host_poses[1], k.b)
     d = frames.minus(a, b)
     square = frames.dot(d, d)
     along = sign * frames.root(square - offset * offset)
@@ -83,9 +83,11 @@ def _line(d: Pair, along: Scalar, offset: Scalar, square: Scalar) -> Pair:
     return ((along * d[0] + offset * d[1]) * scale, (along * d[1] - offset * d[0]) * scale)
 
 
-def rates(k: RPRConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(
+    k: RPRConstants, host_poses: Poses, host_rates: Rates, link_poses: Poses, closure: Closure
+) -> tuple[Rates, Travel]:
     """Closure once differentiated: d' = t' e + θ' d⊥."""
-    a, b = frames.point_rate(near[0], near_rates[0], k.a), frames.point_rate(near[1], near_rates[1], k.b)
+    a, b = frames.point_rate(host_poses[0], host_rates[0], k.a), frames.point_rate(host_poses[1], host_rates[1], k.b)
     apart = frames.minus(a, b)
     e = closure.u
     scale = frames.inverse(closure.determinant)
@@ -99,10 +101,10 @@ def rates(k: RPRConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
 
 def accelerations(k: RPRConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated: d'' = t'' e + 2 θ' t' e⊥ + θ'' d⊥ - θ'² d."""
-    near, near_rates, near_seconds = hosts
+    host_poses, host_rates, host_seconds = hosts
     link_poses, link_rates = links
-    a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
-    b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
+    a = frames.point_acceleration(host_poses[0], host_rates[0], host_seconds[0], k.a)
+    b = frames.point_acceleration(host_poses[1], host_rates[1], host_seconds[1], k.b)
     w = link_rates[0][2]
     turn = (frames.cross(closure.u, frames.minus(a, b)) + w * (w * k.line[0] - 2.0 * travel.first)) * travel.scale
     return (
@@ -116,13 +118,13 @@ def dead_determinant(k: RPRConstants, closure: Closure) -> Scalar:
     return LEAST_SINE * (size(closure.pin, frames.minus(closure.pin, closure.v)) + abs(k.line[0]))
 
 
-def reach_margin(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def reach_margin(k: RPRConstants, host_poses: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """Distance AB less the line's offset from B, m, and their sum, for its rounding.
 
     A line through B needs A away from it, to have a direction.
     """
     offset = abs(k.line[0])
-    pins = size(frames.point(near[0], k.a), frames.point(near[1], k.b))
+    pins = size(frames.point(host_poses[0], k.a), frames.point(host_poses[1], k.b))
     needed = offset + (2.0 * ROUNDING) * pins * (offset == 0.0)
     return np.sqrt(frames.dot(closure.v, closure.v)) - needed, pins + offset
 
@@ -132,9 +134,9 @@ def dead_position_text(dyad: Dyad, closure: Closure) -> str:
     return f"the slide square to the line of '{dyad.first_joint.name}' and '{dyad.second_joint.name}'"
 
 
-def gap(k: RPRConstants, near: Poses) -> Scalar:
+def gap(k: RPRConstants, host_poses: Poses) -> Scalar:
     """Distance of the outer pins, m."""
-    d = frames.minus(frames.point(near[0], k.a), frames.point(near[1], k.b))
+    d = frames.minus(frames.point(host_poses[0], k.a), frames.point(host_poses[1], k.b))
     return np.sqrt(frames.dot(d, d))
 
 
@@ -143,11 +145,11 @@ def snapped_to_touch(k: RPRConstants, margin: Scalar, gap: Scalar) -> RPRConstan
     return k._replace(line=(k.line[0] + np.sign(k.line[0]) * margin, k.line[1]))
 
 
-def assembly_fault(dyad: Dyad, k: RPRConstants, near: Poses, at: At, written: Written) -> Shortfall:
+def assembly_fault(dyad: Dyad, k: RPRConstants, host_poses: Poses, at: At, written: Written) -> Shortfall:
     """Why the links do not meet, as a fault and a sentence: the offset is too large, or A is on B."""
     assert isinstance(dyad.first_joint, Revolute)
     assert isinstance(dyad.second_joint, Revolute)
-    distance = at(np.hypot(*frames.minus(frames.point(near[0], k.a), frames.point(near[1], k.b))))
+    distance = at(np.hypot(*frames.minus(frames.point(host_poses[0], k.a), frames.point(host_poses[1], k.b))))
     offset = abs(k.line[0])
     pins = f"'{dyad.first_joint.point}' and '{dyad.second_joint.point}'"
     if offset == 0.0:

@@ -57,11 +57,11 @@ def constants(first: Revolute, inner: Revolute, second: Prismatic, sign: float) 
     )
 
 
-def poses(k: RRPConstants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: RRPConstants, host_poses: Poses) -> tuple[Poses, Closure]:
     """A circle and a line: A + r = base + t e with |r| given; r's component along e has the sign given."""
-    host = near[1]
+    host = host_poses[1]
     length, sign = k.reach
-    a, base, e = frames.point(near[0], k.a), frames.point(host, k.base), frames.arm(host, k.along)
+    a, base, e = frames.point(host_poses[0], k.a), frames.point(host, k.base), frames.arm(host, k.along)
     offset = frames.cross(e, frames.minus(base, a))
     along = sign * frames.root((length - offset) * (length + offset))
     r = _vector_from_components(e, along, offset)
@@ -81,10 +81,12 @@ def _vector_from_components(e: Pair, along: Scalar, offset: Scalar) -> Pair:
     return (along * x - offset * y, along * y + offset * x)
 
 
-def rates(k: RRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(
+    k: RRPConstants, host_poses: Poses, host_rates: Rates, link_poses: Poses, closure: Closure
+) -> tuple[Rates, Travel]:
     """Closure once differentiated: A' + θ' r⊥ = carried' + t' e, carried' that of the host's point at C."""
-    a = frames.point_rate(near[0], near_rates[0], k.a)
-    carried = frames.carried_rate(near[1], near_rates[1], closure.pin)
+    a = frames.point_rate(host_poses[0], host_rates[0], k.a)
+    carried = frames.carried_rate(host_poses[1], host_rates[1], closure.pin)
     apart = frames.minus(carried, a)
     r, e = closure.u, closure.v
     scale = frames.inverse(closure.determinant)
@@ -93,19 +95,19 @@ def rates(k: RRPConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
     c = frames.point_along(carried, slide, e)
     pair = (
         frames.rate_through(link_poses[0], a, w, k.pin_a),
-        frames.rate_through(link_poses[1], c, near_rates[1][2], k.inner),
+        frames.rate_through(link_poses[1], c, host_rates[1][2], k.inner),
     )
     return pair, Travel(scale, slide, 0.0)
 
 
 def accelerations(k: RRPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated, with the Coriolis term of sliding on a turning host."""
-    near, near_rates, near_seconds = hosts
+    host_poses, host_rates, host_seconds = hosts
     link_poses, link_rates = links
-    a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
-    carried = frames.carried_acceleration(near[1], near_rates[1], near_seconds[1], closure.pin)
+    a = frames.point_acceleration(host_poses[0], host_rates[0], host_seconds[0], k.a)
+    carried = frames.carried_acceleration(host_poses[1], host_rates[1], host_seconds[1], closure.pin)
     r, e = closure.u, closure.v
-    w, host = link_rates[0][2], near_rates[1]
+    w, host = link_rates[0][2], host_rates[1]
     if not frames.is_still(host):
         carried = frames.plus(carried, frames.coriolis(host[2], travel.first, e))
     square = w * w
@@ -115,7 +117,7 @@ def accelerations(k: RRPConstants, hosts: Hosts, links: Links, closure: Closure,
     c = frames.point_along(carried, slide, e)
     return (
         frames.acceleration_through(link_poses[0], a, w, turn, k.pin_a),
-        frames.acceleration_through(link_poses[1], c, host[2], near_seconds[1][2], k.inner),
+        frames.acceleration_through(link_poses[1], c, host[2], host_seconds[1][2], k.inner),
     )
 
 
@@ -124,10 +126,10 @@ def dead_determinant(k: RRPConstants, closure: Closure) -> Scalar:
     return LEAST_SINE * k.reach[0]
 
 
-def reach_margin(k: RRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def reach_margin(k: RRPConstants, host_poses: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """Length of the arm less A's distance from the line, m, and their sum, for its rounding."""
     length = k.reach[0]
-    a, base = frames.point(near[0], k.a), frames.point(near[1], k.base)
+    a, base = frames.point(host_poses[0], k.a), frames.point(host_poses[1], k.base)
     return length - abs(frames.cross(closure.v, frames.minus(base, a))), size(a, base) + length
 
 
@@ -136,7 +138,7 @@ def dead_position_text(dyad: Dyad, closure: Closure) -> str:
     return f"'{dyad.first}' square to the guide of '{dyad.second}'"
 
 
-def gap(k: RRPConstants, near: Poses) -> Scalar:
+def gap(k: RRPConstants, host_poses: Poses) -> Scalar:
     """Infinite: there are no two outer pins that could meet."""
     return math.inf
 
@@ -146,11 +148,11 @@ def snapped_to_touch(k: RRPConstants, margin: Scalar, gap: Scalar) -> RRPConstan
     return k._replace(reach=(k.reach[0] - margin, k.reach[1]))
 
 
-def assembly_fault(dyad: Dyad, k: RRPConstants, near: Poses, at: At, written: Written) -> Shortfall:
+def assembly_fault(dyad: Dyad, k: RRPConstants, host_poses: Poses, at: At, written: Written) -> Shortfall:
     """Why the links do not meet, as a fault and a sentence: the arm does not reach the line."""
     assert isinstance(dyad.first_joint, Revolute)
-    gap = frames.minus(frames.point(near[1], k.base), frames.point(near[0], k.a))
-    distance = abs(at(frames.cross(frames.arm(near[1], k.along), gap)))
+    gap = frames.minus(frames.point(host_poses[1], k.base), frames.point(host_poses[0], k.a))
+    distance = abs(at(frames.cross(frames.arm(host_poses[1], k.along), gap)))
     length = k.reach[0]
     return UNASSEMBLED, (
         f"'{dyad.first}' ({written(length)}) is {written(distance - length)} too short to reach the guide of "

@@ -59,13 +59,13 @@ def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -
     )
 
 
-def poses(k: RRRConstants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: RRRConstants, host_poses: Poses) -> tuple[Poses, Closure]:
     """Two circles: A + r = B + q with |r| and |q| given; C lies left of A→B for sign +1.
 
     The determinant r × q is |AB| times C's distance from the line AB. The radicand is formed as a product (Heron), not
     as a difference of squares, to stay accurate near the dead positions. Where A is on B, C is undefined (nan).
     """
-    a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
+    a, b = frames.point(host_poses[0], k.a), frames.point(host_poses[1], k.b)
     value, two = k.lengths
     total, difference = value + two, value - two
     d = frames.minus(b, a)
@@ -82,9 +82,11 @@ def poses(k: RRRConstants, near: Poses) -> tuple[Poses, Closure]:
     return (first, second), Closure(r, q, determinant, c)
 
 
-def rates(k: RRRConstants, near: Poses, near_rates: Rates, link_poses: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(
+    k: RRRConstants, host_poses: Poses, host_rates: Rates, link_poses: Poses, closure: Closure
+) -> tuple[Rates, Travel]:
     """Closure once differentiated: A' + θ1' r⊥ = B' + θ2' q⊥."""
-    a, b = frames.point_rate(near[0], near_rates[0], k.a), frames.point_rate(near[1], near_rates[1], k.b)
+    a, b = frames.point_rate(host_poses[0], host_rates[0], k.a), frames.point_rate(host_poses[1], host_rates[1], k.b)
     scale = frames.inverse(closure.determinant)
     apart = frames.minus(b, a)
     first, two = frames.dot(apart, closure.v) * scale, frames.dot(apart, closure.u) * scale
@@ -94,10 +96,10 @@ def rates(k: RRRConstants, near: Poses, near_rates: Rates, link_poses: Poses, cl
 
 def accelerations(k: RRRConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated: A'' + θ1'' r⊥ - θ1'² r = B'' + θ2'' q⊥ - θ2'² q."""
-    near, near_rates, near_seconds = hosts
+    host_poses, host_rates, host_seconds = hosts
     link_poses, link_rates = links
-    a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
-    b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
+    a = frames.point_acceleration(host_poses[0], host_rates[0], host_seconds[0], k.a)
+    b = frames.point_acceleration(host_poses[1], host_rates[1], host_seconds[1], k.b)
     r, q = closure.u, closure.v
     w, v = link_rates[0][2], link_rates[1][2]
     w_squared, v_squared = w * w, v * v
@@ -114,12 +116,12 @@ def dead_determinant(k: RRRConstants, closure: Closure) -> Scalar:
     return LEAST_SINE * k.lengths[0] * k.lengths[1]
 
 
-def reach_margin(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def reach_margin(k: RRRConstants, host_poses: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """By how much the arms reach each other, m, negative where they do not; and the sum of the lengths, for rounding.
 
     It is the smaller of the arms' sum less AB, and AB less their difference.
     """
-    a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
+    a, b = frames.point(host_poses[0], k.a), frames.point(host_poses[1], k.b)
     first, two = k.lengths
     d = frames.minus(b, a)
     gap = np.sqrt(frames.dot(d, d))
@@ -131,9 +133,9 @@ def dead_position_text(dyad: Dyad, closure: Closure) -> str:
     return "stretched in one line" if np.all(frames.dot(closure.u, closure.v) < 0.0) else "folded in one line"
 
 
-def gap(k: RRRConstants, near: Poses) -> Scalar:
+def gap(k: RRRConstants, host_poses: Poses) -> Scalar:
     """Distance of the outer pins, m."""
-    d = frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))
+    d = frames.minus(frames.point(host_poses[1], k.b), frames.point(host_poses[0], k.a))
     return np.sqrt(frames.dot(d, d))
 
 
@@ -149,9 +151,9 @@ def snapped_to_touch(k: RRRConstants, margin: Scalar, gap: Scalar) -> RRRConstan
     return k._replace(lengths=(0.5 * (total + difference), 0.5 * (total - difference)))
 
 
-def assembly_fault(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:
+def assembly_fault(dyad: Dyad, k: RRRConstants, host_poses: Poses, at: At, written: Written) -> Shortfall:
     """Why the links do not meet, as a fault and a sentence: the arms are too short for the gap, or one is too long."""
-    gap = at(np.hypot(*frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))))
+    gap = at(np.hypot(*frames.minus(frames.point(host_poses[1], k.b), frames.point(host_poses[0], k.a))))
     first, second = k.lengths
     links = f"'{dyad.first}' ({written(first)}) and '{dyad.second}' ({written(second)})"
     if gap == 0.0:

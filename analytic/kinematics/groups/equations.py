@@ -198,10 +198,10 @@ def _solve_all(matrix: Array, right: Array) -> Array:
     try:
         return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
     except np.linalg.LinAlgError:
-        return np.stack([_solve_one(entry, side) for entry, side in zip(matrix, right, strict=True)])
+        return np.stack([_solve_single(entry, side) for entry, side in zip(matrix, right, strict=True)])
 
 
-def _solve_one(matrix: Array, right: Array) -> Any:  # noqa: ANN401 - an array of the right side's shape
+def _solve_single(matrix: Array, right: Array) -> Any:  # noqa: ANN401 - an array of the right side's shape
     """Solution of one linear system; nan if its matrix is singular."""
     try:
         return np.linalg.solve(matrix, right)
