@@ -126,9 +126,9 @@ def column_fault(
     """A fault of some columns: it makes ``alter(time, values, numbers)`` of their curves."""
 
     def apply(simulation: Simulation, p: Array) -> Simulation:
-        def change(predict: Predict, of: str, time: Array) -> Array:
-            values = predict(of, time)
-            return alter(time, values, p) if of in columns else values
+        def change(predict: Predict, signal_name: str, time: Array) -> Array:
+            values = predict(signal_name, time)
+            return alter(time, values, p) if signal_name in columns else values
 
         return simulation.with_change(change)
 
@@ -197,14 +197,14 @@ def _delay_fault(evidence: Evidence) -> Fault:
     name, step = evidence.name, float(np.median(np.diff(evidence.time)))
 
     def apply(simulation: Simulation, shift: Array) -> Simulation:
-        def change(predict: Predict, of: str, time: Array) -> Array:
-            if of != name:
-                return predict(of, time)
+        def change(predict: Predict, signal_name: str, time: Array) -> Array:
+            if signal_name != name:
+                return predict(signal_name, time)
             at = time + float(shift[0])
             within = (at >= evidence.time[0] - SAME_INSTANT * step) & (at <= evidence.time[-1] + SAME_INSTANT * step)
             if holds_acceleration(name):
                 within &= ~near_jumps(at, simulation.motion)
-            return np.where(within, predict(of, at), np.nan)  # outside the run a tool may write anything
+            return np.where(within, predict(signal_name, at), np.nan)  # outside the run a tool may write anything
 
         return simulation.with_change(change)
 
@@ -306,9 +306,11 @@ def _mistaken_quantity_faults(evidence: Evidence, simulation: Simulation, names:
 
 
 def _mistaken_quantity_fault(name: str, other: str, sign: float) -> Fault:
+    """The fault that a column contains another quantity, perhaps with the other sign."""
+
     def apply(simulation: Simulation, _: Array) -> Simulation:
-        def change(predict: Predict, of: str, time: Array) -> Array:
-            return sign * predict(other, time) if of == name else predict(of, time)
+        def change(predict: Predict, signal_name: str, time: Array) -> Array:
+            return sign * predict(other, time) if signal_name == name else predict(signal_name, time)
 
         return simulation.with_change(change)
 

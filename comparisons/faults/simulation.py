@@ -157,14 +157,10 @@ class ChangedMotion:
         return np.asarray((self.order > 1) * self.pace * self.motion.acceleration(self._clock(time)))
 
 
-def is_force(name: str) -> bool:
-    """Whether a signal is a torque, a force or a power: what masses and loads decide."""
-    return name in ("Mkr", "Peq") or name.startswith(("joint_force", "shaking"))
-
-
 def holds_acceleration(name: str) -> bool:
     """Whether a signal jumps with the crank's acceleration."""
-    return is_force(name) or name in ("epsilon", "a") or name.endswith((":ax", ":ay", ":alpha"))
+    of_loads = name in ("Mkr", "Peq") or name.startswith(("joint_force", "shaking"))
+    return of_loads or name in ("epsilon", "a") or name.endswith((":ax", ":ay", ":alpha"))
 
 
 def is_angle(name: str) -> bool:

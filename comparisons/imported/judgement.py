@@ -212,6 +212,7 @@ def judge_signals(
 def _judge_signal(
     model: Simulation, signal: Samples, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
+    """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``."""
     jump = jump_sizes(model, signal)
     counted, size = jump == 0.0, np.abs(jump)
     peak = float(np.max(np.abs(truth[counted] if counted.any() else truth)))
@@ -256,7 +257,7 @@ def file_unit_of(si: str, units: Mapping[str, str]) -> tuple[str, float]:
 
 
 def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
-    """Of each signal what is large for its kind in this linkage and motion: a length, a force, a torque.
+    """The natural scale, SI, of each signal in this linkage and motion: what is large for its kind.
 
     A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals
     that are forces, and of the weights.
