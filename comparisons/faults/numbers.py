@@ -178,7 +178,7 @@ def several_numbers(linkage: Linkage) -> Iterator[Fault]:
             yield _centre_fault(linkage, name, link)
         if link.mass and link.inertia:
             yield scaling_fault(f"{name}.density", f"mass and inertia of '{name}' together", (0.0,), "mass", "inertia",
-                        under=f"{name}.")  # fmt: skip
+                                under=f"{name}.")  # fmt: skip
     if sum(len(link.points) for link in linkage.links.values()) <= MOST_POINTS:
         for name, link in linkage.links.items():
             for fixed, moved in itertools.permutations(link.points, 2):

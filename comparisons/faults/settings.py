@@ -136,7 +136,7 @@ def motion_settings(motion: Motion, column: CrankColumn | None = None) -> Iterat
         yield from _unit_faults(column, start)
     direction = "the crank angle is mirrored" if from_column else "the crank turns the other way"
     yield _motion_fault("direction", lambda m, _: ChangedMotion(m, -1.0, 2.0 * start), lambda _: direction,
-              cure=_mirror_cure(2.0 * start) if from_column else lambda _: {})  # fmt: skip
+                        cure=_mirror_cure(2.0 * start) if from_column else lambda _: {})  # fmt: skip
     yield Fault(
         "view from behind", Kind.SETTING, _mirror_drawing,
         lambda _: "the motor's axis points the other way: angles, turns and torques count clockwise",
@@ -223,10 +223,10 @@ def _zero_angle_faults(start: float, *, from_column: bool) -> Iterator[Fault]:
         "unit": math.radians(1.0),
     }
     yield _motion_fault("start angle", lambda m, p: ChangedMotion(m, offset=float(p[0])), words, (0.0,), (1.0,),
-              cure=lambda p: {"phi": Correction(offset=wrap_angle(p[0]))}, **common)  # fmt: skip
+                        cure=lambda p: {"phi": Correction(offset=wrap_angle(p[0]))}, **common)  # fmt: skip
     yield _motion_fault("mirrored angle", lambda m, p: ChangedMotion(m, -1.0, float(p[0])), mirrored, (0.0,), (1.0,),
-              cure=lambda p: _mirror_cure(float(p[0]))(p),
-              **{**common, "usual": ((0.0,), *common["usual"])})  # fmt: skip
+                        cure=lambda p: _mirror_cure(float(p[0]))(p),
+                        **{**common, "usual": ((0.0,), *common["usual"])})  # fmt: skip
 
 
 def _clock_fault(motion: Motion, *, from_column: bool) -> Fault:

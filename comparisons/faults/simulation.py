@@ -168,9 +168,9 @@ def is_angle(name: str) -> bool:
     return name == "phi" or name.endswith(":angle") or name.startswith("transmission_angle")
 
 
-def is_length_from_zero(name: str) -> bool:
-    """Whether a signal is a length that counts from some zero."""
-    return name == "S" or (name.startswith("point:") and name.endswith((":x", ":y")))
+def has_free_zero(name: str) -> bool:
+    """Whether a signal is an angle or a length that counts from a zero of choice."""
+    return is_angle(name) or name == "S" or (name.startswith("point:") and name.endswith((":x", ":y")))
 
 
 def is_rotary(name: str) -> bool:
