@@ -87,7 +87,7 @@ def explain(
 
 
 def _merge_findings(raw: Explanation, again: Explanation, estimates: Mapping[str, Correction]) -> Explanation:
-    """The ``raw`` findings, replaced where one found ``again`` on corrected signs and units leaves much less."""
+    """The ``raw`` findings, replaced where a finding ``again``, on corrected signs and units, leaves much less."""
     better = []
     for finding in again.findings:
         before = [other.left for other in raw.findings if set(other.signals) & set(finding.signals)]

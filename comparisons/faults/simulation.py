@@ -72,7 +72,7 @@ class Simulation:
         return other
 
     def with_linkage(self, linkage: Linkage) -> Simulation:
-        """The simulation of another linkage; if only masses and loads differ, its known motion is kept."""
+        """The simulation of another linkage; if only masses and loads differ, its known motion stays."""
         other = replace(self, linkage=linkage, _seen={})
         if _motion_parts(linkage) == _motion_parts(self.linkage):
             other.__dict__["mechanism"] = self.mechanism.with_loads_of(linkage)
