@@ -18,9 +18,8 @@ from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import judged, lost, run_key
 from comparisons.judging.records import RunRecord
-from comparisons.reference.case import Case, case_of_file_regime
+from comparisons.reference.case import Case, case_of_file_regime, erratum_motion
 from comparisons.reference.motion import Spin
-from comparisons.reference.printed_models import erratum_motion
 from comparisons.runs.study import Journal, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting, Signal

@@ -22,6 +22,7 @@ from analytic.motion.unit_functions import top_of_turn
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import figure_tables
 from comparisons.datasheet.instants import Instants, choose_samples
+from comparisons.datasheet.linkage_check import INSET
 from comparisons.datasheet.mechanism_summary import (
     file_facts,
     inertia_shares,
@@ -34,12 +35,8 @@ from comparisons.datasheet.released import describe_release, errata_motions
 from comparisons.datasheet.sheet import Positions, Sheet
 from comparisons.reference.case import Case, motion_of_file_regime
 
-# Where a linkage's bodies are over a turn of its crank, or over the range that its driver reaches.
-
-
 POSITIONS_SHOWN: Final = 121  # of a turn, a range or a motion
 TURN_ROUNDING: Final = 1e-9  # of a turn: what is missing of a whole one for rounding
-INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
 
 
 def positions_over_range(mechanism: Mechanism) -> Positions:
@@ -74,8 +71,6 @@ def positions_at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bo
     carriers = {slot.point: sweep.carrier(slot.point) for slot in linkage.slots}
     return Positions("phi", angle, bodies, carriers, closed)
 
-
-# Sheets made: the closed form of a mechanism over one motion, as plain data.
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

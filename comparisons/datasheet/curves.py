@@ -133,7 +133,8 @@ class Curves:
     def places(self, measures: Mapping[Key, Measure]) -> dict[Key, float]:
         """The instant, s, at which each measure of the closed form is highest, refined beyond the grid."""
         numbers: dict[Key, float] = {}
-        for keys in _batches(list(measures)):
+        names = list(measures)
+        for keys in (names[start : start + BATCH] for start in range(0, len(names), BATCH)):
             chosen = [measures[key] for key in keys]
 
             def curves(time: Array, chosen: Iterable[Measure] = chosen) -> Array:
@@ -155,7 +156,3 @@ class Curves:
 
         edges = np.unique(np.concatenate([self.grid[::CELL], jumps, self.grid[-1:]]))
         return [float(mean) for (mean,) in averages(integrands, edges)]
-
-
-def _batches(keys: list[Key]) -> Iterable[list[Key]]:
-    return (keys[start : start + BATCH] for start in range(0, len(keys), BATCH))

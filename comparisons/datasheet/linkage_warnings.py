@@ -156,7 +156,7 @@ def _unit_slip(load: Load, linkage: Linkage) -> str:
     return f" ({SMALLER_UNITS[unit]} read as {unit}?)" if unit in SMALLER_UNITS else ""
 
 
-def _table_slips(what: str, law: Law) -> Iterator[str]:
+def _table_slips(load: str, law: Law) -> Iterator[str]:
     """A table that leaves out a part of the turn, and one whose spline goes far beyond its values."""
     if law.angles is None or not law.periodic:
         return
@@ -165,7 +165,7 @@ def _table_slips(what: str, law: Law) -> Iterator[str]:
         at = int(np.argmax(steps))
         low, high = np.degrees([law.angles[at], law.angles[at] + steps[at]])
         yield (
-            f"the {what} has no values between {low:.4g}° and {high:.4g}°, where a curve joins them: check the unit of "
+            f"the {load} has no values between {low:.4g}° and {high:.4g}°, where a curve joins them: check the unit of "
             "its angles, or add values"
         )
     curve = law(np.linspace(0.0, FULL_TURN, 2000))
@@ -174,7 +174,7 @@ def _table_slips(what: str, law: Law) -> Iterator[str]:
     varies = high > low
     times = float(np.max(beyond[varies] / (high - low)[varies], initial=0.0))
     if times > OVERSHOOT:
-        yield f"the {what} goes beyond its values by {times:.2g} times their range between two angles: add values there"
+        yield f"the {load} goes beyond its values by {times:.2g} times their range between two angles: add values there"
 
 
 def _inertia_unit_slip(ratio: float) -> str:

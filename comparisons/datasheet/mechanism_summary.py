@@ -90,6 +90,7 @@ def thread_facts(mechanism: Mechanism, path: ThreadPath) -> dict[str, Any]:
 
 
 def _inertia_extremes(result: Extremes) -> dict[str, float]:
+    """Extremes of Jeq, kg m², and the crank angles of both, degrees."""
     return {
         "mean": result.mean,
         "max": result.maximum,
@@ -101,6 +102,7 @@ def _inertia_extremes(result: Extremes) -> dict[str, float]:
 
 
 def _link_facts(linkage: Linkage, name: str) -> dict[str, Any]:
+    """Points, m, mass, kg, mass centre and inertia of a link as its file has them."""
     link = linkage.links[name]
     return {
         "points": {point: list(local) for point, local in link.points.items()},

@@ -20,7 +20,7 @@ from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.written import finite
 from comparisons.datasheet.instants import extreme_samples
 from comparisons.datasheet.sheet import Released
-from comparisons.reference.printed_models import erratum_motion
+from comparisons.reference.case import erratum_motion
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

@@ -49,6 +49,7 @@ def _array_as_lists(values: NDArray[np.float64]) -> list[Any]:
 
 
 def _read_linkage(words: Any) -> Linkage:  # noqa: ANN401 - any value of a file
+    """The linkage of a saved sheet; raises ValueError for anything else."""
     try:
         own = parse(words["text"], words["name"], words["name"], words["variant"])
         return replace(own, gravity=tuple(words["gravity"]))
@@ -209,6 +210,7 @@ class Sheet:
 
     @cached_property
     def _scales(self) -> dict[tuple[str, str], float]:
+        """The largest magnitude by kind and unit of signals."""
         scales: dict[tuple[str, str], float] = {}
         for name, values in self.values.items():
             size = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))

@@ -75,6 +75,7 @@ class Parameter:
         return number, self.unit.size if read["unit"] is None else self._unit_size(read["unit"])
 
     def _unit_size(self, unit: str) -> float:
+        """Size in SI of a unit that is typed; raises LinkproofError for one that does not measure this."""
         if self.kind in FIXED_UNITS or self.kind == SPEED:
             if unit != self.unit.name:
                 raise LinkproofError(

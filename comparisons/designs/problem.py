@@ -162,6 +162,7 @@ class DesignProblem:
         return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])
 
     def _pieces_of_figures(self, place: Array, windows: tuple[Window, ...]) -> list[Pieces]:
+        """The pieces of every aim and constrained figure at a place; raises AssemblyError."""
         numbers = self.numbers(place)
         heights: dict[SignalExtreme, tuple[Array, Array]] = {}
         if windows:
@@ -253,17 +254,13 @@ def _bounds(number: Parameter, text: str) -> tuple[float, float]:
     return low, high
 
 
-def split_constraint(text: str) -> tuple[str, str | None]:
-    """The figure of a constraint and the text of its values, None if the file's value is to stay."""
-    name, mark, values = text.rpartition("=")
-    return (name.strip(), values) if mark else (text.strip(), None)
-
-
 def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
-    """The constrained figures, each with the text of its values."""
-    return {
-        figure: values for name, values in map(split_constraint, texts) for figure in named_figures(mechanism, [name])
-    }
+    """The constrained figures, each with the text of its values; None where the file's value is to stay."""
+    result: dict[NamedFigure, str | None] = {}
+    for text in texts:
+        name, mark, values = text.rpartition("=")
+        result |= dict.fromkeys(named_figures(mechanism, [(name if mark else text).strip()]), values if mark else None)
+    return result
 
 
 def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Constraint:
@@ -284,6 +281,7 @@ def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Cons
 
 
 def _read_bound(figure: NamedFigure, text: str, open_end: float) -> float:
+    """A bound of a constraint in the file's unit, ``open_end`` where nothing is typed; raises LinkproofError."""
     if not text.strip():
         return open_end
     try:

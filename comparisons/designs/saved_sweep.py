@@ -180,6 +180,7 @@ class SavedSweep:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
+        """Raise LinkproofError, which says how to go on, for an error of the disk."""
         try:
             yield
         except OSError as error:

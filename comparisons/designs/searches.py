@@ -137,6 +137,7 @@ class Descent:
         return self._lower_end(end, np.asarray(result.x))
 
     def _lower_end(self, end: End, place: Array) -> End:
+        """The end at a place if it ranks before ``end``, else ``end``."""
         try:
             result = self.end(np.clip(place, 0.0, 1.0))
         except AssemblyError:

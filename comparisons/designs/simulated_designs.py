@@ -70,7 +70,7 @@ class EngineOverDesigns:
 
     @property
     def bound(self) -> float | None:
-        """Its share of failures is less, with 95 % certainty: the rule of three; None where it failed, or for few."""
+        """Upper bound, 95 % certain, of the share of failures: the rule of three; None where it failed, or for few."""
         return 3.0 / self.judged if self.judged > 3 and not self.failing else None
 
 

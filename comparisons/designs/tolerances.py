@@ -165,6 +165,7 @@ def _all_parameters(linkage: Linkage) -> dict[str, Parameter]:
 def _read_tolerance(
     xy: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str
 ) -> Tolerance:
+    """One tolerance from its value in the table; raises LinkproofError that begins with ``where``."""
     if name not in known:
         raise LinkproofError(
             f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known, LISTING)}"

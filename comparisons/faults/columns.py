@@ -13,14 +13,7 @@ from numpy.typing import NDArray
 from analytic.written import signed
 from comparisons.faults import filters
 from comparisons.faults.fault import Correction, Fault, Kind
-from comparisons.faults.simulation import (
-    Predict,
-    Simulation,
-    holds_acceleration,
-    is_angle,
-    is_length_from_zero,
-    is_rotary,
-)
+from comparisons.faults.simulation import Predict, Simulation, has_free_zero, holds_acceleration, is_rotary
 from comparisons.judging.deviations import near_jumps
 from comparisons.reference.motion import Motion
 
@@ -126,9 +119,9 @@ def column_fault(
     """A fault of some columns: it makes ``alter(time, values, numbers)`` of their curves."""
 
     def apply(simulation: Simulation, p: Array) -> Simulation:
-        def change(predict: Predict, of: str, time: Array) -> Array:
-            values = predict(of, time)
-            return alter(time, values, p) if of in columns else values
+        def change(predict: Predict, signal_name: str, time: Array) -> Array:
+            values = predict(signal_name, time)
+            return alter(time, values, p) if signal_name in columns else values
 
         return simulation.with_change(change)
 
@@ -139,7 +132,7 @@ def scale_fault(name: str, columns: Sequence[str], factor: float, words: str) ->
     """A fault of some columns: a factor that a sign or a unit explains."""
     correction = Correction(-1 if factor < 0.0 else 1, 1.0 / abs(factor))
     return column_fault(name, Kind.COLUMN, frozenset(columns), lambda _, y, __: factor * y, lambda _: words,
-                   cure=lambda _: dict.fromkeys(columns, correction))  # fmt: skip
+                        cure=lambda _: dict.fromkeys(columns, correction))  # fmt: skip
 
 
 def _unit_faults(evidence: Evidence) -> Iterator[Fault]:
@@ -158,25 +151,23 @@ def _unit_faults(evidence: Evidence) -> Iterator[Fault]:
 def _factor_fault(name: str) -> Fault:
     """A column times a factor that no unit explains."""
     return column_fault(f"factor:{name}", Kind.FREE, (name,), lambda _, y, k: k[0] * y,
-                   lambda k: f"{name} is {k[0]:.5g} times the closed form's", (1.0,), (1.0,))  # fmt: skip
+                        lambda k: f"{name} is {k[0]:.5g} times the closed form's", (1.0,), (1.0,))  # fmt: skip
 
 
 def _zero_faults(evidence: Evidence) -> Iterator[Fault]:
     """Another zero, counted the same way or the other: as a stroke from the other dead centre."""
     name, size = evidence.name, (evidence.scale,)
-    kind = (
-        Kind.COLUMN if is_angle(name) or is_length_from_zero(name) else Kind.SEVERAL
-    )  # nothing else has a zero to choose
+    kind = Kind.COLUMN if has_free_zero(name) else Kind.SEVERAL
 
     def by(c: Array) -> str:
         return f"{signed(c[0] / evidence.unit_value, '.4g')} {evidence.unit}"
 
     yield column_fault(f"offset:{name}", kind, (name,), lambda _, y, c: y + c[0],
-                  lambda c: f"{name} counts from another zero, {by(c)} from the linkage file's", (0.0,), size,
-                  cure=lambda c: {name: Correction(offset=-float(c[0]))})  # fmt: skip
+        lambda c: f"{name} counts from another zero, {by(c)} from the linkage file's", (0.0,), size,
+        cure=lambda c: {name: Correction(offset=-float(c[0]))})  # fmt: skip
     yield column_fault(f"counted back:{name}", kind, (name,), lambda _, y, c: c[0] - y,
-                  lambda c: f"{name} counts the other way, from {by(c)}, as from the other dead centre", (0.0,), size,
-                  guesses=(size,), cure=lambda c: {name: Correction(sign=-1, offset=float(c[0]))})  # fmt: skip
+        lambda c: f"{name} counts the other way, from {by(c)}, as from the other dead centre", (0.0,), size,
+        guesses=(size,), cure=lambda c: {name: Correction(sign=-1, offset=float(c[0]))})  # fmt: skip
 
 
 def friction_fault(motion: Motion, size: float) -> Fault:
@@ -197,14 +188,14 @@ def _delay_fault(evidence: Evidence) -> Fault:
     name, step = evidence.name, float(np.median(np.diff(evidence.time)))
 
     def apply(simulation: Simulation, shift: Array) -> Simulation:
-        def change(predict: Predict, of: str, time: Array) -> Array:
-            if of != name:
-                return predict(of, time)
+        def change(predict: Predict, signal_name: str, time: Array) -> Array:
+            if signal_name != name:
+                return predict(signal_name, time)
             at = time + float(shift[0])
             within = (at >= evidence.time[0] - SAME_INSTANT * step) & (at <= evidence.time[-1] + SAME_INSTANT * step)
             if holds_acceleration(name):
                 within &= ~near_jumps(at, simulation.motion)
-            return np.where(within, predict(of, at), np.nan)  # outside the run a tool may write anything
+            return np.where(within, predict(signal_name, at), np.nan)  # outside the run a tool may write anything
 
         return simulation.with_change(change)
 
@@ -220,9 +211,7 @@ def _delay_fault(evidence: Evidence) -> Fault:
     )  # fmt: skip
 
 
-def _filter_fault(
-    evidence: Evidence, kind: str, widths: Sequence[float], smooth: Callable[[Array, float], Array]
-) -> Fault:
+def _filter_fault(evidence: Evidence, kind: str, widths: Sequence[float], smooth: filters.Smooth) -> Fault:
     """Smoothed over several samples: of some filters over a whole odd number of them."""
     name, step = evidence.name, float(np.median(np.diff(evidence.time)))
     tried, whole = tuple((width,) for width in widths), kind in filters.ODD_WIDTH_FILTERS
@@ -306,9 +295,11 @@ def _mistaken_quantity_faults(evidence: Evidence, simulation: Simulation, names:
 
 
 def _mistaken_quantity_fault(name: str, other: str, sign: float) -> Fault:
+    """The fault that a column contains another quantity, perhaps with the other sign."""
+
     def apply(simulation: Simulation, _: Array) -> Simulation:
-        def change(predict: Predict, of: str, time: Array) -> Array:
-            return sign * predict(other, time) if of == name else predict(of, time)
+        def change(predict: Predict, signal_name: str, time: Array) -> Array:
+            return sign * predict(other, time) if signal_name == name else predict(signal_name, time)
 
         return simulation.with_change(change)
 

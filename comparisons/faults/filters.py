@@ -94,7 +94,7 @@ def join_samples(time: Array, values: Array, stride: int, phase: int) -> Array:
 
 
 def hold_samples(_: Array, values: Array, stride: int, phase: int) -> Array:
-    """Every k-th sample of values (n,), each held until the next; nan before the first."""
+    """Every k-th sample of values (n,), each repeated until the next; nan before the first."""
     number = np.arange(len(values)) - phase
     return np.where(number >= 0, values[np.maximum(number - number % stride, 0) + phase], np.nan)
 

@@ -87,11 +87,13 @@ class Fitting:
             apart = signal.values - values
             if is_angle(signal.name):  # known but for whole turns
                 apart = apart - TURN * np.round(np.nanmedian(apart) / TURN)
-            rest = np.where(signal.counted, apart / signal.tolerance, np.nan)
+            residuals = np.where(signal.counted, apart / signal.tolerance, np.nan)
             if moved and holds_acceleration(signal.name):
-                rest = np.where(near_jumps(signal.time, other.motion) & ~signal.over, np.nan, rest)
-            rest = np.where(signal.over & np.isnan(rest), signal.residual, rest)  # left open, it is not explained
-            remains.append(rest)
+                residuals = np.where(near_jumps(signal.time, other.motion) & ~signal.over, np.nan, residuals)
+            residuals = np.where(
+                signal.over & np.isnan(residuals), signal.residual, residuals
+            )  # left open, it is not explained
+            remains.append(residuals)
         return remains
 
     def evaluate(self, fault: Fault, numbers: Numbers | Array, digits: int = NOT_ROUND) -> Fit | None:
@@ -100,8 +102,8 @@ class Fitting:
         ``digits`` goes into the Fit: how round the number is.
         """
         numbers = np.array(numbers, dtype=float)
-        rest = self.residuals(fault, numbers)
-        return None if rest is None else Fit(fault, numbers, *_measures(rest), digits)
+        residuals = self.residuals(fault, numbers)
+        return None if residuals is None else Fit(fault, numbers, *_measures(residuals), digits)
 
     def best(self, fault: Fault) -> Fit | None:
         """The best fit of a fault, with usual or round numbers where they leave as little; None if it cannot be."""
@@ -177,15 +179,15 @@ class Fitting:
     def _gauss_newton(self, fault: Fault, numbers: Array) -> Fit | None:
         """The fit of a fault's numbers from a guess, by Gauss-Newton with halved steps; None if not simulated."""
         is_start = np.array_equal(numbers, fault.start)
-        rest = [signal.residual for signal in self.evidence] if is_start else self.residuals(fault, numbers)
-        if rest is None:
+        residuals = [signal.residual for signal in self.evidence] if is_start else self.residuals(fault, numbers)
+        if residuals is None:
             return None
         sizes = np.array(fault.sizes)
         for _ in range(ROUNDS):
-            vector = _stacked_residuals(rest)
+            vector = _stacked_residuals(residuals)
             cost = float(vector @ vector)
             beside = [self.residuals(fault, numbers + DIFFERENCE_STEP * size) for size in np.diag(sizes)]
-            slopes = [_slopes(rest, groups) for groups in beside if groups is not None]
+            slopes = [_slopes(residuals, groups) for groups in beside if groups is not None]
             if len(slopes) < len(sizes):
                 break
             jacobian = np.stack(slopes, axis=1)
@@ -204,10 +206,10 @@ class Fitting:
                 step = 0.5 * step
             if trial is None or gain <= 0.0:
                 break
-            numbers, rest = numbers + step, trial
+            numbers, residuals = numbers + step, trial
             if gain <= SETTLED * cost:
                 break
-        return Fit(fault, numbers, *_measures(rest))
+        return Fit(fault, numbers, *_measures(residuals))
 
 
 def _least_fit(fits: Iterable[Fit | None]) -> Fit | None:
@@ -219,10 +221,10 @@ def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
     return bool(np.all(fit.rms <= np.maximum(times * best.rms, 1.0)))
 
 
-def _measures(rest: Sequence[Array]) -> tuple[Array, Array]:
+def _measures(residuals: Sequence[Array]) -> tuple[Array, Array]:
     """RMS and largest magnitude of what is left of every signal; infinite where too much of it is open."""
     rms, largest = [], []
-    for values in rest:
+    for values in residuals:
         known = values[np.isfinite(values)]
         enough = len(known) and len(known) >= (1.0 - MOST_OPEN) * len(values)
         rms.append(float(np.sqrt(np.mean(known**2))) if enough else np.inf)
@@ -230,11 +232,13 @@ def _measures(rest: Sequence[Array]) -> tuple[Array, Array]:
     return np.array(rms), np.array(largest)
 
 
-def _slopes(rest: Sequence[Array], beside: Sequence[Array]) -> Array:
+def _slopes(residuals: Sequence[Array], beside: Sequence[Array]) -> Array:
     """Derivative of the residuals by a small step to those ``beside``; 0 where either is open."""
-    return _stacked_residuals([(other - values) / DIFFERENCE_STEP for values, other in zip(rest, beside, strict=True)])
+    return _stacked_residuals(
+        [(other - values) / DIFFERENCE_STEP for values, other in zip(residuals, beside, strict=True)]
+    )
 
 
-def _stacked_residuals(rest: Sequence[Array]) -> Array:
+def _stacked_residuals(residuals: Sequence[Array]) -> Array:
     """The residuals of all signals in one vector, each signal weighted alike however many samples it has; 0 for nan."""
-    return np.concatenate([np.nan_to_num(values) / np.sqrt(len(values)) for values in rest])
+    return np.concatenate([np.nan_to_num(values) / np.sqrt(len(values)) for values in residuals])

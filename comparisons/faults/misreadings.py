@@ -161,6 +161,7 @@ def largest_magnitude(values: Array) -> float:
 
 
 def _without_ends(values: Array) -> Array:
+    """Values (n, k) without the samples at either end."""
     return values[ENDS:-ENDS]
 
 

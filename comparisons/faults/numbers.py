@@ -178,7 +178,7 @@ def several_numbers(linkage: Linkage) -> Iterator[Fault]:
             yield _centre_fault(linkage, name, link)
         if link.mass and link.inertia:
             yield scaling_fault(f"{name}.density", f"mass and inertia of '{name}' together", (0.0,), "mass", "inertia",
-                        under=f"{name}.")  # fmt: skip
+                                under=f"{name}.")  # fmt: skip
     if sum(len(link.points) for link in linkage.links.values()) <= MOST_POINTS:
         for name, link in linkage.links.items():
             for fixed, moved in itertools.permutations(link.points, 2):
@@ -189,14 +189,16 @@ def several_numbers(linkage: Linkage) -> Iterator[Fault]:
         yield scaling_fault(load, f"the load '{load}'", LOAD_FACTORS, "force", "torque", under=load)
 
 
-def scaling_fault(name: str, what: str, usual: tuple[float, ...], *kinds: Kind, under: str = "") -> Fault:
+def scaling_fault(name: str, subject: str, usual: tuple[float, ...], *kinds: Kind, under: str = "") -> Fault:
     """The fault that all numbers of some ``kinds``, with names that begin ``under``, are multiplied by a factor."""
 
     def words(k: Array) -> str:
         if abs(k[0]) < 1e-9:
-            return f"{what} is left out"
+            return f"{subject} is left out"
         is_unit = k[0] > 0.0 and math.isclose(math.log10(k[0]) % 3.0, 0.0)
-        return f"{what} is {k[0]:.4g} times that of the linkage file{' (a unit taken for another)' if is_unit else ''}"
+        return (
+            f"{subject} is {k[0]:.4g} times that of the linkage file{' (a unit taken for another)' if is_unit else ''}"
+        )
 
     def apply(simulation: Simulation, k: Array) -> Simulation:
         scale = float(k[0]) if under.startswith(LOADS) else check_positive(k)

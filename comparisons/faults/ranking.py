@@ -87,7 +87,7 @@ def explain(
 
 
 def _merge_findings(raw: Explanation, again: Explanation, estimates: Mapping[str, Correction]) -> Explanation:
-    """The ``raw`` findings, replaced where one found ``again`` on corrected signs and units leaves much less."""
+    """The ``raw`` findings, replaced where a finding ``again``, on corrected signs and units, leaves much less."""
     better = []
     for finding in again.findings:
         before = [other.left for other in raw.findings if set(other.signals) & set(finding.signals)]
@@ -130,6 +130,7 @@ def differs(evidence: Evidence) -> bool:
 def _explain_as_read(
     simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: CrankColumn | None = None
 ) -> Explanation:
+    """The causes of the differences of columns as they are: first the cause that explains most signals."""
     open_names = [signal.name for signal in evidence if differs(signal)]
     if not open_names:
         return Explanation((), ())
@@ -230,7 +231,7 @@ class _Search:
         return bool(np.all(fit.rms <= np.maximum(1.0, HARMED * self.rms)))
 
     def explained_signals(self, fit: Fit, names: Sequence[str]) -> tuple[str, ...]:
-        """Those of the signals ``names`` that a fit explains."""
+        """The signals among ``names`` that a fit explains."""
         return tuple(n for n in names if fit.rms[(p := self.places[n])] <= max(ROUNDED, EXPLAINED * self.rms[p]))
 
     def log_remainder(self, fit: Fit, names: Sequence[str]) -> float:

@@ -64,12 +64,12 @@ def _gravity_faults(simulation: Simulation) -> Iterator[Fault]:
     if size:
         usual = (0.0, -1.0, *(g / size for g in (EARTH, 9.81, 9.8) if g != size), 2.0, 1e3, 1e-3)
         yield Fault("gravity", Kind.SETTING, along, words, (1.0,), (1.0,), usual=tuple((k,) for k in usual))
-    wrap_angle = [rotate((x, y), turn) for turn in ((0.0, 1.0), (0.0, -1.0))] if size else []
+    quarter_turns = [rotate((x, y), turn) for turn in ((0.0, 1.0), (0.0, -1.0))] if size else []
     axes = ((0.0, -EARTH), (0.0, -9.81), (0.0, EARTH), (0.0, 9.81), (-EARTH, 0.0), (EARTH, 0.0))
     yield Fault(
         "gravity's direction", Kind.SEVERAL, with_gravity,
         lambda g: f"gravity is ({fixed(g[0], 3)}, {fixed(g[1], 3)}) m/s² in place of ({x:zg}, {y:zg}) m/s²",
-        (x, y), (EARTH, EARTH), usual=tuple(wrap_angle) or axes,
+        (x, y), (EARTH, EARTH), usual=tuple(quarter_turns) or axes,
     )  # fmt: skip
 
 
@@ -136,7 +136,7 @@ def motion_settings(motion: Motion, column: CrankColumn | None = None) -> Iterat
         yield from _unit_faults(column, start)
     direction = "the crank angle is mirrored" if from_column else "the crank turns the other way"
     yield _motion_fault("direction", lambda m, _: ChangedMotion(m, -1.0, 2.0 * start), lambda _: direction,
-              cure=_mirror_cure(2.0 * start) if from_column else _no_correction)  # fmt: skip
+                        cure=_mirror_cure(2.0 * start) if from_column else lambda _: {})  # fmt: skip
     yield Fault(
         "view from behind", Kind.SETTING, _mirror_drawing,
         lambda _: "the motor's axis points the other way: angles, turns and torques count clockwise",
@@ -166,10 +166,6 @@ def _unit_faults(column: CrankColumn, start: float) -> Iterator[Fault]:
                 lambda simulation, _, k=k, by=offset: simulation.with_motion(ChangedMotion(simulation.motion, k, by)),  # type: ignore[misc]
                 lambda _, words=words: words, cure=lambda _, cure=cure: cure,  # type: ignore[misc]
             )  # fmt: skip
-
-
-def _no_correction(_: Array) -> dict[str, Correction]:
-    return {}
 
 
 def _mirror_cure(offset: float, *others: str) -> Callable[[Array], dict[str, Correction]]:
@@ -227,10 +223,10 @@ def _zero_angle_faults(start: float, *, from_column: bool) -> Iterator[Fault]:
         "unit": math.radians(1.0),
     }
     yield _motion_fault("start angle", lambda m, p: ChangedMotion(m, offset=float(p[0])), words, (0.0,), (1.0,),
-              cure=lambda p: {"phi": Correction(offset=wrap_angle(p[0]))}, **common)  # fmt: skip
+                        cure=lambda p: {"phi": Correction(offset=wrap_angle(p[0]))}, **common)  # fmt: skip
     yield _motion_fault("mirrored angle", lambda m, p: ChangedMotion(m, -1.0, float(p[0])), mirrored, (0.0,), (1.0,),
-              cure=lambda p: _mirror_cure(float(p[0]))(p),
-              **{**common, "usual": ((0.0,), *common["usual"])})  # fmt: skip
+                        cure=lambda p: _mirror_cure(float(p[0]))(p),
+                        **{**common, "usual": ((0.0,), *common["usual"])})  # fmt: skip
 
 
 def _clock_fault(motion: Motion, *, from_column: bool) -> Fault:
@@ -260,19 +256,17 @@ def _regime_faults(motion: Motion, start: float) -> Iterator[Fault]:
     ramp = motion.segments[0].end if motion.regime in RAMPS else 0.6 * motion.duration
     for name in (*RAMPS, "constant-speed"):
         if name != motion.regime:
-            yield _regime_fault(name, _similar_motion(name, speed, ramp, motion), motion.regime)
+            yield _motion_fault(
+                f"ramp:{name}",
+                lambda *_, name=name: _similar_motion(name, speed, ramp, motion),
+                lambda _, name=name: f"the crank follows '{name}' in place of '{motion.regime}'",  # type: ignore[misc]
+            )
     if motion.regime in RAMPS:
         yield _motion_fault(
             "ramp time", lambda _, p: _similar_motion(motion.regime, speed, float(abs(p[0])), motion),
             lambda p: f"the crank runs up in {p[0]:.4g} s in place of {ramp:.4g} s", (ramp,), (ramp,),
             guesses=((ramp,), *((float(part) * motion.duration,) for part in np.linspace(0.02, 1.0, 50))), unit=1.0,
         )  # fmt: skip
-
-
-def _regime_fault(name: str, other: CrankMotion, regime: str) -> Fault:
-    return _motion_fault(
-        f"ramp:{name}", lambda _, __: other, lambda _: f"the crank follows '{name}' in place of '{regime}'"
-    )
 
 
 def _similar_motion(name: str, speed: float, ramp: float, like: CrankMotion) -> CrankMotion:

@@ -72,7 +72,7 @@ class Simulation:
         return other
 
     def with_linkage(self, linkage: Linkage) -> Simulation:
-        """The simulation of another linkage; if only masses and loads differ, its known motion is kept."""
+        """The simulation of another linkage; if only masses and loads differ, its known motion stays."""
         other = replace(self, linkage=linkage, _seen={})
         if _motion_parts(linkage) == _motion_parts(self.linkage):
             other.__dict__["mechanism"] = self.mechanism.with_loads_of(linkage)
@@ -157,14 +157,10 @@ class ChangedMotion:
         return np.asarray((self.order > 1) * self.pace * self.motion.acceleration(self._clock(time)))
 
 
-def is_force(name: str) -> bool:
-    """Whether a signal is a torque, a force or a power: what masses and loads decide."""
-    return name in ("Mkr", "Peq") or name.startswith(("joint_force", "shaking"))
-
-
 def holds_acceleration(name: str) -> bool:
     """Whether a signal jumps with the crank's acceleration."""
-    return is_force(name) or name in ("epsilon", "a") or name.endswith((":ax", ":ay", ":alpha"))
+    of_loads = name in ("Mkr", "Peq") or name.startswith(("joint_force", "shaking"))
+    return of_loads or name in ("epsilon", "a") or name.endswith((":ax", ":ay", ":alpha"))
 
 
 def is_angle(name: str) -> bool:
@@ -172,9 +168,9 @@ def is_angle(name: str) -> bool:
     return name == "phi" or name.endswith(":angle") or name.startswith("transmission_angle")
 
 
-def is_length_from_zero(name: str) -> bool:
-    """Whether a signal is a length that counts from some zero."""
-    return name == "S" or (name.startswith("point:") and name.endswith((":x", ":y")))
+def has_free_zero(name: str) -> bool:
+    """Whether a signal is an angle or a length that counts from a zero of choice."""
+    return is_angle(name) or name == "S" or (name.startswith("point:") and name.endswith((":x", ":y")))
 
 
 def is_rotary(name: str) -> bool:

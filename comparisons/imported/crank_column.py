@@ -92,16 +92,10 @@ def motion_of_speeds(
     """The motion behind a column of crank speeds (n,), rad/s, from a start angle, rad."""
     motion = _fit_motion(time, speed, resolution, name, of_speed=True)
     if motion.is_known:  # its pieces are those of the angle
-        return replace(
-            motion, segments=_shift_start(motion.segments, start_angle), likewise=_likewise_from(motion, start_angle)
-        )
+        likewise = tuple(CrankMotion(o.regime, _shift_start(o.segments, start_angle)) for o in motion.likewise)
+        return replace(motion, segments=_shift_start(motion.segments, start_angle), likewise=likewise)
     others = tuple(CrankMotion(name, _integrate_pieces(o.segments, start_angle)) for o in motion.likewise)
     return ColumnMotion(name, _integrate_pieces(motion.segments, start_angle), motion.steps, motion.noise, others)
-
-
-def _likewise_from(motion: ColumnMotion, angle: float) -> tuple[CrankMotion, ...]:
-    """The motions of columns that would be printed the same, from a start angle, rad."""
-    return tuple(CrankMotion(other.regime, _shift_start(other.segments, angle)) for other in motion.likewise)
 
 
 def _shift_start(segments: Segments, angle: float) -> Segments:
@@ -110,6 +104,7 @@ def _shift_start(segments: Segments, angle: float) -> Segments:
 
 
 def _fit_motion(time: Array, values: Array, resolution: Array, name: str, *, of_speed: bool) -> ColumnMotion:
+    """The motion of a column: a known one if there is any within its rounding, else piecewise polynomials."""
     if len(time) < FEWEST:
         raise LinkproofError(f"crank's motion: expected {FEWEST} samples or more, got {len(time)}; export more of them")
     coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
@@ -229,7 +224,7 @@ def _last_sample_fitted(time: Array, values: Array, within: Array, first: int, d
         here = slice(first, last + 1, max(1, (last - first) // MOST_FITTED))
         if last - first <= degree:
             return True
-        x = _scale_time(time[here])
+        x = 2.0 * (time[here] - time[first]) / (time[here][-1] - time[first]) - 1.0
         vandermonde = np.polynomial.chebyshev.chebvander(x, degree)
         coefficients = np.linalg.lstsq(vandermonde, values[here], rcond=None)[0]
         rest: Array = np.abs(vandermonde @ coefficients - values[here])
@@ -245,10 +240,6 @@ def _last_sample_fitted(time: Array, values: Array, within: Array, first: int, d
         middle = (good + bad) // 2
         good, bad = (middle, bad) if fits(middle) else (good, middle)
     return good
-
-
-def _scale_time(time: Array) -> Array:
-    return np.asarray(2.0 * (time - time[0]) / (time[-1] - time[0]) - 1.0)
 
 
 def _fit_piece(time: Array, values: Array, first: int, last: int, degree: int) -> Segment:

@@ -39,8 +39,8 @@ def split_tokens(text: str) -> list[str]:
 def _merge_meanings(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
     """All meanings of each group of words."""
     table: dict[tuple[str, ...], Meanings] = defaultdict(frozenset)
-    for header_words, meaning in pairs:
-        table[header_words] |= {meaning}
+    for texts, meaning in pairs:
+        table[texts] |= {meaning}
     return dict(table)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from analytic.description.units import SI, factor
+from analytic.description.file_units import file_unit
 from analytic.signals import unit
 from comparisons.faults.columns import Evidence
 from comparisons.faults.simulation import ChangedMotion, Simulation, holds_acceleration
@@ -19,9 +19,6 @@ from comparisons.imported.crank_column import SPREAD, ColumnMotion
 from comparisons.judging.deviations import Deviation, near_jump, near_jumps
 from comparisons.judging.records import IMPORTED, Record, Verdict
 from comparisons.reference.motion import Motion
-
-# Imported signals beside the closed form at the file's own instants: nothing in the file is interpolated.
-
 
 NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 
@@ -212,7 +209,8 @@ def judge_signals(
 def _judge_signal(
     model: Simulation, signal: Samples, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
-    jump = jump_sizes(model, signal)
+    """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``."""
+    jump, in_file = jump_sizes(model, signal), file_unit(unit(signal.name, model.linkage), model.linkage)
     counted, size = jump == 0.0, np.abs(jump)
     peak = float(np.max(np.abs(truth[counted] if counted.any() else truth)))
     least = NEAR_ZERO * natural
@@ -243,20 +241,12 @@ def _judge_signal(
         worst_angle=float(model.motion.angle(signal.time[worst])),
         truth_there=min(sides, key=lambda side: abs(side - signal.values[worst])),
         outcome=outcome,
-        shown=file_unit_of(unit(signal.name, model.linkage), model.linkage.units),
+        shown=(in_file.on_page, in_file.size),
     )
 
 
-def file_unit_of(si: str, units: Mapping[str, str]) -> tuple[str, float]:
-    """The unit of a linkage's file in which what has an SI unit is shown, and its SI value."""
-    base, solidus, rate = si.partition("/")
-    kind = next((kind for kind in ("length", "angle", "force", "torque") if SI[kind] == base), "")
-    value = factor(kind, units[kind]) if kind in units else 1.0
-    return (si, 1.0) if value == 1.0 else (units[kind].replace("*", " ") + solidus + rate, value)
-
-
 def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
-    """Of each signal what is large for its kind in this linkage and motion: a length, a force, a torque.
+    """The natural scale, SI, of each signal in this linkage and motion: what is large for its kind.
 
     A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals
     that are forces, and of the weights.

@@ -157,6 +157,7 @@ class KnownColumn:
         return np.asarray(motion._evaluate(self.time / time, order))
 
     def _residual_of(self, time: float, size: float, start: float) -> Array:
+        """What a motion leaves of the column, (n,)."""
         return np.asarray(self.values - start - size * self._shape(time))
 
     def _fit_with_time(self, time: float) -> KnownFit:

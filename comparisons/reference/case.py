@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
@@ -23,13 +23,17 @@ from analytic.description.linkage import (
     ReleasedRegime,
     Vector,
 )
+from analytic.description.loading import in_variant
+from analytic.description.schema import Erratum
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.motion.released import FreeMotion, free_motion
+from analytic.motion.released import FreeMotion, fixed_step, free_motion
 from analytic.moving import LinkageInMotion
-from comparisons.reference.motion import INSTANTS, Motion, zero_of_output
+from comparisons.observation.interpolation import resample
+from comparisons.reference.motion import INSTANTS, Motion, Spin, zero_of_output
 from comparisons.reference.start_state import scene
+from engines.contract import Signal
 from engines.scene import Channel, Drive, Free, Prescribed, Scene
 
 Array = NDArray[np.float64]
@@ -198,73 +202,73 @@ def unpickle_case(case: bytes) -> Case:
     return result
 
 
-def motion_of_file_regime(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:
+def motion_of_file_regime(mechanism: Mechanism, regime: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:
     """The motion of a crank released as a regime of the file says; ``half_slope`` names the model of ½ Jeq'."""
     motion = free_motion(
         mechanism,
-        torque=own.torque if own.over_angle is None else own.over_angle,
-        over_time=own.over_time,
-        start_angle=own.start_angle,
-        start_speed=own.start_speed,
-        duration=own.duration,
+        torque=regime.torque if regime.over_angle is None else regime.over_angle,
+        over_time=regime.over_time,
+        start_angle=regime.start_angle,
+        start_speed=regime.start_speed,
+        duration=regime.duration,
         half_slope=half_slope,
     )
-    return replace(motion, regime=own.name)
+    return replace(motion, regime=regime.name)
 
 
-def _release_words(linkage: Linkage, own: ReleasedRegime) -> str:
+def _release_words(linkage: Linkage, regime: ReleasedRegime) -> str:
     """Words on how a driver is released: its angle and speed, and its drive."""
     if linkage.is_linear:
-        speed = linkage.written(own.start_speed)
+        speed = linkage.written(regime.start_speed)
         return (
-            f"released at {linkage.written(own.start_angle)} with {speed}/s, "
-            f"force of the drive {_torque_words(own, 'N')}"
+            f"released at {linkage.written(regime.start_angle)} with {speed}/s, "
+            f"force of the drive {_torque_words(regime, 'N')}"
         )
-    start = f"{math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s"
-    return f"released at {start}, crank torque {_torque_words(own, 'N m')}"
+    start = f"{math.degrees(regime.start_angle):g}° with {regime.start_speed:g} rad/s"
+    return f"released at {start}, crank torque {_torque_words(regime, 'N m')}"
 
 
-def case_of_file_regime(mechanism: Mechanism, own: FileRegime) -> Case:
+def case_of_file_regime(mechanism: Mechanism, regime: FileRegime) -> Case:
     """The case of a regime of the linkage's file: a prescribed motion, or a released crank by the equation of motion.
 
     A crank torque over the angle is a load like any other: it is put among the linkage's.
     """
     gravity = "gravity on" if any(mechanism.linkage.gravity) else "gravity off"
-    if isinstance(own, PrescribedRegime):
-        return Case(mechanism, own.motion, conditions=f"{own.conditions}, {gravity}")
-    motion = motion_of_file_regime(mechanism, own)
-    if own.over_angle is not None:
+    if isinstance(regime, PrescribedRegime):
+        return Case(mechanism, regime.motion, conditions=f"{regime.conditions}, {gravity}")
+    motion = motion_of_file_regime(mechanism, regime)
+    if regime.over_angle is not None:
         linkage = mechanism.linkage
-        loads = (*linkage.torques, LinkTorque(linkage.crank, own.over_angle))
+        loads = (*linkage.torques, LinkTorque(linkage.crank, regime.over_angle))
         mechanism = Mechanism(replace(linkage, torques=loads))
-    conditions = _release_words(mechanism.linkage, own) + f", {own.duration:g} s, {gravity}"
-    return Case(mechanism, motion, free_drive(motion, own), conditions)
+    conditions = _release_words(mechanism.linkage, regime) + f", {regime.duration:g} s, {gravity}"
+    return Case(mechanism, motion, free_drive(motion, regime), conditions)
 
 
-def _torque_words(own: ReleasedRegime, unit: str) -> str:
+def _torque_words(regime: ReleasedRegime, unit: str) -> str:
     """A released crank's torque in words."""
-    if own.over_angle is not None:
-        return f"{len(own.over_angle.values)} values over the angle"
-    if own.over_time is not None:
-        return f"{len(own.over_time.times)} values over time"
-    return f"{own.torque:g} {unit}"
+    if regime.over_angle is not None:
+        return f"{len(regime.over_angle.values)} values over the angle"
+    if regime.over_time is not None:
+        return f"{len(regime.over_time.times)} values over time"
+    return f"{regime.torque:g} {unit}"
 
 
-def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
+def free_drive(motion: Motion, regime: ReleasedRegime) -> Free:
     """The drive of a released crank for an engine: torque, duration, and the fastest change of speed to expect, rad/s.
 
     From the last an engine chooses its steps.
     """
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
-    return Free(own.torque, own.duration, motion.peak_speed + hardest / motion.peak_speed, own.over_time)
+    return Free(regime.torque, regime.duration, motion.peak_speed + hardest / motion.peak_speed, regime.over_time)
 
 
 # The closed form of what an engine records, channel by channel.
 
 
-def channel_truth(of: Case, channel: Channel, part: str, time: Array) -> Array:
+def channel_truth(case: Case, channel: Channel, part: str, time: Array) -> Array:
     """The closed form, SI, of a channel at times (n,), s: of a body (n, 3), of a joint (n, 2), or of the drive (n,)."""
-    at = of.at(time)
+    at = case.at(time)
     if channel is Channel.TORQUE:
         return at.torque
     if channel is Channel.JOINT_FORCE:
@@ -277,3 +281,43 @@ def channel_truth(of: Case, channel: Channel, part: str, time: Array) -> Array:
         return np.asarray(first * speed[:, None])
     second = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 2), sweep.accelerations(part)[2], speed)[:3])
     return np.asarray(second * speed[:, None] ** 2 + first * acceleration[:, None])
+
+
+# The motion of a crank by a model as its source prints it.
+
+
+@dataclass(frozen=True)
+class InterpolatedMotion:
+    """A motion known at the fixed steps of an integrator, interpolated between them."""
+
+    angles: Signal
+    speeds: Signal
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return resample(self.angles, np.atleast_1d(np.asarray(time, dtype=float)))
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
+
+
+def erratum_motion(linkage: Linkage, erratum: Erratum) -> Spin:
+    """The crank's motion as the source computed it, with its error.
+
+    Its wrong model, and its fixed-step integrator where the erratum names steps.
+    """
+    own = linkage.released[erratum.regime]
+    mechanism = Mechanism(in_variant(linkage, erratum.variant) if erratum.variant else linkage)
+    if erratum.steps is None:
+        return motion_of_file_regime(mechanism, own, erratum.half_slope)
+    stepped = fixed_step(
+        mechanism,
+        torque=own.torque,
+        start_angle=own.start_angle,
+        start_speed=own.start_speed,
+        duration=own.duration,
+        steps=erratum.steps,
+        half_slope=erratum.half_slope,
+    )
+    return InterpolatedMotion(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))

@@ -117,8 +117,7 @@ def test_notes_of_the_sources_are_computed(records):
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.nightly] * (name == "n-four-bar")) for name in literature()],
+    "name", [pytest.param(name, marks=[pytest.mark.nightly] * (name == "n-four-bar")) for name in literature()]
 )
 def test_the_printed_figures_of_the_literature_are_reproduced(name):
     records = compare_published(all_variants(name))
@@ -130,18 +129,13 @@ def test_the_printed_figures_of_the_literature_are_reproduced(name):
     ("quantity", "speed", "expected"),
     [
         ("point:B:x@90", 1.0, math.sqrt(0.1**2 - 0.03**2)),
-        ("point:B:x@1.5707963267948966rad", 1.0, math.sqrt(0.1**2 - 0.03**2)),
         ("point:B:vx@90", 2.0, -0.06),
-        ("point:B:vx@90", -2.0, 0.06),
-        ("point:A:ax@0", 2.0, -0.12),
         ("link:rod:angle@90", 1.0, -math.asin(0.3)),
         ("link:rod:angle.max", 1.0, math.asin(0.3)),
-        ("point:B:x.min", 1.0, 0.07),
         ("point:B:x.range", 1.0, 0.06),
         ("stroke", 1.0, 0.06),
         ("time_ratio", 1.0, 1.0),
         ("top_dead_centre", 1.0, 0.0),
-        ("link:rod:omega.max", 10.0, 3.0),
         ("link:rod:omega.max", -10.0, 3.0),
     ],
 )
@@ -149,20 +143,11 @@ def test_values_of_a_slider_crank_are_those_of_its_triangle(quantity, speed, exp
     assert value(from_text(SLIDER_CRANK), quantity, speed=speed * RPM) == pytest.approx(expected, rel=1e-14, abs=1e-15)
 
 
-def test_a_value_at_a_time_is_that_of_the_regime():
-    released = mechanism("andrews-squeezer")
-    start = released.linkage.regimes[0].start_angle
-    assert value(released, "phi@0s", regime="squeezing") == pytest.approx(start, rel=1e-14)
-    assert value(released, "omega@0s", regime="squeezing") == pytest.approx(0.0, abs=1e-12)
-
-
 @pytest.mark.parametrize(
     ("quantity", "regime", "error", "message"),
     [
         ("point:B:x@noon", None, LinkproofError, "expected a crank angle in degrees, or a time .* got 'noon'"),
-        ("point:B:x@7s", None, LinkproofError, "expected instants from 0 to .* got 7"),
         ("point:B:x@1s", "driven", UnknownNameError, "unknown regime of 'sample' 'driven'"),
-        ("point:C:x@30", None, LinkproofError, "unknown figure 'point:C:x@30'"),
         ("point:C:x.max", None, LinkproofError, "unknown figure 'point:C:x.max': did you mean '"),
         ("link:rod:omega.peek", None, LinkproofError, r"did you mean 'link:rod:omega\.peak'"),
         ("range.low", None, LinkproofError, "its crank turns fully"),
@@ -213,8 +198,8 @@ def test_a_record_has_both_figures_in_the_printed_unit(entry, shown, ours, sign)
     assert record.verdict.startswith(sign)
 
 
-@pytest.mark.parametrize(
-    ("ours", "words"), [(8.349e-5, "reproduced"), (8.36e-5, "within 6 %"), (8.9e-5, "not reproduced")]
-)
-def test_verdicts_follow_the_printed_digits(ours, words):
-    assert verdict(Published(quantity="Jeq.mean", value=8.3e-5, place="here", half_digit=0.05e-5), ours) == words
+def test_verdicts_follow_the_printed_digits():
+    printed = Published(quantity="Jeq.mean", value=8.3e-5, place="here", half_digit=0.05e-5)
+    assert [verdict(printed, ours) for ours in (8.349e-5, 8.36e-5, 8.9e-5)] == [
+        *("reproduced", "within 6 %", "not reproduced")
+    ]

@@ -26,7 +26,7 @@ def looped(asked):
         found.append(
             design_figures(
                 mechanism, values, [one.figure for one in asked.figures], asked.motion.places,
-                speed=asked.motion.speed, path="numpy",
+                speed=asked.motion.speed, path="numpy"
             )[:, 0] / [one.unit.size for one in asked.figures]
         )  # fmt: skip
     return np.array(found).T
@@ -69,7 +69,7 @@ def test_what_is_done_is_not_made_again(monkeypatch):
     assert sorted([*made, 1, 3]) == sorted(parts)
 
 
-@pytest.mark.parametrize("refine", [False, True])
+@pytest.mark.parametrize("refine", [False, pytest.param(True, marks=pytest.mark.nightly)])
 def test_the_rms_torque_is_that_of_results_beside_a_dead_position_too(refine):
     mechanism = on_trial("near-toggle", None, False)
     motion = steady_motion(mechanism, 1000.0 * RPM)

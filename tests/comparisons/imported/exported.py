@@ -1,4 +1,4 @@
-"""Curves as another tool would export them, with a fault planted: made from the closed form or an engine, rounded."""
+"""Curves as another tool would export them, with a fault planted: made from the closed form and rounded."""
 
 from __future__ import annotations
 

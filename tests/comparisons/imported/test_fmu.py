@@ -97,7 +97,7 @@ REFUSED = {
     "not a number": ({"do": "now = sqrt(-1.0)"}, "expected finite numbers of 'crank.phi'"),
     "one unit of none": (
         {"units": {**UNITS, "motor.tau": ""}}, "expected a unit of Mkr in the header 'motor.tau', got none"
-    ),
+    )
 }  # fmt: skip
 
 

@@ -40,7 +40,7 @@ MEANT = {
     "joint_force:A:x": ("Reaction Force A X (newton)", "JOINT_A.FX", "A.x [N]", "сила реакции A x (Н)"),
     "joint_force:A:magnitude": ("Reaction Force A (N)", "Gelenkkraft A Betrag [N]"),
     "joint_force:needle_bar on ground:x": ("needle_bar on ground FX (N)", "joint_force:needle_bar on ground:x [N]"),
-    "shaking_force:x": ("Shaking Force X (N)",),
+    "shaking_force:x": ("Shaking Force X (N)",)
 }  # fmt: skip
 OPEN = {
     "Reaction Force1 (newton)": "its name fits none of joint_force:A, joint_force:D, joint_force:O1",
@@ -137,7 +137,7 @@ def test_a_cylinder_has_a_length_a_speed_and_a_force():
         "phi": ("Cylinder length [mm]", "Zylinderlänge (mm)", "Zylinderweg [mm]", "longueur du vérin (mm)",
                 "Довжина циліндра, мм"),
         "omega": ("Cylinder speed (mm/s)", "Actuator velocity [m/s]"),
-        "Mkr": ("Cylinder force [N]", "Zylinderkraft [kN]", "Усилие гидроцилиндра, Н", "Hydraulikkraft (N)"),
+        "Mkr": ("Cylinder force [N]", "Zylinderkraft [kN]", "Усилие гидроцилиндра, Н", "Hydraulikkraft (N)")
     }  # fmt: skip
     for signal, headers in meant.items():
         assert {read.meaning(_column(header)).signal for header in headers} == {signal}
@@ -156,7 +156,7 @@ def test_units_have_their_si_values():
         "°": DEGREE, "град": DEGREE, "rad": 1.0, "rev": 2.0 * math.pi, "deg/sec": DEGREE, "s^-1": 1.0, "1/s": 1.0,
         "rpm": math.pi / 30.0, "U/min": math.pi / 30.0, "об/мин": math.pi / 30.0, "deg/sec**2": DEGREE,
         "rad/s²": 1.0, "rad/s2": 1.0, "rad s^-2": 1.0, "m/(s^2)": 1.0, "inch/sec**2": 0.0254, "µm": 1e-6,
-        "ms": 1e-3, "min": 60.0, "kW": 1e3, "N*mm/s": 1e-3, "Дж": 1.0, "kg·mm²": 1e-6, "kgf": 9.80665, "-": 1.0,
+        "ms": 1e-3, "min": 60.0, "kW": 1e3, "N*mm/s": 1e-3, "Дж": 1.0, "kg·mm²": 1e-6, "kgf": 9.80665, "-": 1.0
     }  # fmt: skip
     read = {text: unit.factor if (unit := parse_unit(text)) else None for text in expected}
     assert read == pytest.approx(expected, rel=1e-14)

@@ -1,9 +1,8 @@
-"""Faults planted in curves of the closed form and of engines: each is the likeliest cause, or among those that fit."""
+"""Faults planted in curves of the closed form: each is the likeliest cause, or among those that fit."""
 
 import numpy as np
 import pytest
 
-from analytic.description.changes import without
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
 from comparisons.conformance.samples import case
@@ -12,9 +11,7 @@ from comparisons.faults.ranking import differs, model_faults
 from comparisons.faults.settings import motion_settings
 from comparisons.faults.simulation import Simulation
 from comparisons.imported.judge import judge
-from engines.registry import engine, why_unavailable
-from tests.comparisons.imported.engine_curves import curves
-from tests.comparisons.imported.exported import exported, results_of
+from tests.comparisons.imported.exported import exported
 
 JUKI = load("juki-mf7923d")
 QUINTIC = crank_motion("run-up-quintic")
@@ -78,19 +75,6 @@ def test_a_column_of_another_quantity_is_recognised():
 def test_another_motion_than_stated_is_the_likeliest_cause(kind):
     results = exported(JUKI, MOTION, ("Mkr", "S", "v"), TIME, model=Simulation(JUKI, RUNS[kind]))
     assert set(kinds(judge(JUKI, results, MOTION))) == {kind}
-
-
-@pytest.mark.parametrize(
-    "name", ["direct", *(pytest.param(name, marks=pytest.mark.nightly) for name in ("exudyn", "mujoco", "simbody"))]
-)
-def test_runs_of_an_engine_pass_and_gravity_that_is_off_is_named(name):
-    if reason := why_unavailable(engine(name)):
-        pytest.skip(reason)
-    for linkage, expected in ((JUKI, []), (without(JUKI, "gravity"), ["gravity"])):
-        time, values = curves(linkage, QUINTIC, name, every=4)
-        judgement = judge(JUKI, results_of({key: values[key] for key in ("phi", "Mkr", "S", "v")}, time, digits=5))
-        assert kinds(judgement) == expected
-        assert judgement.passed is not any(verdict.error_max > judgement.limit for verdict in judgement.verdicts)
 
 
 def planted(fault, simulation):

@@ -17,9 +17,8 @@ from analytic.motion.unit_functions import top_dead_centre, top_of_turn
 from comparisons.datasheet.building import usual_case
 from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import chosen_quantities
-from comparisons.reference.case import MOST_CLOCKS, Case
+from comparisons.reference.case import MOST_CLOCKS, Case, erratum_motion
 from comparisons.reference.motion import zero_of_output
-from comparisons.reference.printed_models import erratum_motion
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.swinging import double_rocker
 from tests.comparisons.true_motions import perfect_motion

@@ -1,17 +1,96 @@
-"""Masses that go with lengths: the rule of a bar, wherever designs are made."""
+"""Figures of designs by name: what a linkage cannot have, powers of the speed, masses that go with lengths."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import linkproof
-from analytic.description.changes import numbers, with_numbers, without
+from analytic.description.changes import LOADS, numbers, with_numbers, without
 from analytic.description.loading import load, parse
+from analytic.designs.figures import REDUCTIONS, figure_names
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import named_figures, steady_motion
-from tests.analytic.drives import driven
-from tests.analytic.linkages import mechanism
+from tests.analytic.drives import driven, path_of
+from tests.analytic.linkages import from_text, mechanism
+from tests.comparisons.designs.sweeps import BARE
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("stroke", "stroke: expected a linkage with an output point, got '"),
+        ("Mkr@30", "Mkr: expected a linkage with masses of all links, got '"),
+        ("joint_force.peak", "joint_force: expected a linkage with masses of all links, got '"),
+    ],
+)
+def test_a_figure_that_needs_what_the_file_does_not_have_says_what(name, words):
+    with pytest.raises(LinkproofError) as told:
+        named_figures(from_text(BARE), [name])
+    assert str(told.value).startswith(words)
+
+
+def test_every_name_that_is_listed_is_a_figure():
+    mechanism = from_text(BARE)
+    names = figure_names(mechanism)
+    assert names
+    assert len(named_figures(mechanism, names)) >= len(names) - len(REDUCTIONS)  # a family's members stand there too
+
+
+@pytest.mark.parametrize(
+    ("unit", "place", "angle"),
+    [("deg", "30", math.pi / 6.0), ("rad", "30", math.pi / 6.0), ("rad", "-90", -0.5 * math.pi), ("deg", "2rad", 2.0)],
+)
+def test_a_place_is_in_degrees_whatever_the_unit_of_the_file(unit, place, angle):
+    mechanism = from_text(BARE.replace('"deg"', f'"{unit}"').replace("angle = 60", "angle = 1"))
+    (found,) = named_figures(mechanism, [f"point:B:y@{place}"])
+    assert found.figure.angle == pytest.approx(angle, rel=1e-15)
+
+
+def test_a_place_of_a_drive_along_a_line_is_in_the_unit_of_length():
+    (found,) = named_figures(driven("linear-motor"), ["v@12"])
+    assert found.figure.angle == pytest.approx(0.012, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("torque", "Mkr.peak"), ("force.mean", "joint_force.mean"), ("strok", "stroke"), ("Mkr.pek", "Mkr.peak")],
+)
+def test_a_wrong_name_has_the_nearest_few(name, meant):
+    with pytest.raises(LinkproofError) as told:
+        named_figures(Mechanism(load("rimoldi-164")), [name])
+    assert f"unknown figure '{name}': did you mean '{meant}'" in str(told.value)
+    assert "more" not in str(told.value)
+    assert len(str(told.value)) < 320
+
+
+POWERS = {"Mkr": 2, "Teq": 2, "Peq": 3, "joint_force": 2, "stroke": 0}
+POWER_FIGURES = ("Mkr.peak", "Mkr@30", "Mkr.rms", "Teq.max", "Teq.mean", "Peq.max", "joint_force.peak", "stroke")
+SPEEDS = np.array([20.0, 50.0, 80.0])
+
+
+def _by_inertia_alone(name):
+    return Mechanism(without(load(name), "gravity", *LOADS))
+
+
+@pytest.mark.parametrize(
+    ("name", "turn"), [("rimoldi-164", -1.0), pytest.param(path_of("ternary-on-rods"), 1.0, marks=pytest.mark.nightly)]
+)
+def test_every_figure_and_its_derivative_is_that_of_a_power_of_the_speed(name, turn):
+    sample = _by_inertia_alone(name)
+    motion = steady_motion(sample, turn * 50.0, samples=24)
+    named = named_figures(sample, POWER_FIGURES)
+    figures = [one.figure for one in named]
+    powers = np.array([POWERS[one.name.replace("@", ".").replace(":", ".").partition(".")[0]] for one in named])
+    for options in ({}, {"refine": False, "path": "numpy"}):
+        found = motion.figures(sample, {"speed": SPEEDS}, figures, **options)
+        expected = found[:, 1:2] * (SPEEDS / 50.0) ** powers[:, None]
+        np.testing.assert_allclose(found, expected, rtol=1e-11)
+    values, slopes = motion.gradients(sample, {"speed": 50.0}, figures)
+    np.testing.assert_allclose(slopes[:, 0], powers * values / 50.0, rtol=1e-11 if not sample.is_numerical else 1e-8)
+
 
 FIGURES = ("Mkr.peak", "Mkr.rms", "Jeq.mean", "joint_force.peak", "shaking_moment.max", "Mkr@30")
 BAR = "points = {{ A = [0, 0], D = [{0!r}, 0] }}\nmass = {1!r}\ncentre = [{2!r}, 0]\ninertia = {3!r}\n"
