@@ -126,6 +126,10 @@ def test_a_run_that_violates_the_contract_is_an_error_of_its_adapter(run, words)
     ("change", "reason"),
     [
         (lambda time, values: (time, 1e300 * values), r"position is beyond 1e\+100 from 0 s on"),
+        (
+            lambda time, values: (time, np.where(np.arange(29) < 14, 0.0, np.nan)[:, None, None] + values),
+            "position is not",
+        ),
         (lambda time, values: (time[:4], values[:4]), "position has 4 samples, too few to read between"),
     ],
 )

@@ -14,7 +14,7 @@ from comparisons.reference.start_state import scene
 from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import costs
 from comparisons.work_precision import measure as point
-from comparisons.work_precision.costs import REDUCTIONS, ROUNDS, most_reducible
+from comparisons.work_precision.costs import REDUCTIONS, most_reducible
 from comparisons.work_precision.measure import chosen_families, measure
 from comparisons.work_precision.records import Bench
 from engines.contract import History, Method, Origin, Outcome, Run, Setting
@@ -116,14 +116,15 @@ SLOTTED = "slotted-takeup"
 
 
 def test_every_reduction_is_run_in_turn_there_and_back_records_no_more_than_it_says_and_survives_json(monkeypatch):
+    monkeypatch.setattr(costs, "ROUNDS", 2)
     run = calls(monkeypatch, costs, "run_engine")
     measured = costs.measure(load(SLOTTED), ["direct"])
     assert [cost.reduction for cost in measured] == [reduction.name for reduction in REDUCTIONS]
     assert all((cost.outcome, cost.reason) == ("finished", "") and cost.steps for cost in measured)
-    assert all(len(cost.seconds) == len(cost.stepping) == ROUNDS for cost in measured)
+    assert all(len(cost.seconds) == len(cost.stepping) == 2 for cost in measured)
     assert all(0.0 < inside <= whole for c in measured for inside, whole in zip(c.stepping, c.seconds, strict=True))
     channels, turns = [one.channels for one in REDUCTIONS], [args[1].channels for args in run[1:]]
-    assert turns == [*channels, *reversed(channels), *channels]
+    assert turns == [*channels, *reversed(channels)]
     document = {"costs": json.loads(json.dumps([asdict(one) for one in measured], allow_nan=False))}
     assert list(Bench(document, ()).costs) == measured
 
