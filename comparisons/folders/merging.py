@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -16,6 +15,7 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.results import KINDS
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.folders.studies import StudyFolder
+from comparisons.folders.tables import OTHER_CHARACTERS, numbered
 from comparisons.runs.files import claim, write_file, write_text, writing
 from comparisons.runs.study_folder import has_study
 from comparisons.stress.saved import KIND as STRESS
@@ -70,13 +70,8 @@ def folders_to_merge(paths: Sequence[Path]) -> tuple[MergedFolder, ...]:
     Raises LinkproofError for one that holds nothing, and where one machine made the same run twice.
     """
     result = [place for path in paths for place in (merged_folders(path) or [path])]
-    taken: Counter[str] = Counter()
-    folders = []
-    for path in result:
-        stem = re.sub(r"[^\w+.-]+", "-", path.resolve().name).strip(".") or "folder"
-        taken[stem.casefold()] += 1
-        count = taken[stem.casefold()]
-        folders.append(MergedFolder(path, stem if count == 1 else f"{stem}~{count}"))
+    stems = (re.sub(OTHER_CHARACTERS, "-", path.resolve().name).strip(".") or "folder" for path in result)
+    folders = [MergedFolder(path, name) for path, name in zip(result, numbered(stems), strict=True)]
     seen: dict[tuple[str, str], Path] = {}
     for folder in folders:
         machine = folder.machine

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -15,6 +15,7 @@ from comparisons.campaign.results import Results
 from comparisons.judging.records import CURVE
 from comparisons.runs.files import check_writable, write_text
 
+OTHER_CHARACTERS: Final = r"[^\w+.-]+"  # than a file name may have everywhere
 COLUMNS: Final = ("quantity", "unit", *CURVE)
 
 
@@ -48,10 +49,15 @@ def _table(results: Results, run: Sequence[str], quantities: dict[str, str]) -> 
 
 
 def _file_names(runs: Sequence[Sequence[str]]) -> Iterator[str]:
-    """A file name of each run that every system takes; those that would be one are numbered."""
-    taken: Counter[str] = Counter()
-    for run in runs:
-        stem = "_".join(re.sub(r"[^\w+.-]+", "-", word) for word in run)
-        taken[stem.casefold()] += 1
-        count = taken[stem.casefold()]
-        yield f"{stem}.csv" if count == 1 else f"{stem}~{count}.csv"
+    """A file name of each run that every system takes."""
+    stems = ("_".join(re.sub(OTHER_CHARACTERS, "-", word) for word in run) for run in runs)
+    return (f"{stem}.csv" for stem in numbered(stems))
+
+
+def numbered(stems: Iterable[str]) -> Iterator[str]:
+    """Names that differ from each other on every system: those that come again have a number."""
+    counts: Counter[str] = Counter()
+    for stem in stems:
+        counts[stem.casefold()] += 1
+        count = counts[stem.casefold()]
+        yield stem if count == 1 else f"{stem}~{count}"

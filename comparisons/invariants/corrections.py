@@ -205,19 +205,19 @@ ERROR_SHARE = 0.25  # of the distance from every other sample: fourth order leav
 MOST_DECAY = 0.5  # of a relaxation time: within so long a step the ends' slopes still improve a quadrature
 
 
-def accumulate_errors(start: float, kept: Array, added: Array) -> Array:
-    """An error that a share of is kept at each step: y₀ = ``start``, yₙ₊₁ = keptₙ yₙ + addedₙ, (n + 1,)."""
-    if np.all(kept == 1.0):
+def accumulate_errors(start: float, shares: Array, added: Array) -> Array:
+    """An error whose steps leave ``shares`` of it and add more: y₀ = ``start``, yₙ₊₁ = shareₙ yₙ + addedₙ, (n + 1,)."""
+    if np.all(shares == 1.0):
         return start + np.concatenate([[0.0], np.cumsum(added)])
     result, value = [start], start
-    for share, more in zip(kept.tolist(), added.tolist(), strict=True):
+    for share, more in zip(shares.tolist(), added.tolist(), strict=True):
         value = value * share + more
         result.append(value)
     return np.array(result)
 
 
 def undissipated_error(gained: Array, rate: Array, time: Array) -> Array:
-    """What is left of an energy error, J, of which dampers dissipate a ``rate``, 1/s: h' = δE' − rate · h.
+    """An energy error, J, less what dampers dissipate of it at a ``rate``, 1/s: h' = δE' − rate · h.
 
     More speed is damped more: a power D taken of the kinetic energy T takes D/T of any error in it.
     """
@@ -242,7 +242,7 @@ def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, st
 
 
 def _steps(time: Array, speed: Array, acceleration: Array, rate: Array) -> tuple[Array, Array]:
-    """The share of a speed error that each step keeps, and the error that it adds."""
+    """The share of a speed error that each step leaves, and the error that it adds."""
     push, step = acceleration + rate * speed, np.diff(time)
     decay = step * 0.5 * (rate[1:] + rate[:-1])
     shares = np.exp(-decay)

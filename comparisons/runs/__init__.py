@@ -1,1 +1,1 @@
-"""Making runs: worker processes with bounds, the journal of what is finished, files, timing."""
+"""Making runs: worker processes with bounds, the journal of what is finished, files."""

@@ -79,7 +79,7 @@ def relaxations(mechanism: Mechanism, duration: float) -> float:
 
 
 def stiff_motion(mechanism: Mechanism, regime: ReleasedRegime) -> StiffMotion:
-    """A released crank's motion held back hard by dampers; raises LinkproofError where Radau's method gives up."""
+    """A released crank's motion under strong damping; raises LinkproofError where Radau's method gives up."""
     from scipy.integrate import solve_ivp  # noqa: PLC0415  only stiff cells pay for it
 
     equation = equation_of_motion(mechanism, regime.torque).tabulated()

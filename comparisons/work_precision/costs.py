@@ -18,7 +18,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.reference.start_state import scene
 from comparisons.runs.run_engine import AdapterError, run_engine
-from comparisons.runs.timing import timed
+from comparisons.work_precision.measure import timed
 from comparisons.work_precision.records import MeasuredCost
 from engines.contract import Engine, Outcome, Run, Setting
 from engines.registry import engine

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import gc
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
 
 from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
@@ -14,7 +19,6 @@ from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import blamed_on, checked, started
-from comparisons.runs.timing import calibrate, timed
 from comparisons.runs.worker_process import host
 from comparisons.work_precision.records import CALIBRATION, FIRST_USE, METHOD, SETTING, PointRecord
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
@@ -24,6 +28,11 @@ JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.
 WARM_UP_STEPS = 16.0
 _WARM: set[str] = set()  # the engines this process has run
+
+T = TypeVar("T")
+# The fixed work: interpreted arithmetic, then array arithmetic in the first-level cache; a millisecond or two in all.
+_TURNS, _PASSES, _SIZE = 16000, 120, 2000
+WORK = f"{_TURNS} interpreted additions and {_PASSES} passes over {_SIZE} floats"
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
@@ -186,3 +195,38 @@ def _warm_up(adapter: Engine, scene: Scene, step: float) -> float:
         (_, first), (_, second) = timed(run), timed(run)
         return max(0.0, first - second)
     return 0.0
+
+
+# Time measured properly: without the garbage collector, beside the machine's noise by a fixed piece of work.
+
+
+def calibrate() -> float:
+    """Do the fixed work once and say how long it took, s."""
+    values = np.linspace(0.0, 1.0, _SIZE)
+    begun = time.perf_counter()
+    total = 0.0
+    for turn in range(_TURNS):
+        total += 0.5 * turn
+    for _ in range(_PASSES):
+        values = np.sqrt(values * values + 1e-12)
+    return time.perf_counter() - begun
+
+
+@contextmanager
+def no_collection() -> Iterator[None]:
+    """Switch the garbage collector off while timing, and back to its former state afterwards."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
+def timed(work: Callable[[], T]) -> tuple[T, float]:
+    """The return value of ``work`` and its wall time, s."""
+    with no_collection():
+        begun = time.perf_counter()
+        result = work()
+        return result, time.perf_counter() - begun

@@ -9,12 +9,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Final
 
+import numpy as np
 from pydantic import Field, NonNegativeFloat, TypeAdapter
 from typing_extensions import TypedDict
 
 from comparisons.judging.records import QuantityRecord, RunRecord, Verdict
 from comparisons.runs.study_folder import load_study, save_study
-from comparisons.runs.timing import Noise
 from engines.contract import Outcome
 
 KIND: Final = "bench"
@@ -126,6 +126,28 @@ def split_by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) 
 
 
 @dataclass(frozen=True)
+class Noise:
+    """Times of the same work, s, spread over a whole measurement; the figures are 0 without a sample."""
+
+    samples: tuple[float, ...]
+
+    @property
+    def least(self) -> float:
+        """The shortest, s: the machine left alone."""
+        return min(self.samples, default=0.0)
+
+    @property
+    def median_excess(self) -> float:
+        """Median over shortest time, less 1."""
+        return statistics.median(self.samples) / self.least - 1.0 if self.samples else 0.0
+
+    @property
+    def spread(self) -> float:
+        """Ninth decile over shortest time, less 1."""
+        return float(np.quantile(self.samples, 0.9)) / self.least - 1.0 if self.samples else 0.0
+
+
+@dataclass(frozen=True)
 class MeasuredCost:
     """One reduction of a linkage in one engine.
 
@@ -146,44 +168,11 @@ class MeasuredCost:
     is_control: bool = False
 
 
-class SavedExtent(TypedDict):
-    """The extent of a benchmark."""
-
-    budget: float
-    repeats: int
-    patience: float
-
-
 class SavedNoise(TypedDict):
     """Times of the same fixed work, s."""
 
     work: str
     samples: list[NonNegativeFloat]
-
-
-class SavedFirstUse(TypedDict):
-    """The additional time of an engine's first scene over its second, s."""
-
-    engine: str
-    seconds: list[float]
-
-
-class SavedMechanism(TypedDict):
-    """A linkage that was measured."""
-
-    name: str
-    title: str
-
-
-class SavedMethod(TypedDict):
-    """An engine's description of a method."""
-
-    engine: str
-    name: str
-    about: str
-    runs: int
-    effort: float | None
-    effort_unit: str
 
 
 class SavedBench(TypedDict):
@@ -192,11 +181,11 @@ class SavedBench(TypedDict):
     command: str
     conditions: str
     environment: Mapping[str, str]
-    extent: SavedExtent
+    extent: Mapping[str, Any]
     noise: SavedNoise
-    first_use: list[SavedFirstUse]
-    mechanisms: list[SavedMechanism]
-    methods: list[SavedMethod]
+    first_use: list[Mapping[str, Any]]  # by engine, s its first scene took more than its second
+    mechanisms: list[Mapping[str, str]]
+    methods: list[Mapping[str, Any]]  # as the engines describe them
     costs: list[MeasuredCost]
     quantities: list[str]
 

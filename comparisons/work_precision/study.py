@@ -23,11 +23,10 @@ from comparisons.runs.environment import environment
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.study import Announce, Journal, Study, Task
-from comparisons.runs.timing import WORK
 from comparisons.runs.workers import ONE_BY_ONE, Bounds, Pool
 from comparisons.work_precision import costs
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.measure import measure, point_record
+from comparisons.work_precision.measure import WORK, measure, point_record
 from comparisons.work_precision.points import FULL, Extent, Point, PointSweep, planned_sweeps
 from comparisons.work_precision.records import CALIBRATION, FIRST_USE, Bench, PointRecord
 from engines.contract import Method, Outcome, Setting, StudiedEngine

@@ -40,7 +40,7 @@ def test_the_force_on_a_prescribed_driver_is_that_of_the_closed_form(name):
     run = installed(name).run(case.scene(frozenset({Channel.TORQUE})), Setting.TUNED)
     assert run.outcome is Outcome.FINISHED, run.reason
     signal = run.history.torque
-    true = truth(case, Channel.TORQUE, "", signal.time)
+    true = channel_truth(case, Channel.TORQUE, "", signal.time)
     assert np.abs(signal.values - true).max() < FREE * np.abs(true).max()
 
 

@@ -1,6 +1,5 @@
 """A run and its facts: the contract of its samples, gaps between them, clocks, the machine."""
 
-import gc
 import platform
 import re
 from dataclasses import replace
@@ -13,34 +12,9 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.runs import environment
 from comparisons.runs.run_engine import AdapterError, gap, readable
-from comparisons.runs.timing import Noise, calibrate, no_collection, timed
 from engines.contract import Outcome, Run, Signal
 from engines.scene import Free, Prescribed
 from tests.comparisons.true_motions import perfect_motion
-
-
-def test_noise_is_relative_to_the_shortest():
-    noise = Noise((2.0, 1.0, 1.1, 1.2, 1.1, 1.0, 1.1, 1.3, 1.1, 1.1, 1.1))
-    assert noise.least == 1.0
-    assert noise.median_excess == pytest.approx(0.1)
-    assert noise.spread == pytest.approx(0.3)
-    nothing = Noise(())
-    assert (nothing.least, nothing.median_excess, nothing.spread) == (0.0, 0.0, 0.0)
-
-
-def test_work_is_timed_with_the_collector_off_and_the_collector_comes_back():
-    assert gc.isenabled()
-    collecting, seconds = timed(gc.isenabled)
-    assert (collecting, gc.isenabled()) == (False, True)
-    assert seconds > 0.0
-    assert calibrate() > 0.0
-    gc.disable()
-    try:
-        with no_collection():
-            pass
-        assert not gc.isenabled()
-    finally:
-        gc.enable()
 
 
 def test_versions_machine_and_commit_without_absent_packages(monkeypatch):
@@ -126,6 +100,10 @@ def test_a_run_that_violates_the_contract_is_an_error_of_its_adapter(run, words)
     ("change", "reason"),
     [
         (lambda time, values: (time, 1e300 * values), r"position is beyond 1e\+100 from 0 s on"),
+        (
+            lambda time, values: (time, np.where(np.arange(29) < 14, 0.0, np.nan)[:, None, None] + values),
+            "position is not",
+        ),
         (lambda time, values: (time[:4], values[:4]), "position has 4 samples, too few to read between"),
     ],
 )

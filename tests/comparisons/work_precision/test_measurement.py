@@ -1,5 +1,6 @@
 """One point and one cost measured in a real engine."""
 
+import gc
 import json
 import pickle
 from dataclasses import asdict, replace
@@ -14,9 +15,9 @@ from comparisons.reference.start_state import scene
 from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import costs
 from comparisons.work_precision import measure as point
-from comparisons.work_precision.costs import REDUCTIONS, ROUNDS, most_reducible
-from comparisons.work_precision.measure import chosen_families, measure
-from comparisons.work_precision.records import Bench
+from comparisons.work_precision.costs import REDUCTIONS, most_reducible
+from comparisons.work_precision.measure import calibrate, chosen_families, measure, no_collection, timed
+from comparisons.work_precision.records import Bench, Noise
 from engines.contract import History, Method, Origin, Outcome, Run, Setting
 from engines.mechanics.joints import JointEquations
 from engines.registry import engine
@@ -116,14 +117,15 @@ SLOTTED = "slotted-takeup"
 
 
 def test_every_reduction_is_run_in_turn_there_and_back_records_no_more_than_it_says_and_survives_json(monkeypatch):
+    monkeypatch.setattr(costs, "ROUNDS", 2)
     run = calls(monkeypatch, costs, "run_engine")
     measured = costs.measure(load(SLOTTED), ["direct"])
     assert [cost.reduction for cost in measured] == [reduction.name for reduction in REDUCTIONS]
     assert all((cost.outcome, cost.reason) == ("finished", "") and cost.steps for cost in measured)
-    assert all(len(cost.seconds) == len(cost.stepping) == ROUNDS for cost in measured)
+    assert all(len(cost.seconds) == len(cost.stepping) == 2 for cost in measured)
     assert all(0.0 < inside <= whole for c in measured for inside, whole in zip(c.stepping, c.seconds, strict=True))
     channels, turns = [one.channels for one in REDUCTIONS], [args[1].channels for args in run[1:]]
-    assert turns == [*channels, *reversed(channels), *channels]
+    assert turns == [*channels, *reversed(channels)]
     document = {"costs": json.loads(json.dumps([asdict(one) for one in measured], allow_nan=False))}
     assert list(Bench(document, ()).costs) == measured
 
@@ -162,3 +164,27 @@ def test_a_reduced_linkage_still_has_as_many_equations_as_unknowns():
 def test_an_engine_without_any_requested_quantity_provides_nothing(monkeypatch):
     measurement = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
     assert (measurement.outcome, measurement.detail) == ("not-provided", "Jeq not offered; Mkr not offered")
+
+
+def test_noise_is_relative_to_the_shortest():
+    noise = Noise((2.0, 1.0, 1.1, 1.2, 1.1, 1.0, 1.1, 1.3, 1.1, 1.1, 1.1))
+    assert noise.least == 1.0
+    assert noise.median_excess == pytest.approx(0.1)
+    assert noise.spread == pytest.approx(0.3)
+    nothing = Noise(())
+    assert (nothing.least, nothing.median_excess, nothing.spread) == (0.0, 0.0, 0.0)
+
+
+def test_work_is_timed_with_the_collector_off_and_the_collector_comes_back():
+    assert gc.isenabled()
+    collecting, seconds = timed(gc.isenabled)
+    assert (collecting, gc.isenabled()) == (False, True)
+    assert seconds > 0.0
+    assert calibrate() > 0.0
+    gc.disable()
+    try:
+        with no_collection():
+            pass
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
