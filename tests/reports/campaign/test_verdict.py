@@ -24,12 +24,12 @@ def results():
 
 
 def test_who_is_within_every_limit_is_trusted_in_everything(results):
-    trusted, nearest, untuned = verdict(EngineRanking(results))
+    trusted, most_accurate, untuned = verdict(EngineRanking(results))
     count = sum(record.setting == "tuned" for record in (*results.records, *results.invariants))
     assert trusted.startswith("Trust alpha and beta, once tuned, for every quantity compared: all ")
     assert f" {count} errors" in trusted
-    assert nearest.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
-    assert "The quickest within every limit is" in nearest
+    assert most_accurate.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
+    assert "The quickest within every limit is" in most_accurate
     assert untuned.startswith("At default settings (naive) over its limits: alpha, beta, off by up to ")
 
 
@@ -53,7 +53,7 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
     first = verdict(trust)[0]
     assert first.startswith("Within their limits: alpha, once tuned, for every quantity compared. ")
     assert "Do not trust beta for Mkr/Peq: an error is over its limit" in first
-    assert trust.nearest("tuned", "Mkr/Peq") == "alpha"
+    assert trust.most_accurate("tuned", "Mkr/Peq") == "alpha"
 
 
 def test_where_only_naive_ran_it_decides():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from reports.charts import style
+from reports.charts import scales as style
 
 
 def luminance(colour):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from analytic.errors import LinkproofError
-from reports.command_line.destination import interruptible, journal
+from reports.command_line.destination import journal, report_interruption
 from reports.requests.campaign import request
 from reports.requests.campaign_options import CompareOptions
 from reports.requests.options import command_line
@@ -36,7 +36,7 @@ def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sente
     passed_on = []
 
     def pressed():
-        with interruptible(folder) as counting:
+        with report_interruption(folder) as counting:
             announce = counting(lambda *words: passed_on.append(words))
             for words in announced:
                 announce(*words)
@@ -48,7 +48,7 @@ def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sente
 
 
 def test_other_faults_pass():
-    with pytest.raises(ValueError, match="as it was"), interruptible(Path("out")):
+    with pytest.raises(ValueError, match="as it was"), report_interruption(Path("out")):
         raise ValueError("as it was")
 
 

@@ -10,7 +10,7 @@ import pytest
 from ezdxf.lldxf.validator import is_valid_layer_name
 
 from analytic.description.crank_motion import CrankMotion, Segment, swing
-from reports.designs import results_animation as animation
+from reports.designs import results_drawing as animation
 from reports.designs.results_dxf import dxf
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text, mechanism

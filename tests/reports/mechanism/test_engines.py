@@ -10,7 +10,7 @@ from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.charts import draw
 from reports.document.parts import Bullets, Fold, Table, TableCell, Widget
-from reports.mechanism.engines import engines_section, errors_fold, runs_fold
+from reports.mechanism.engines import engines_section, errors_section, runs_section
 from reports.records.views import views
 from tests.reports.made_up_results import changed_results, made_up_results
 
@@ -42,7 +42,7 @@ def test_one_chart_holds_every_regime_and_loads_what_it_does_not_show(results):
 
 def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
     (view,) = views(results)
-    table, reasons = errors_fold(view, view.regimes[0]).parts
+    table, reasons = errors_section(view, view.regimes[0]).parts
     assert isinstance(table, Table)
     assert table.groups == (("", 2), ("alpha", 3), ("beta", 3))
     assert [words(row[0]) for row in table.rows][:2] == [
@@ -73,7 +73,7 @@ def test_rows_that_fail_together_have_their_meaning(results, setting, cure):
         return replace(record, outcome=Verdict.OVER_LIMIT.value) if failing else replace(record, outcome="passed")
 
     (view,) = views(changed_results(results, fail))
-    _, reasons = errors_fold(view, view.regimes[0]).parts
+    _, reasons = errors_section(view, view.regimes[0]).parts
     (told,) = (item for item in reasons.items if item.startswith(f"beta {setting} – "))
     assert "the drive torque is not the one it takes" in told
     assert told.endswith(cure)
@@ -86,7 +86,7 @@ def test_a_quantity_that_an_engine_lacks_stands_beside_its_other_errors(results)
         return replace(record, error_max=None, outcome=Verdict.NOT_PROVIDED.value, detail="no torque")
 
     (view,) = views(changed_results(results, lack))
-    _, reasons = errors_fold(view, view.regimes[0]).parts
+    _, reasons = errors_section(view, view.regimes[0]).parts
     assert reasons.items[0] == "beta best, Mkr – not provided: no torque."
 
 
@@ -97,11 +97,11 @@ def test_the_setting_that_stands_for_an_engine_is_one_that_gave_a_curve_in_the_r
         return replace(record, error_max=None, outcome=Verdict.UNSUPPORTED.value)
 
     (view,) = views(changed_results(results, stop))
-    assert [view.standing(regime) for regime in view.regimes] == ["best", "tuned"]
+    assert [view.shown_setting(regime) for regime in view.regimes] == ["best", "tuned"]
 
 
 def test_runs_have_their_steps_cost_and_settings(results):
-    tables = runs_fold(views(results)[0]).parts
+    tables = runs_section(views(results)[0]).parts
     assert len(tables) == 2
     (best,) = (row for row in tables[0].rows if row[0] == "alpha best")
     assert best[1:] == ("7000", "12.3 ms", "4.00 ms", "4 runs, extrapolated", "step 1e-4, scheme made up, passes 2")

@@ -7,7 +7,7 @@ import pytest
 from comparisons.campaign.project import JudgedCampaign
 from comparisons.judging.records import Record, run_record
 from engines.pymunk_adapter.adapter import PymunkEngine
-from reports.pytest_plugin import asserting
+from reports.pytest_plugin import campaign as asserting
 from reports.python.campaign import Comparison
 from reports.requests.campaign_options import CompareOptions
 from tests.reports.pytest_plugin.projects import project, run

@@ -20,9 +20,7 @@ MOTOR = str(DRIVES / "linear-motor.toml")
     ("words", "options"),
     [
         (["rimoldi-164", "--speed", "1200", "--clockwise"], {"speed": 1200, "clockwise": True}),
-        (["juki-mf7923d", "--regime", "run-up", "--time", "0.1"], {"regime": "run-up", "time": (0.1,)}),
         (["juki-mf7923d", "--at", "0,90.5", "--no-gravity"], {"at": [0, 90.5], "gravity": False}),
-        ([MOTOR, "--speed", "12"], {"speed": 12}),
     ],
 )
 def test_every_signal_is_the_commands(words, options):

@@ -9,7 +9,7 @@ from comparisons.judging.records import Record, Verdict
 from reports.document.numbers import ABSENT
 from reports.document.terminal import rendered
 from reports.records.differences import changed_figures, difference_printout
-from reports.records.views import View, anchor, limit_table, once, short_title, views
+from reports.records.views import View, anchor, blank_repeats, limit_table, short_title, views
 from tests.analytic.drives import driven
 from tests.reports.made_up_results import made_up_results
 
@@ -124,4 +124,4 @@ def test_anchors_hold_no_character_that_a_link_cannot():
     ],
 )
 def test_what_rows_share_stands_once(heads, shown):
-    assert list(once([("a", "x", "1"), ("a", "x", "2"), ("b", "x", "3"), ("b", "y", "4")], heads)) == shown
+    assert list(blank_repeats([("a", "x", "1"), ("a", "x", "2"), ("b", "x", "3"), ("b", "y", "4")], heads)) == shown

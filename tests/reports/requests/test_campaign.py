@@ -16,9 +16,9 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.requests import campaign
-from reports.requests.campaign import Running, installed, left_out, linkages, request, running
+from reports.requests.campaign import Running, installed, linkages, missing_engines, request, running
 from reports.requests.campaign_options import CompareOptions, RunLimits
-from reports.requests.options import command_line, stated
+from reports.requests.options import changed_options, command_line
 from tests.counting import calls
 
 JUKI = "juki-mf7923d"
@@ -40,8 +40,8 @@ def test_the_defaults_are_everything_tuned_on_the_usual_ramp():
 def test_engines_that_are_not_installed_are_left_out_with_a_remark_unless_engines_are_named(monkeypatch):
     monkeypatch.setattr(campaign, "why_unavailable", lambda adapter: "not here" if adapter.name != "direct" else None)
     assert request(CompareOptions()).engines == ("direct",)
-    assert left_out(("direct",)).startswith("not installed, left out: drake, exudyn, mujoco")
-    assert left_out(engine_names()) == ""
+    assert missing_engines(("direct",)).startswith("not installed, left out: drake, exudyn, mujoco")
+    assert missing_engines(engine_names()) == ""
 
 
 def test_options_become_si():
@@ -91,11 +91,11 @@ def test_the_command_repeats_the_request(options, words):
 
 
 def test_limits_become_bounds_and_stay_with_the_command():
-    assert (running(RunLimits()), stated(RunLimits())) == (Running(DEFAULT_BOUNDS, cores(), None), {})
+    assert (running(RunLimits()), changed_options(RunLimits())) == (Running(DEFAULT_BOUNDS, cores(), None), {})
     assert running(RunLimits(time_limit=90.0, memory_limit=0.5)).bounds == Bounds(90.0, GIB // 2)
     assert running(RunLimits(jobs=0)).processes == 0
     limits = RunLimits(time_limit=90.0, memory_limit=0.5, jobs=0)
-    assert stated(limits) == {"time-limit": ("90",), "memory-limit": ("0.5",)}
+    assert changed_options(limits) == {"time-limit": ("90",), "memory-limit": ("0.5",)}
 
 
 @pytest.mark.parametrize(

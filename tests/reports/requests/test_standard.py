@@ -10,7 +10,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from reports.requests.campaign import files, request
 from reports.requests.campaign_options import BenchOptions, CompareOptions, RunLimits, StandardOptions, StressOptions
 from reports.requests.options import command_line
-from reports.requests.standard import baseline_file, in_project, of_project
+from reports.requests.standard import baseline_file, complete_request, complete_study
 
 PROJECT = """
 linkages = ["*/*.toml"]
@@ -36,7 +36,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def _in_project(choice=None, limits=None):
-    return in_project(choice or CompareOptions(), limits or RunLimits(), StandardOptions())
+    return complete_request(choice or CompareOptions(), limits or RunLimits(), StandardOptions())
 
 
 def test_without_words_a_project_says_everything(folder):
@@ -53,7 +53,7 @@ def test_words_go_before_the_project(folder):
         mechanisms=("b/press.toml",), engine=("exudyn",), setting=("tuned",), regime=("run-up-cubic",)
     )
     mine = StandardOptions(baseline=Path("mine.json"))
-    choice, limits, project, _, known = in_project(given, RunLimits(time_limit=5.0), mine)
+    choice, limits, project, _, known = complete_request(given, RunLimits(time_limit=5.0), mine)
     assert (choice, known) == (given, ())
     assert (limits.time_limit, limits.memory_limit) == (5.0, 2.0)
     assert baseline_file(mine, project) == Path("mine.json")
@@ -126,9 +126,9 @@ def test_an_unknown_engine_of_a_project_is_named_with_its_file(folder):
 
 
 def test_bench_has_the_linkages_and_engines_of_the_project_and_stress_its_engines(folder):
-    assert of_project(BenchOptions(quick=True)) == BenchOptions(
+    assert complete_study(BenchOptions(quick=True)) == BenchOptions(
         mechanisms=("a/press.toml", "b/press.toml"), engine=("direct",), quick=True
     )
     given = BenchOptions(mechanisms=("b/press.toml",), engine=("exudyn",))
-    assert of_project(given) == given
-    assert of_project(StressOptions(words=("mass",))) == StressOptions(words=("mass",), engine=("direct",))
+    assert complete_study(given) == given
+    assert complete_study(StressOptions(words=("mass",))) == StressOptions(words=("mass",), engine=("direct",))

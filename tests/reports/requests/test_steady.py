@@ -50,8 +50,6 @@ MOTOR = path_of("linear-motor")
     ("name", "motion"),
     [
         ("juki-mf7923d", {"from_angle": 200.0, "to_angle": 30.0}),
-        ("juki-mf7923d", {"from_angle": 0.0, "to_angle": 500.0, "regime": "constant-speed"}),
-        (MOTOR, {"speed": -50.0}),
         (MOTOR, {"from_angle": 20.0, "to_angle": 100.0, "speed": 50.0}),
     ],
 )

@@ -13,7 +13,7 @@ from comparisons.stress.cells import axes
 from reports.document import html
 from reports.document.parts import as_text
 from reports.document.terminal import rendered
-from reports.stress.maps import SIGNS, axis_title, border_place, map_data, story
+from reports.stress.maps import SIGNS, axis_title, border_place, cell_facts, map_data
 from reports.stress.page import MOST_OPEN, OPEN, draw_map, page
 from reports.stress.tables import MOST_ALONE, border_table, cell_details, incident_table, printout, ranking, summary
 from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
@@ -54,7 +54,7 @@ def test_every_cell_of_an_axis_stands_on_its_map_once_at_its_value(axis):
 
 def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
     blank = made_up_cell(StressVerdict.WITHIN, value=1.0, **PLACE)
-    assert story(dataclasses.replace(blank, steps=0)) == {"Conditions": "linkage m"}
+    assert cell_facts(dataclasses.replace(blank, steps=0)) == {"Conditions": "linkage m"}
     known = dataclasses.replace(
         blank,
         reason="why",
@@ -62,7 +62,7 @@ def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
         invariants=(QuantityRecord("force_balance", error_max=3e-4, limit=1e-2),),
         differing={"mass_factor": 1e4, "link": "crank"},
     )
-    found = story(known)
+    found = cell_facts(known)
     assert found["Reason"] == "why"
     assert found["Worst deviation, over the peak"] == "Jeq of needle bar 2.0e-3, limit 1e-3"
     assert found["Worst invariant"] == "force balance 3.0e-4, limit 1e-2"
@@ -72,7 +72,7 @@ def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
 def test_faults_stand_apart_from_the_checks_messages():
     blank = made_up_cell(StressVerdict.CAUGHT, value=1.0, **PLACE)
     flagged = {"reason": "torque off. Flagged: a joint is open", "wrong": "torque off"}
-    found = story(dataclasses.replace(blank, **flagged))
+    found = cell_facts(dataclasses.replace(blank, **flagged))
     assert (found["Wrong"], found["Flagged by the checks"]) == ("torque off", "a joint is open")
 
 

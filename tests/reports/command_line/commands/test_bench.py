@@ -44,7 +44,7 @@ def short(monkeypatch):
     ],
 )
 def test_the_regimes_and_times_of_a_benchmark(options, regimes, times):
-    options = bench_command._campaign(BenchOptions(**options))
+    options = bench_command._default_runs(BenchOptions(**options))
     assert options.regime == regimes
     assert (options.ramp_time, options.hold_time) == pytest.approx(times)
 

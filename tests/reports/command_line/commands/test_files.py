@@ -62,7 +62,7 @@ def test_every_part_that_is_commented_out_works():
             lines += ["[links.rod]", "points = { P = [0, 0], D = [120, 0] }", "[sketch.points]", "D = [120, 20]"]
             body = head.replace("[sketch]", "[sketch]\n").replace("points = { B = [60, 45] }", "")
         Path("part.toml").write_text("\n".join([body, *lines]), encoding="utf-8")
-        load("part.toml")
+        assert load("part.toml").links
 
 
 def test_nothing_is_overwritten_but_an_old_schema_of_ours():

@@ -53,20 +53,15 @@ def state(place):
     [
         ("GET", "", {"Host": "evil.example"}, 403),  # a name that leads here
         ("GET", "", {"Origin": "http://evil.example"}, 403),
-        ("GET", "state", {"Origin": "null"}, 403),  # a page from the disk, or in a frame
         ("GET", "/", {}, 403),
         ("GET", "/" + "0" * 32 + "/state", {}, 403),
         ("GET", "mine.toml", {}, 404),
-        ("GET", "/etc/passwd", {}, 403),
         ("GET", "%2e%2e/%2e%2e/etc/passwd", {}, 404),
         ("OPTIONS", "save", {}, 501),  # what a browser would send before a request of another site
-        ("POST", "/save", {}, 403),
-        ("POST", "mine.toml", {}, 400),
         ("POST", "save", {"Host": "evil.example"}, 403),
         ("POST", "save", {"Origin": "http://evil.example"}, 403),
         ("POST", "save", {"Origin": None}, 400),
         ("POST", "save", {"If-Match": "0" * 64}, 409),
-        ("POST", "save", {"Content-Length": None}, 400),
         ("POST", "save", {"Content-Length": 10**9}, 400),
     ],
 )
