@@ -98,17 +98,6 @@ def test_it_saves_over_the_file_that_it_shows_and_over_no_other(watched):
     assert file.read_bytes() == heavier.replace("\n", "\r\n").encode()
 
 
-def test_a_fault_in_the_file_is_on_the_page_with_its_line(watched):
-    file, place = watched
-    file.write_text(STEADY.replace("# my own", '"<b>not" = 1'), encoding="utf-8")
-    text = answer(place)[2]
-    assert "mine.toml:1:" in text
-    assert "&lt;b&gt;not" in text
-    assert "<b>not" not in text
-    file.unlink()
-    assert "does not exist" in answer(place)[2]
-
-
 def test_what_cannot_be_watched_is_refused_in_a_sentence(tmp_path, monkeypatch):
     file = tmp_path / "mine.toml"
     file.write_text(STEADY, encoding="utf-8")
