@@ -65,7 +65,7 @@ def _numbers(optimum: Optimum) -> Table:
 
 
 def _figures(optimum: Optimum) -> Table:
-    """A row per figure: values before and after in the file's unit, change, whether it is the aim or kept."""
+    """A row per figure: values before and after in the file's unit, change, aim or constraint."""
     figures = {constraint.figure.name: constraint for constraint in optimum.problem.constraints}
     aims = {named_figure.name for named_figure in optimum.problem.aims}
     rows = []

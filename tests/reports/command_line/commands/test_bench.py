@@ -29,7 +29,7 @@ def short(monkeypatch):
     hurried = RunsOptions(
         mechanisms=("juki-mf7923d",), regime=("run-up-quintic",), engine=("direct",), ramp_time=0.1, hold_time=0.0
     )
-    monkeypatch.setattr(bench_command, "_campaign", lambda options: hurried)
+    monkeypatch.setattr(bench_command, "_default_runs", lambda options: hurried)
 
 
 @pytest.mark.parametrize(
