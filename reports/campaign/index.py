@@ -33,12 +33,12 @@ from reports.document.parts import (
     Words,
 )
 from reports.document.templates import lines, sentence
-from reports.mechanism.engines import errors_fold
+from reports.mechanism.engines import errors_section
 from reports.mechanism.page import file_of
 from reports.mechanism.shown import key_figures
 from reports.records.differences import changed_figures
-from reports.records.origins import environment_facts, exceptions, origin_words, readout_table, side_by_side
-from reports.records.views import every_record, family_title, limit_table, past_baseline, views
+from reports.records.origins import computed_or_shared, concurrency_note, environment_facts, origin_words, readout_table
+from reports.records.views import caught_by_baseline, every_record, family_title, limit_table, views
 
 # A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
 
@@ -52,7 +52,7 @@ def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
     """The card of a mechanism, which leads to its page; without a campaign it tells of no engine."""
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
-    engine = _engine(sheet, trust) if trust is not None else ""
+    engine = _worst_engine(sheet, trust) if trust is not None else ""
     rows = (*_key_figures(sheet), *((("worst error", engine),) if engine else ()))
     return Card(PageLink(words, file_of(sheet)), (*_scheme(sheet), Facts(rows)))
 
@@ -69,7 +69,7 @@ def _key_figures(sheet: Sheet) -> tuple[tuple[str, str], ...]:
     return tuple((what, value) for what, value, _ in key_figures(sheet) if what in FIGURES)
 
 
-def _engine(sheet: Sheet, trust: EngineRanking) -> str:
+def _worst_engine(sheet: Sheet, trust: EngineRanking) -> str:
     """The worst engine of a mechanism at the deciding setting, in words."""
     setting = trust.settings[0]
     records = [
@@ -102,9 +102,9 @@ def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words
         subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
         parts=(*_verdict(results, trust), *((Bullets(studies),) if studies else ())),
         sections=(
-            *(_engines(results, trust) if results is not None and trust is not None else ()),
-            *(_mechanisms(trust, sheets) if sheets else ()),
-            *(_run(results, sheets) if results is not None else ()),
+            *(_engines_section(results, trust) if results is not None and trust is not None else ()),
+            *(_mechanisms_section(trust, sheets) if sheets else ()),
+            *(_run_section(results, sheets) if results is not None else ()),
         ),
     )
 
@@ -123,15 +123,15 @@ def _verdict(results: Results | None, trust: EngineRanking | None) -> tuple[Part
     return (*([Paragraph(first, "verdict")] if first else []), *(Paragraph(line, "lead") for line in rest))
 
 
-def _engines(results: Results, trust: EngineRanking) -> tuple[Section, ...]:
+def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, ...]:
     """The engines' results, or every signal of another tool's results."""
     if "judgement" in results.document:
         signals = [
-            part for view in views(results) for regime in view.regimes for part in errors_fold(view, regime).parts
+            part for view in views(results) for regime in view.regimes for part in errors_section(view, regime).parts
         ]
         return (Section("signals", "The signals", tuple(signals)),)
     parts = (_settings_table(trust), families_table(trust))
-    caught = past_baseline(results)
+    caught = caught_by_baseline(results)
     worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
     notes = map(Paragraph, (*results.document.get("notes", ()), *results.document.get("departures", ())))
     moved: tuple[Part, ...] = (*notes, *changed_figures(results.figures))
@@ -144,9 +144,9 @@ def _settings_table(trust: EngineRanking) -> Table:
     for engine in trust.engines:
         row: list[TableCell | str] = [engine]
         for setting in trust.settings:
-            row += _standing(trust, engine, setting)
+            row += _error_and_time(trust, engine, setting)
         rows.append(row)
-    beside = "".join(f", {words}" for words in (side_by_side(trust.results.document["environment"]),) if words)
+    beside = "".join(f", {words}" for words in (concurrency_note(trust.results.document["environment"]),) if words)
     return Table(
         f"The worst error over its limit, where it is, and the median times of set-up and of stepping{beside}.",
         ("engine", *(("error / limit", "set-up + stepping") * len(trust.settings))),
@@ -162,35 +162,35 @@ def _setting_words(trust: EngineRanking, setting: str) -> str:
     return f"{setting} (decides nothing)" if untuned else setting
 
 
-def _standing(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
+def _error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
     """The worst deviation from the closed form; the checks without the closed form are in the other table."""
     records = trust.records(engine, setting)
     own = EngineRecords(tuple(record for record in records if record.quantity not in trust.checks))
     if own.worst is None:
-        reason = _reason(own)
-        return TableCell(numbers.ABSENT, _failure(own), tooltip=reason, note=reason), ""
+        reason = _first_reason(own)
+        return TableCell(numbers.ABSENT, _failure_style(own), tooltip=reason, note=reason), ""
     seconds = trust.seconds(engine, setting)
     place = f"{family_title(own.worst.quantity)}, {own.worst.mechanism}"
     largest = TableCell(
         ratio(own.worst),
-        _style(trust, setting, own),
+        _cell_style(trust, setting, own),
         note=place,
         tooltip=sentence("index_worst", record=own.worst),
     )
-    computed = [words for words in exceptions(records).split("; ") if not words.startswith("shared")]
+    computed = [words for words in computed_or_shared(records).split("; ") if not words.startswith("shared")]
     origin = "; ".join(filter(None, (origin_words(records), *computed)))
     return largest, TableCell(" + ".join(map(numbers.seconds, seconds or ())) or numbers.ABSENT, note=origin)
 
 
-def _failure(records: EngineRecords) -> str:
+def _failure_style(records: EngineRecords) -> str:
     return "failed" if records.failed else "absent"
 
 
-def _reason(records: EngineRecords) -> str:
+def _first_reason(records: EngineRecords) -> str:
     return next((record.detail for record in records.records if record.detail), "")
 
 
-def _style(trust: EngineRanking, setting: str, records: EngineRecords) -> str:
+def _cell_style(trust: EngineRanking, setting: str, records: EngineRecords) -> str:
     """A class of the style sheet; what decides nothing has no colour."""
     if setting == Setting.NAIVE.value and setting != trust.settings[0]:
         return "muted"
@@ -218,12 +218,14 @@ def families_table(trust: EngineRanking) -> Table:
 def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str) -> TableCell:
     records = trust.cell(engine, setting, name)
     if records.error is None or records.worst is None:
-        return TableCell("✗" if records.failed else numbers.ABSENT, _failure(records), tooltip=_reason(records))
-    best = " best" if name != CHECKS and trust.nearest(setting, name) == engine else ""
+        return TableCell(
+            "✗" if records.failed else numbers.ABSENT, _failure_style(records), tooltip=_first_reason(records)
+        )
+    best = " best" if name != CHECKS and trust.most_accurate(setting, name) == engine else ""
     sign = "✗ " if records.failed else ""
     return TableCell(
         sign + numbers.steady_error(records.error),
-        _style(trust, setting, records) + best,
+        _cell_style(trust, setting, records) + best,
         tooltip=sentence("index_worst", record=records.worst),
     )
 
@@ -243,13 +245,13 @@ def _reasons(trust: EngineRanking) -> list[str]:
     ]
 
 
-def _mechanisms(trust: EngineRanking | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
+def _mechanisms_section(trust: EngineRanking | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
     cards = Cards(tuple(card(sheet, trust) for sheet in sheets))
     still = (Drawn(PAUSE, ""),) if any(sheet.positions for sheet in sheets) else ()
     return (Section("mechanisms", "The mechanisms", (*still, cards)),)
 
 
-def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
+def _run_section(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
     """What was run, limits, read-outs and limitations, behind a line that opens them."""
     readouts = tuple(readout_table(name, words) for name, words in results.document["readouts"].items())
     sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))

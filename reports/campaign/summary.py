@@ -20,7 +20,7 @@ from reports.campaign.verdict import EngineRanking, verdict
 from reports.document.markdown import written
 from reports.document.numbers import ROUND_OFF, bound
 from reports.document.parts import Bullets, Mono, Paragraph, Part, Section
-from reports.mechanism.engines import errors_fold
+from reports.mechanism.engines import errors_section
 from reports.mechanism.published import published_section
 from reports.records.differences import changed_figures
 from reports.records.views import limit_table, views
@@ -58,7 +58,7 @@ def _errors(results: Results) -> Iterator[Section]:
     for view in views(results):
         for regime in view.regimes:
             title = f"{view.linkage.name} ({view.linkage.variant}), {regime.name}"
-            yield Section("", title, errors_fold(view, regime).parts)
+            yield Section("", title, errors_section(view, regime).parts)
 
 
 def _printed_models(results: Results) -> Iterator[Bullets]:

@@ -15,7 +15,7 @@ from reports.document.numbers import bound, error, figure
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
 from reports.records.differences import changed_figures
-from reports.records.origins import exceptions, origin_words, side_by_side
+from reports.records.origins import computed_or_shared, concurrency_note, origin_words
 from reports.records.views import family, is_within
 
 ACROSS = 4  # runs side by side in a table of 80 columns
@@ -37,8 +37,8 @@ def printout(
     ``runs`` are gone through again for each part of it. ``notes`` are sentences that always stand before the closing
     line. ``environment`` says how many ran at a time.
     """
-    closing = [*notes, *_reasons(runs), *_meanings(runs), *_changes(figures), _closing_line(runs)]
-    return Printout(_tables(runs, figures, side_by_side(environment)), closing, _details(runs))
+    closing = [*notes, *_reasons(runs), *_probable_faults(runs), *_changes(figures), _closing_line(runs)]
+    return Printout(_tables(runs, figures, concurrency_note(environment)), closing, _details(runs))
 
 
 def _tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure], while_others: str) -> Iterator[Printed]:
@@ -47,7 +47,7 @@ def _tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure], while_other
         for start in range(0, len(together), ACROSS):
             beside = together[start : start + ACROSS]
             yield _mechanism_table(beside, while_others)
-            yield from _exceptions(beside)
+            yield from _computed_or_shared(beside)
             yield ""
     for table in changed_figures(figures):
         yield table
@@ -92,9 +92,9 @@ def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
     return Table("", head, rows)
 
 
-def _exceptions(runs: Sequence[RunRecord]) -> list[str]:
+def _computed_or_shared(runs: Sequence[RunRecord]) -> list[str]:
     """The values that adapters compute themselves, a line for each run with such values."""
-    names = {f"{run.engine} {run.setting}": exceptions(run.every) for run in runs}
+    names = {f"{run.engine} {run.setting}": computed_or_shared(run.every) for run in runs}
     return [f"{name}: {words}" for name, words in names.items() if words]
 
 
@@ -139,7 +139,7 @@ def _reasons(runs: Iterable[RunRecord]) -> list[str]:
     return [f"{run}, {', '.join(dict.fromkeys(where))}: {detail}" for (run, detail), where in reasons.items()]
 
 
-def _meanings(runs: Iterable[RunRecord]) -> list[str]:
+def _probable_faults(runs: Iterable[RunRecord]) -> list[str]:
     """The joint meaning of a run's failing rows, each sentence once, with its place."""
     where = grouped(
         ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := probable_faults(run.every))

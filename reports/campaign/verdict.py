@@ -15,7 +15,7 @@ from comparisons.judging.records import CONTROL, Record, Verdict
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
-from reports.records.origins import side_by_side
+from reports.records.origins import concurrency_note
 from reports.records.views import family
 
 # Quantities that go together; any other quantity that is no check stands under OTHER.
@@ -46,12 +46,12 @@ class EngineRecords:
 
     @property
     def worst(self) -> Record | None:
-        """The record with the largest error over its limit."""
+        """The record with the largest error over its limit; None if no record has an error."""
         return max((r for r in self.judged if r.error_max is not None), key=share, default=None)
 
     @property
     def error(self) -> float | None:
-        """The largest error over the peak."""
+        """The largest error over the peak; None if no record has an error."""
         return max((r.error_max for r in self.judged if r.error_max is not None), default=None)
 
     @property
@@ -104,18 +104,23 @@ class EngineRanking:
         """All records of an engine at a setting."""
         return tuple(r for own in self.by_engine.get((engine, setting), {}).values() for r in own.records)
 
-    def cell(self, engine: str, setting: str, name: str) -> EngineRecords:
-        """The records of an engine at a setting in a family; empty without any."""
-        return self.by_engine.get((engine, setting), {}).get(name, EngineRecords(()))
+    def cell(self, engine: str, setting: str, family_name: str) -> EngineRecords:
+        """The records of an engine at a setting in a family of quantities; empty without any."""
+        return self.by_engine.get((engine, setting), {}).get(family_name, EngineRecords(()))
 
-    def nearest(self, setting: str, name: str) -> str:
-        """The engine with the least of the largest errors in a family, among those that failed in nothing of it."""
-        cells = {engine: self.cell(engine, setting, name) for engine in self.engines if engine not in self.controls}
+    def most_accurate(self, setting: str, family_name: str) -> str:
+        """The engine with the least maximum error in a family, of those that failed in none of it.
+
+        Empty if there is only one engine, or none passed.
+        """
+        cells = {
+            engine: self.cell(engine, setting, family_name) for engine in self.engines if engine not in self.controls
+        }
         errors = {engine: cell.error for engine, cell in cells.items() if cell.error is not None and not cell.failed}
         return min(errors, key=lambda engine: errors[engine] or 0.0, default="") if len(cells) > 1 else ""
 
     def seconds(self, engine: str, setting: str) -> tuple[float, float] | None:
-        """Wall time of the set-up and of the stepping of a run, s, each the median of all runs."""
+        """Wall time of the set-up and of the stepping of a run, s, each the median of all runs; None without runs."""
         runs = {r.run: (r.setup_seconds, r.seconds) for r in self.records(engine, setting) if r.steps}
         if not runs:
             return None
@@ -163,28 +168,29 @@ def verdict(trust: EngineRanking, *, timed: bool = True) -> tuple[str, ...]:
     setting = trust.settings[0]
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
     lines = (
-        _departed(trust.results),
-        _moved(trust.results),
-        _trust(trust, engines, setting),
-        _nearest(trust, engines, setting, timed=timed),
-        _untuned(trust, engines) if Setting.NAIVE.value in trust.settings[1:] else "",
+        _departures_sentence(trust.results),
+        _changed_figures_sentence(trust.results),
+        _trust_sentence(trust, engines, setting),
+        _accuracy_sentence(trust, engines, setting, timed=timed),
+        _naive_sentence(trust, engines) if Setting.NAIVE.value in trust.settings[1:] else "",
     )
     return tuple(line for line in lines if line)
 
 
-def _departed(results: Results) -> str:
-    """Which linkages and motions are not those of the baseline."""
+def _departures_sentence(results: Results) -> str:
+    """A sentence on linkages and motions that are not those of the baseline; empty without any."""
     departures = results.document.get("departures", [])
     return sentence("verdict_departures", departures=departures) if departures else ""
 
 
-def _moved(results: Results) -> str:
-    """Sentences on linkages that depart from the baseline; they stand before the engines' verdict."""
+def _changed_figures_sentence(results: Results) -> str:
+    """A sentence on key figures that differ from their record; empty without any."""
     moved = [figure for figure in results.figures if figure.changed]
     return sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else ""
 
 
-def _trust(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
+def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
+    """The engines that may be trusted for all families, for some, and for none."""
     judged = {name: [f for f in trust.families if trust.cell(name, setting, f).judged] for name in engines}
     wrong = {name: [f for f in judged[name] if trust.cell(name, setting, f).failed] for name in engines}
     right = [name for name in engines if judged[name] and not wrong[name]]
@@ -192,15 +198,15 @@ def _trust(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
         "verdict_trust",
         setting=setting,
         whole=listed(name for name in right if len(judged[name]) == len(trust.families)),
-        part=_grouped({name: [f for f in trust.families if f not in judged[name]] for name in right}),
-        wrong=_grouped(wrong),
+        part=_engines_by_families({name: [f for f in trust.families if f not in judged[name]] for name in right}),
+        wrong=_engines_by_families(wrong),
         silent=listed(name for name in engines if not judged[name]),
-        red=_is_red(trust.results),
+        red=_has_failed(trust.results),
         count=sum(len(records.judged) for name in right for records in trust.by_engine[name, setting].values()),
     )
 
 
-def _is_red(results: Results) -> bool:
+def _has_failed(results: Results) -> bool:
     """Whether the campaign has failed, in any engine, by a key figure or by a departure from the baseline."""
     decided = deciding((*results.records, *results.invariants))
     failed = any(Verdict(record.outcome).failed or record.outcome == Verdict.SUITE_ERROR for record in decided)
@@ -209,11 +215,12 @@ def _is_red(results: Results) -> bool:
     )
 
 
-def _nearest(trust: EngineRanking, engines: Sequence[str], setting: str, *, timed: bool) -> str:
+def _accuracy_sentence(trust: EngineRanking, engines: Sequence[str], setting: str, *, timed: bool) -> str:
+    """The most accurate engine of each family, and the quickest; empty with fewer than two engines."""
     if len(engines) < 2:
         return ""
-    nearest = {name: trust.nearest(setting, name) for name in trust.families if name != CHECKS}
-    leaders = grouped((leader, name) for name, leader in nearest.items() if leader)
+    most_accurate = {name: trust.most_accurate(setting, name) for name in trust.families if name != CHECKS}
+    leaders = grouped((leader, name) for name, leader in most_accurate.items() if leader)
     right = [
         name
         for name in engines
@@ -223,11 +230,11 @@ def _nearest(trust: EngineRanking, engines: Sequence[str], setting: str, *, time
     quickest = min(times, key=lambda name: times[name], default="") if timed else ""
     worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in names) for name, names in leaders.items()}
     rows = [(name, listed(names), worst[name]) for name, names in leaders.items()]
-    beside = side_by_side(trust.results.document["environment"])
+    beside = concurrency_note(trust.results.document["environment"])
     return sentence("verdict_nearest", leaders=rows, quickest=quickest, seconds=times.get(quickest), beside=beside)
 
 
-def _untuned(trust: EngineRanking, engines: Sequence[str]) -> str:
+def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
     """A sentence on the engines' naive settings, which decide nothing."""
     naive = Setting.NAIVE.value
     ran = {name: [h for h in trust.by_engine.get((name, naive), {}).values() if h.judged] for name in engines}
@@ -236,8 +243,8 @@ def _untuned(trust: EngineRanking, engines: Sequence[str]) -> str:
     return sentence("verdict_untuned", within=within, over=sorted(over.items(), key=lambda item: item[1]))
 
 
-def _grouped(families: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
-    """Engines with the same families together: names, families; those without any are left out."""
+def _engines_by_families(families: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
+    """Engines grouped by equal families: their names and the families, in words; engines without any are left out."""
     groups = grouped((tuple(names), name) for name, names in families.items() if names)
     return [(listed(names), listed(texts)) for texts, names in groups.items()]
 

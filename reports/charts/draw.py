@@ -38,7 +38,7 @@ def figure(chart: Chart, width: float | None = None) -> Figure:
     """The chart, drawn in the page's width for it or in so many inches; higher where its names take all the room."""
     columns = max(min(chart.columns, len(chart.panels)), 1)
     room = chart.height * columns / max(len(chart.panels), 1) - ABOVE
-    names = sum(max(0.0, labels.LINE * len(_named(panel, room)) - 0.5 * room) for panel in chart.panels)
+    names = sum(max(0.0, labels.LINE * len(_key_curves(panel, room)) - 0.5 * room) for panel in chart.panels)
     height = chart.height * bool(chart.panels) + HEAD * (len(chart.head) + bool(chart.key)) + names / columns
     wide = width or (FULL_WIDTH if chart.wide else WIDTH)
     return drawn(wide, height, lambda quantity: place(quantity, chart), placed=bool(chart.panels))
@@ -53,7 +53,7 @@ def drawn(width: float, height: float, draw: Callable[[Figure], None], *, placed
             engine.execute(quantity)  # once, not for every file
             quantity.set_layout_engine("none")
         for axes in quantity.axes:
-            labels.settle(axes)
+            labels.move_words_apart(axes)
     return quantity
 
 
@@ -89,7 +89,7 @@ def head(host: Host, lines: Sequence[str], key: Sequence[Curve | Hatch] = ()) ->
     """Write lines, the first in bold, and a key on top of a part of a figure; returns the part below them."""
     wide = inches(host)[0]
     for number, line in enumerate(lines):
-        text = labels.fitting(line, wide - 2.0 * EDGE)
+        text = labels.wrap(line, wide - 2.0 * EDGE)
         host.suptitle(text, x=EDGE / wide, ha="left", fontsize="medium", weight="normal" if number else "bold")
         host = host.add_subfigure(host.add_gridspec()[0])
     if key:
@@ -158,9 +158,9 @@ def _draw_panel(axes: Axes, panel: Panel, size: Array) -> None:
 
 def _write_names(axes: Axes, panel: Panel, size: Array) -> None:
     """Names of curves at their ends or in a key, of marks and notes, the title; the limits of the axes are known."""
-    key, title = _named(panel, size[1]), labels.fitting(panel.title, size[0])
+    key, title = _key_curves(panel, size[1]), labels.wrap(panel.title, size[0])
     ends = [(mark.place, mark.name, mark.ink) for mark in panel.marks if mark.along == "y"]
-    ends += _ends(panel) if panel.names == "ends" and not key else []
+    ends += _end_names(panel) if panel.names == "ends" and not key else []
     low, high = sorted(axes.get_ylim())
     for height, name, colour in ends:
         labels.write(axes, (1.0, min(max(height, low), high)), name, labels.END, ink(colour))
@@ -210,7 +210,7 @@ def _draw_curves(axes: Axes, panel: Panel) -> None:
     axes.autoscale_view()
 
 
-def _ends(panel: Panel) -> list[tuple[float, str, Ink]]:
+def _end_names(panel: Panel) -> list[tuple[float, str, Ink]]:
     """Where curves end with their names and colours; of a stacked one half-way down to the one below."""
     rows, below = [], 0.0
     for curve in panel.curves:
@@ -221,6 +221,7 @@ def _ends(panel: Panel) -> list[tuple[float, str, Ink]]:
 
 
 def _line(curve: Curve) -> Line2D:
+    """A curve as matplotlib's line."""
     line: Any = curve.line or "none"
     return Line2D(curve.x, curve.y, color=ink(curve.ink), linestyle=line, linewidth=curve.width,
                   marker=curve.marker or "none", markersize=curve.size, clip_on=not curve.marker,
@@ -228,12 +229,12 @@ def _line(curve: Curve) -> Line2D:
                   zorder=2.0 if curve.ink == "reference" else 3.0)  # fmt: skip
 
 
-def _named(panel: Panel, tall: float) -> list[Curve]:
+def _key_curves(panel: Panel, tall: float) -> list[Curve]:
     """Curves whose names stand above the panel: as requested, or where there are too many for their ends."""
     named = list({curve.name: curve for curve in panel.curves if curve.name}.values())
     if panel.names == "key":
         return named
-    if panel.names != "ends" or labels.LINE * sum(labels.lines(labels.fitting(curve.name)) for curve in named) <= tall:
+    if panel.names != "ends" or labels.LINE * sum(labels.lines(labels.wrap(curve.name)) for curve in named) <= tall:
         return []
     below = [curve.y if curve.stacked else np.zeros(1) for curve in named]
     sizes = [float(np.nanmax(np.abs(curve.y - y))) for curve, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]
@@ -244,7 +245,7 @@ def _named(panel: Panel, tall: float) -> list[Curve]:
 
 def _key(key: Sequence[Curve | Hatch], room: float) -> dict[str, Any]:
     """A key in as many columns as so many inches have room for."""
-    names = [labels.fitting(entry.name, room - SAMPLE) for entry in key]
+    names = [labels.wrap(entry.name, room - SAMPLE) for entry in key]
     return {
         "handles": [surfaces.sample() if isinstance(entry, Hatch) else _line(entry) for entry in key],
         "labels": names,

@@ -89,14 +89,14 @@ def errors_chart(view: View, regime: Regime) -> Chart:
     families = {family(record.quantity) for record in records}
     quantities, invariants = ([name for name in part if name in families] for part in columns(view.results))
     rows, lanes = [*quantities, *invariants], sorted({record.engine for record in records})
-    names, standing = engines(view.results), view.standing(regime)
+    names, shown_setting = engines(view.results), view.shown_setting(regime)
 
     def dots(places: Sequence[tuple[float, Record]], name: str, ink: Ink, marker: str) -> Curve:
         lane = [0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5) for _, record in places]
         y = [rows.index(family(record.quantity)) + shift for (_, record), shift in zip(places, lane, strict=True)]
         return Curve(np.array([place for place, _ in places]), np.array(y), name, ink, line="", marker=marker)
 
-    limits = [(record.limit, record) for record in records if record.setting == standing and record.limit]
+    limits = [(record.limit, record) for record in records if record.setting == shown_setting and record.limit]
     curves = [dots((), name, names.index(name), "s") for name in lanes]
     for marker, setting in zip(MARKERS, SETTINGS, strict=True):
         mine = [record for record in records if record.setting == setting]
@@ -104,7 +104,7 @@ def errors_chart(view: View, regime: Regime) -> Chart:
         for engine in dict.fromkeys(record.engine for record in mine):
             places = [(max(r.error_max or 0.0, LEAST_ERROR), r) for r in mine if r.engine == engine]
             curves.append(dots(places, "", names.index(engine), marker))
-    curves.append(dots(limits, f"limit ({standing})", "limit", "|"))
+    curves.append(dots(limits, f"limit ({shown_setting})", "limit", "|"))
     marks = (Mark(len(quantities) - 0.5, along="y"),) if invariants else ()
     words = tuple(plain(name) for name in rows)
     panel = Panel(tuple(curves), "largest |error| / peak", "", marks, scale="logx", names="key", rows=words)

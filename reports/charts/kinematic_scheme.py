@@ -36,7 +36,7 @@ class KinematicScheme:
         return 1.0 / file_unit("m", self.linkage).size
 
     @property
-    def few(self) -> NDArray[np.intp]:
+    def shown_indices(self) -> NDArray[np.intp]:
         """Indices of the positions that are shown, evenly spread."""
         last = len(self.positions.axis) - 1
         return np.rint(np.linspace(0, last, POSITIONS, endpoint=not self.positions.closed)).astype(np.intp)
@@ -50,7 +50,7 @@ class KinematicScheme:
 
     def at(self, course: Array) -> Array:
         """Values over all positions, (..., n), at the position drawn out."""
-        where = self.positions.axis[self.few[self.clearest]] if self.where is None else self.where
+        where = self.positions.axis[self.shown_indices[self.clearest]] if self.where is None else self.where
         rows = course.reshape(-1, course.shape[-1])
         return np.array([np.interp(where, self.positions.axis, row) for row in rows]).reshape(course.shape[:-1])
 
@@ -83,7 +83,9 @@ class KinematicScheme:
     @cached_property
     def clearest(self) -> int:
         """The one of the few positions whose moving points lie farthest apart."""
-        places = np.array([path[:, self.few] for point, path in self.paths.items() if self.carriers[point] != GROUND])
+        places = np.array(
+            [path[:, self.shown_indices] for point, path in self.paths.items() if self.carriers[point] != GROUND]
+        )
         apart = np.hypot(*np.moveaxis(places[:, None] - places[None, :], 2, 0))
         apart[np.arange(len(places)), np.arange(len(places))] = np.inf
         return int(np.argmax(np.min(apart, axis=(0, 1))))
@@ -107,7 +109,7 @@ class KinematicScheme:
         return np.array([guide.through + reach * np.array(guide.along) for reach in (course.min(), course.max())])
 
     def travel(self, guide: Guide, body: str, point: str) -> Array:
-        """The same in the position drawn out."""
+        """The two ends of a point's travel along a guide, as the guide lies in the position drawn out, (2, 2)."""
         return self.shown(guide.host, self.reach(guide, body, point))
 
     @cached_property

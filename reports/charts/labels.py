@@ -38,7 +38,7 @@ def width(text: str) -> float:
     return max((size[0] for size in sizes), default=0.0) / 72.0
 
 
-def fitting(text: str, room: float = LONGEST) -> str:
+def wrap(text: str, room: float = LONGEST) -> str:
     """A text in lines of so many inches at most, however bold; a name may also break behind a point or a colon."""
     longest = max(int(len(text) * room / (BOLD * width(text) or 1.0)), 1)
     joined = INSIDE_NAME.sub(f"{JOINT} ", BEFORE_UNIT.sub("\u00a0", text))
@@ -65,12 +65,12 @@ def write(axes: Axes, place: tuple[float, float], name: str, kind: str, colour: 
         return
     coordinates = {END: axes.get_yaxis_transform(), UPRIGHT: axes.get_xaxis_transform(), NOTE: axes.transData}[kind]
     beside, across, up = ((GAP, 0.0), "left", "center") if kind == END else ((0.0, GAP), "center", "bottom")
-    axes.annotate(fitting(name), place, beside, coordinates, "offset points", color=colour, annotation_clip=False,
+    axes.annotate(wrap(name), place, beside, coordinates, "offset points", color=colour, annotation_clip=False,
                   label=kind, ha=across, va="center" if kind == NOTE else up)  # fmt: skip
 
 
-def settle(axes: Axes) -> None:
-    """Move the words of axes apart, once it is known where the axes stand."""
+def move_words_apart(axes: Axes) -> None:
+    """Move the words of axes apart; called once the layout has placed the axes."""
     words = {kind: [label for label in axes.texts if label.get_label() == kind] for kind in (END, UPRIGHT, NOTE)}
     _move_apart(axes, words[UPRIGHT], 0)
     _move_apart(axes, words[END], 1)

@@ -63,7 +63,9 @@ def moving_scheme(
     shapes = "".join(_shape(result, set(names.values())) for result in ELEMENT.findall(text))
     shift = np.array([low[0], high[1]])[:, None]
     rules = "".join(
-        _rules(key, names[name], (ends - shift) * [[unit], [-unit]] + rim, scheme.few[scheme.clearest], frames)
+        _rules(
+            key, names[name], (ends - shift) * [[unit], [-unit]] + rim, scheme.shown_indices[scheme.clearest], frames
+        )
         for name, ends in movers.items()
     )
     shared = (

@@ -18,7 +18,7 @@ from reports.document.chart import Ink, Panel
 from reports.document.templates import FOLDER
 
 MARGIN = 0.07  # of a span, beyond the curves
-NOTED = 0.25  # the same where words stand beside the extremes
+NOTED = 0.25  # of a span, beyond curves with words beside their extremes
 DIPS, LONG = 0.05, 50  # the share of a long curve that may dip below a logarithmic axis, and how many points are long
 FROM_ZERO = 0.4  # an axis starts at zero where the least value is below this share of the largest
 STEADY = 1e-6  # a curve that varies by less than this share of its size is flat
@@ -66,6 +66,7 @@ def _above_dips(panel: Panel) -> float:
 
 
 def _decades(low: float, high: float) -> tuple[float, float]:
+    """Limits widened to whole powers of ten, at least one decade apart."""
     first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
     return 10.0**first, 10.0 ** max(last, first + 1)
 

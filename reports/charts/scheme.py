@@ -32,7 +32,7 @@ NAME_STYLE = {"fontstyle": "italic", "color": INK, "zorder": 12.0, "bbox": BEHIN
 
 
 @contextmanager
-def part_of(axes: Axes, mover: str) -> Iterator[None]:
+def label_part(axes: Axes, mover: str) -> Iterator[None]:
     """Label everything drawn in the context with ``mover``: the body it moves with, or a spring or cylinder."""
     before = set(axes.get_children())
     yield
@@ -97,7 +97,7 @@ def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
     for name, link in scheme.linkage.links.items():
         corners = symbols.outline(np.array(list(link.points.values())).reshape(-1, 2))
         ring = np.vstack([corners, corners[: len(corners) > 2]])
-        lines = scheme.path(name, ring)[:, :, scheme.few].transpose(2, 0, 1)
+        lines = scheme.path(name, ring)[:, :, scheme.shown_indices].transpose(2, 0, 1)
         axes.add_collection(LineCollection(list(lines), colors=GHOST, linewidths=0.7, zorder=2.0), autolim=False)
 
 
@@ -125,7 +125,7 @@ def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Arra
     far = max(points, key=lambda name: float(np.hypot(*np.subtract(points[name], points[pivot]))))
     if far == pivot:  # a crank that is nothing but a slot has no pin to number
         return
-    spots = scheme.path(linkage.crank, [points[far]])[0][:, scheme.few].T
+    spots = scheme.path(linkage.crank, [points[far]])[0][:, scheme.shown_indices].T
     for number, spot in enumerate(spots):
         stands = spot + 2.9 * size * symbols.unit(spot - scheme.spots[pivot])
         clear = np.min(np.hypot(*(taken - stands).T)) > 3.5 * size
@@ -137,9 +137,9 @@ def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Guides of sliders and slots, over the travel they see; a rail is where no links lead to the slider."""
     for guide, body, point in scheme.runs:
         start, end = scheme.travel(guide, body, point)
-        with part_of(axes, guide.host):
+        with label_part(axes, guide.host):
             if guide.host == GROUND:
-                side = -1.0 if float(symbols.left(end - start) @ _pull(point, scheme)) > 0.0 else 1.0
+                side = -1.0 if float(symbols.left(end - start) @ _towards_links(point, scheme)) > 0.0 else 1.0
                 symbols.guide(axes, start, end, side, size)
             else:
                 symbols.slot(axes, start, end, size)
@@ -150,14 +150,14 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     for number, (name, link) in enumerate(scheme.linkage.links.items()):
         spots = scheme.shown(name, link.points.values())
         if len(spots) > 1:
-            with part_of(axes, name):
+            with label_part(axes, name):
                 symbols.bar(axes, spots, 5.0 + 0.01 * number)
     for name, ends in scheme.stretches.items():
         (start, end), draw = scheme.at(ends), symbols.cylinder if name == "cylinder" else symbols.spring
-        with part_of(axes, name):
+        with label_part(axes, name):
             draw(axes, start, end, size)
     for slider in scheme.linkage.sliders:
-        with part_of(axes, slider.link):
+        with label_part(axes, slider.link):
             symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
 
 
@@ -168,7 +168,7 @@ def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
         if link.inertia is not None and link.points:
             start, spot = scheme.shown(name, [next(iter(link.points.values())), link.centre])
             if float(np.min(np.hypot(*(joints - spot).T))) > 1.6 * size:
-                with part_of(axes, name):
+                with label_part(axes, name):
                     symbols.mass_centre(axes, spot, start, size)
 
 
@@ -179,7 +179,7 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (shared & set(linkage.ground))
     for name, spot in scheme.spots.items():
         draw = symbols.fixed_pivot if name in pivots else symbols.pin if name in scheme.joined else symbols.eye
-        with part_of(axes, GROUND if name in pivots else scheme.carriers[name]):
+        with label_part(axes, GROUND if name in pivots else scheme.carriers[name]):
             draw(axes, spot, size)
 
 
@@ -188,7 +188,7 @@ def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
     places = []
     across = {s.point: symbols.left(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
     for name, spot in scheme.spots.items():
-        away, reach = symbols.unit(-_pull(name, scheme)), 3.8 * size
+        away, reach = symbols.unit(-_towards_links(name, scheme)), 3.8 * size
         if not away.any():
             away = np.array([0.8, 0.6])
         if name in across:  # the rail is on the side away from the links, the name goes to theirs
@@ -206,7 +206,7 @@ def write(axes: Axes, place: Array, text: str, style: dict[str, Any]) -> None:
     axes.text(float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=FONT_SIZE, **style)
 
 
-def _pull(name: str, scheme: KinematicScheme) -> Array:
+def _towards_links(name: str, scheme: KinematicScheme) -> Array:
     """Sum of the unit vectors from a point to its neighbours on the links that carry it."""
     links = [link.points for link in scheme.linkage.links.values() if name in link.points]
     spans = [scheme.spots[other] - scheme.spots[name] for points in links for other in points if other != name]

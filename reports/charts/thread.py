@@ -79,6 +79,7 @@ def _draw_space(figure: Figure, scheme: KinematicScheme, thread: ThreadSheet) ->
 
 
 def _space_scales(axes: Axes3D, unit: str) -> None:
+    """Proportions, view, ticks and labels of the axes in space."""
     wide, high = (float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_zlim()))
     axes.set_box_aspect((wide, 0.5 * max(wide, high), high), zoom=0.94)
     axes.view_init(elev=18.0, azim=-58.0)

@@ -21,42 +21,42 @@ CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 def mechanisms(incomplete: str) -> list[str]:
     """The catalogue, and linkage files that lie where the words point."""
     files = Path().glob(f"{incomplete}*.toml") if incomplete and not Path(incomplete).is_absolute() else []
-    return [*_starting(_known(), incomplete), *sorted(map(str, files))]
+    return [*_completions(_files_by_name(), incomplete), *sorted(map(str, files))]
 
 
 def variants(incomplete: str) -> list[str]:
     """The variants of the mechanisms on the command line."""
-    named = [name for table in _tables() for name in (table.get("variant", "base"), *table.get("variants", {}))]
-    return _starting(named, incomplete)
+    named = [name for table in _linkage_tables() for name in (table.get("variant", "base"), *table.get("variants", {}))]
+    return _completions(named, incomplete)
 
 
 def regimes(incomplete: str) -> list[str]:
     """The motions that every linkage can be given, and those of the files on the command line."""
     from analytic.description.crank_motion import LAWS, REGIMES
 
-    own = [name for table in _tables() for name in table.get("regimes", {})]
-    return _starting([*REGIMES, *LAWS, *own, "own", "all"], incomplete)
+    own = [name for table in _linkage_tables() for name in table.get("regimes", {})]
+    return _completions([*REGIMES, *LAWS, *own, "own", "all"], incomplete)
 
 
 def engines(incomplete: str) -> list[str]:
     """Every engine that has an adapter."""
     from engines.registry import engine_names
 
-    return _starting(engine_names(), incomplete)
+    return _completions(engine_names(), incomplete)
 
 
 def settings(incomplete: str) -> list[str]:
     """The settings of an engine."""
     from engines.contract import Setting
 
-    return _starting([*Setting, "all"], incomplete)
+    return _completions([*Setting, "all"], incomplete)
 
 
 def quantities(incomplete: str) -> list[str]:
     """Everything that can be compared."""
     from comparisons.judging.quantities import QUANTITIES
 
-    return _starting(QUANTITIES, incomplete)
+    return _completions(QUANTITIES, incomplete)
 
 
 def parameters(incomplete: str) -> list[str]:
@@ -64,7 +64,7 @@ def parameters(incomplete: str) -> list[str]:
     from analytic.description.changes import SPEED
     from comparisons.designs.parameters import parameters as known
 
-    return _starting([f"{name}=" for linkage in _linkages() for name in (*known(linkage), SPEED)], incomplete)
+    return _completions([f"{name}=" for linkage in _linkages() for name in (*known(linkage), SPEED)], incomplete)
 
 
 def figures(incomplete: str) -> list[str]:
@@ -72,17 +72,17 @@ def figures(incomplete: str) -> list[str]:
     from analytic.designs.figures import figure_names
     from analytic.kinematics.mechanism import Mechanism
 
-    return _starting([name for linkage in _linkages() for name in figure_names(Mechanism(linkage))], incomplete)
+    return _completions([name for linkage in _linkages() for name in figure_names(Mechanism(linkage))], incomplete)
 
 
 def axes(incomplete: str) -> list[str]:
     """The stability maps."""
     from comparisons.stress.cells import axes as known
 
-    return _starting(known(), incomplete)
+    return _completions(known(), incomplete)
 
 
-def _known() -> dict[str, Path]:
+def _files_by_name() -> dict[str, Path]:
     """The files of the mechanisms that are known by name; of the catalogue alone where packages are at odds."""
     ours = {path.stem: path for path in CATALOGUE.rglob("*.toml")}
     with contextlib.suppress(LinkproofError):
@@ -90,7 +90,7 @@ def _known() -> dict[str, Path]:
     return ours
 
 
-def _starting(names: Iterable[str], incomplete: str) -> list[str]:
+def _completions(names: Iterable[str], incomplete: str) -> list[str]:
     return sorted({str(name) for name in names if str(name).startswith(incomplete)})
 
 
@@ -98,21 +98,21 @@ def _linkages() -> Iterator[Linkage]:
     """The linkages among the words typed so far, as far as they can be read."""
     from analytic.description.loading import load
 
-    known = _known()
-    for word in _typed():
+    known = _files_by_name()
+    for word in _typed_words():
         if word in known or word.endswith(".toml"):
             with contextlib.suppress(LinkproofError):
                 yield load(word)
 
 
-def _typed() -> list[str]:
+def _typed_words() -> list[str]:
     return (os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")).split()[2:]
 
 
-def _tables() -> list[dict[str, Any]]:
+def _linkage_tables() -> list[dict[str, Any]]:
     """The linkage files among the words typed so far, as far as they can be read."""
-    tables, known = [], _known()
-    for word in _typed():
+    tables, known = [], _files_by_name()
+    for word in _typed_words():
         with contextlib.suppress(OSError, ValueError):
             tables.append(tomllib.loads(known.get(word, Path(word)).read_text(encoding="utf-8-sig")))
     return tables

@@ -22,7 +22,7 @@ from comparisons.runs.study import Journal
 from comparisons.runs.study_folder import to_json
 from comparisons.runs.workers import PoolLostError
 from reports.document.terminal import Printed, Printout, harmless, show, write
-from reports.requests.options import OutputOptions, declared
+from reports.requests.options import OutputOptions, declared_options
 
 if TYPE_CHECKING:
     from comparisons.campaign.key_figures import KeyFigure
@@ -87,7 +87,7 @@ class Destination(OutputOptions):
     def write_json(self, document: Mapping[str, Any]) -> None:
         """Write JSON if requested; JSON is UTF-8 whatever the character set of stdout."""
         if self.json == STDOUT:
-            write_out(to_json(document))
+            write_to_stdout(to_json(document))
         elif self.json is not None:
             write_text(Path(self.json), to_json(document))
 
@@ -145,9 +145,11 @@ def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
             )
 
 
-def files_of(*options: Any) -> dict[str, str]:  # noqa: ANN401 - dataclasses of options
+def requested_files(*options: Any) -> dict[str, str]:  # noqa: ANN401 - dataclasses of options
     """The files to write, by option."""
-    declared_files = [(each, option) for each in options for option in declared(type(each)) if option.name in FILES]
+    declared_files = [
+        (each, option) for each in options for option in declared_options(type(each)) if option.name in FILES
+    ]
     named = {f"--{option.name}": getattr(each, option.field.name) for each, option in declared_files}
     return {option: file for option, file in named.items() if file is not None}
 
@@ -160,10 +162,10 @@ def write_files(contents: Mapping[str, str | bytes]) -> None:
         elif file != STDOUT:
             write_text(Path(file), content)
     if isinstance(on_screen := contents.get(STDOUT), str):
-        write_out(on_screen)
+        write_to_stdout(on_screen)
 
 
-def write_out(text: str) -> None:
+def write_to_stdout(text: str) -> None:
     """Write data to stdout, in UTF-8 whatever its character set."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8")
@@ -224,7 +226,7 @@ def journal(
 
 
 @contextmanager
-def interruptible(folder: Path | None, what: str = "runs") -> Iterator[Callable[[Announce], Announce]]:
+def report_interruption(folder: Path | None, what: str = "runs") -> Iterator[Callable[[Announce], Announce]]:
     """A wrapper that counts the runs passed to ``announce``.
 
     Ctrl-C, and the loss of the machines of a cluster, raise KeyboardInterrupt with the number of runs saved in
@@ -233,12 +235,12 @@ def interruptible(folder: Path | None, what: str = "runs") -> Iterator[Callable[
     finished, total = 0, 0
 
     def counting(announce: Announce) -> Announce:
-        def heard(label: str, number: int, count: int) -> None:
+        def announce_run(label: str, number: int, count: int) -> None:
             nonlocal finished, total
             finished, total = number, count
             announce(label, number, count)
 
-        return heard
+        return announce_run
 
     try:
         yield counting

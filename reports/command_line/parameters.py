@@ -16,11 +16,11 @@ from typer.core import TyperGroup
 
 from analytic.errors import LinkproofError
 from reports.command_line import completion
-from reports.requests.options import Argument, Declared, Option, declared, item
+from reports.requests.options import Argument, DeclaredOption, Option, declared_options, member_type
 
 GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
 REQUIRED = inspect.Parameter.empty
-NOTHING: Mapping[str, str] = MappingProxyType({})
+NO_TEXTS: Mapping[str, str] = MappingProxyType({})
 
 
 class InterruptedRunError(Exception):
@@ -49,7 +49,7 @@ def command(
     summary: str,
     without: Sequence[str] = (),
     hidden: Sequence[str] = (),
-    texts: Mapping[str, str] = NOTHING,
+    texts: Mapping[str, str] = NO_TEXTS,
 ) -> Callable[[Callable[..., int | None]], Callable[..., int | None]]:
     """Add a function to the commands of an app; it may give the exit code.
 
@@ -57,24 +57,24 @@ def command(
     help, and ``texts`` replace the help of some options in this command.
     """
 
-    def added(function: Callable[..., int | None]) -> Callable[..., int | None]:
+    def add_command(function: Callable[..., int | None]) -> Callable[..., int | None]:
         hints = get_type_hints(function, include_extras=True)
-        bags: dict[str, Any] = {each: kind for each, kind in hints.items() if is_dataclass(kind)}
+        option_classes: dict[str, Any] = {each: kind for each, kind in hints.items() if is_dataclass(kind)}
         parameters: list[inspect.Parameter] = []
         for parameter in inspect.signature(function).parameters.values():
             kind = hints[parameter.name]
-            if parameter.name in bags:
-                chosen = [option for option in declared(kind) if option.field.name not in without]
-                parameters += [_parameter(option, hidden, texts) for option in chosen]
+            if parameter.name in option_classes:
+                chosen = [option for option in declared_options(kind) if option.field.name not in without]
+                parameters += [_option_parameter(option, hidden, texts) for option in chosen]
             elif get_origin(kind) is Annotated:
                 value, info = get_args(kind)
-                parameters.append(_typed(parameter.name, value, info, parameter.default))
+                parameters.append(_typer_parameter(parameter.name, value, info, parameter.default))
 
         @wraps(function)
         def called(**given: Any) -> None:  # noqa: ANN401 - of all options
-            for each, kind in bags.items():
-                options = {option.field.name: option for option in declared(kind) if option.field.name in given}
-                given[each] = kind(**{name: _value(option, given.pop(name)) for name, option in options.items()})
+            for each, kind in option_classes.items():
+                options = {option.field.name: option for option in declared_options(kind) if option.field.name in given}
+                given[each] = kind(**{name: _field_value(option, given.pop(name)) for name, option in options.items()})
             raise typer.Exit(function(**given) or 0)
 
         called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
@@ -83,19 +83,19 @@ def command(
         app.command(name, short_help=summary)(called)
         return function
 
-    return added
+    return add_command
 
 
-def _parameter(option: Declared, hidden: Sequence[str], texts: Mapping[str, str]) -> inspect.Parameter:
+def _option_parameter(option: DeclaredOption, hidden: Sequence[str], texts: Mapping[str, str]) -> inspect.Parameter:
     """The parameter of a declared field."""
     info = option.info
     default = REQUIRED if isinstance(info, Argument) and info.is_required else option.field.default
     if option.field.name in texts and isinstance(info, Option):
         info = replace(info, help=texts[option.field.name])
-    return _typed(option.field.name, option.kind, info, default, is_hidden=option.field.name in hidden)
+    return _typer_parameter(option.field.name, option.kind, info, default, is_hidden=option.field.name in hidden)
 
 
-def _typed(
+def _typer_parameter(
     name: str,
     kind: Any,  # noqa: ANN401 - a type
     info: Option | Argument,
@@ -104,7 +104,7 @@ def _typed(
     is_hidden: bool = False,
 ) -> inspect.Parameter:
     """A parameter in the form of typer: a tuple of words becomes a list; a flag for a field that is True sets False."""
-    is_flag, member = kind is bool, item(kind)
+    is_flag, member = kind is bool, member_type(kind)
     if member is float or kind is Any:
         kind = str | None
     elif member is not None:
@@ -123,18 +123,18 @@ def _typed(
     return inspect.Parameter(name, way, default=default, annotation=Annotated[kind, shown])
 
 
-def _value(option: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
-    """The value of a field, from the value that typer passes."""
-    member = item(option.kind)
+def _field_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option
+    """Convert the value that typer passes into that of the option's field."""
+    member = member_type(option.kind)
     if member is float:
-        return None if given is None else _numbers(option.name, given)
+        return None if given is None else _parse_numbers(option.name, given)
     if member is not None:
         return tuple(given or ())
     return not given if option.field.default is True else given
 
 
-def _numbers(option: str, text: str) -> tuple[float, ...]:
-    """Numbers with commas between them."""
+def _parse_numbers(option: str, text: str) -> tuple[float, ...]:
+    """Parse numbers with commas between them; raises LinkproofError for what is no finite number."""
     numbers = []
     for word in text.split(","):
         try:

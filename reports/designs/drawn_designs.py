@@ -57,7 +57,7 @@ class DrawnDesigns:
         return tuple(map(str, self.dataset.data_vars))[:MOST]
 
     def values(self, name: str) -> Array:
-        """A figure, or a parameter."""
+        """The values of a figure or a parameter over the designs, in the file's unit."""
         return np.asarray(self.dataset[name].values, dtype=float)
 
     def failing(self, name: str) -> int:
@@ -133,7 +133,7 @@ class DrawnDesigns:
 
 
 def drawn_designs(dataset: xarray.Dataset, own: Mapping[str, float], always: Collection[int] = ()) -> DrawnDesigns:
-    """Those of a sweep that are drawn: a grid of one or two numbers thinned out evenly, of others some at random.
+    """The designs of a sweep to draw: a grid of one or two numbers thinned out evenly, of others a random sample.
 
     ``always`` are numbers of designs that are among them, in the order of the dimensions.
     """

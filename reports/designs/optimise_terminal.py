@@ -49,6 +49,7 @@ def aim(optimum: Optimum) -> str:
 
 
 def _numbers(optimum: Optimum) -> Table:
+    """A row per varied number: bounds, values before and after in the file's unit, change."""
     rows = []
     for variable in optimum.problem.variables:
         name, size = variable.parameter.name, variable.parameter.unit.size
@@ -64,6 +65,7 @@ def _numbers(optimum: Optimum) -> Table:
 
 
 def _figures(optimum: Optimum) -> Table:
+    """A row per figure: values before and after in the file's unit, change, aim or constraint."""
     figures = {constraint.figure.name: constraint for constraint in optimum.problem.constraints}
     aims = {named_figure.name for named_figure in optimum.problem.aims}
     rows = []
@@ -182,7 +184,7 @@ def _starts(optimum: Optimum) -> str:
 
 
 def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
-    """The same as plain data; SI, angles in rad, nothing in place of what is not finite."""
+    """The JSON document of an optimum: SI, angles in rad, null for what is not finite."""
     problem, search = optimum.problem, optimum.search
     numbers = [
         {"name": variable.parameter.name, "low": variable.low, "high": variable.high,
@@ -259,6 +261,7 @@ def before_after_figure(
 
 
 def _panel(name: str, change: Change, axis: str) -> Panel:
+    """One signal before and after, its largest magnitudes marked."""
     curves: list[Curve] = []
     notes, sentences = [], []
     for values, ink, line in ((change.before, "muted", "--"), (change.after, 0, "-")):

@@ -69,6 +69,7 @@ def _ends(values: Array) -> tuple[float, float]:
 
 
 def _draw(host: draw.Host, lines: Lines, own: Sequence[float]) -> None:
+    """Draw the lines, the axes, and the file's own design as diamonds."""
     axes = host.subplots()
     axes.set_label("parallel")
     axes.set(xlim=(-0.5, len(lines.names) - 0.5), ylim=(0.0, 1.0), autoscale_on=False, xticks=[], yticks=[])
@@ -90,7 +91,7 @@ def _draw_scale(axes: Axes, number: int, ends: Array, name: str) -> None:
     scale.spines["left"].set(visible=True, position=("data", number), color=INK)
     scale.yaxis.tick_left()
     scales.write_scale(scale.yaxis, name, TICKS)
-    label = labels.fitting(scale.yaxis.get_label_text(), APART)
+    label = labels.wrap(scale.yaxis.get_label_text(), APART)
     scale.yaxis.label.set_visible(False)
     scale.text(number, 1.02, label, transform=axes.get_xaxis_transform(), ha="center", va="bottom")
     for word in scale.yaxis.get_ticklabels():
@@ -105,7 +106,7 @@ def _draw_ramp(axes: Axes, number: int) -> None:
 
 
 def _draw_lines(axes: Axes, lines: Lines) -> None:
-    """Those that end first, then one shade after the other, the smallest figures on top, the best above all."""
+    """Draw lines that end early, then shade by shade, the smallest figures on top, the best design above all."""
     shades = np.round(np.clip(lines.heights[:, lines.parameters], 0.0, 1.0) * (SHADES - 1))
     _draw_shade(axes, lines.heights[np.isnan(shades)], ink("reference"), 0.8)
     for shade in range(SHADES)[::-1]:

@@ -26,7 +26,7 @@ from reports.charts.scheme import place as place_scheme
 from reports.document.chart import Chart, Panel
 from reports.document.templates import plain
 from reports.mechanism.designer import MOST_CURVES, OUTPUT, hodograph
-from reports.mechanism.shown import chart, place, stacked, together, words
+from reports.mechanism.shown import chart, place, signals_panel, stacked_chart, words
 
 # Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
 TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
@@ -64,7 +64,7 @@ def _everything(sheet: Sheet) -> Figure:
             place_scheme(left, scheme, scheme.extent, draw_scheme)
         signals = [name for name in CURVES if name in sheet.values]
         if signals:
-            curves = stacked(sheet, signals, UPPER)
+            curves = stacked_chart(sheet, signals, UPPER)
             titles = [
                 replace(panel, title=_title(sheet, name)) for panel, name in zip(curves.panels, signals, strict=True)
             ]
@@ -121,7 +121,7 @@ def _chart(sheet: Sheet, name: str) -> Chart:
     """The panels of a figure, without curves where the linkage has nothing for them."""
     if name in SIGNALS:
         stack = [signal for signal in SIGNALS[name] if signal in sheet.values]
-        return stacked(sheet, stack, SINGLE if len(stack) == 1 else STACKED * len(stack))
+        return stacked_chart(sheet, stack, SINGLE if len(stack) == 1 else STACKED * len(stack))
     if name == "forces":
         signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
         label = f"|F|, {sheet.file_unit_of('N').on_page}"
@@ -129,7 +129,7 @@ def _chart(sheet: Sheet, name: str) -> Chart:
         groups = [name for name in sheet.values if name.startswith(TRANSMISSION)]
         signals = {name: plain(name.removeprefix(TRANSMISSION)) for name in groups}
         label = f"transmission angle, {sheet.file_unit_of('rad').on_page}"
-    panels = [replace(together(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
+    panels = [replace(signals_panel(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
     return chart(sheet, panels, SINGLE + LINE * len(signals))
 
 

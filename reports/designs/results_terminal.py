@@ -14,7 +14,10 @@ from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
 from reports.mechanism.shown import HEADS, figures_table, number, place_cells, places
 
-CRANK: Final = (("omega", "epsilon", "Mkr", "Peq"), ("Teq", "Jeq", "S", "v", "a"))  # two tables of the crank's instants
+DRIVE_COLUMNS: Final = (
+    ("omega", "epsilon", "Mkr", "Peq"),
+    ("Teq", "Jeq", "S", "v", "a"),
+)  # of two tables
 
 
 def key_figures(sheet: Sheet) -> list[Printed]:
@@ -50,20 +53,21 @@ def _output(sheet: Sheet) -> Iterator[Table]:
 
 def at_instants(sheet: Sheet) -> list[Printed]:
     """Every signal at the chosen instants: crank and output, points, links, joints."""
-    tables = [_of_crank(sheet, [name for name in names if name in sheet.values]) for names in CRANK]
+    tables = [_instants_table(sheet, [name for name in names if name in sheet.values]) for names in DRIVE_COLUMNS]
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
-        tables += _of_kind(sheet, kind, head)
+        tables += _part_tables(sheet, kind, head)
     return [*_head(sheet), *(part for table in tables if table.rows for part in ("", table)), *_remarks(sheet)]
 
 
-def _of_crank(sheet: Sheet, names: Sequence[str]) -> Table:
-    head = [*places(sheet), *(_headed(sheet, name, name) for name in names)]
+def _instants_table(sheet: Sheet, names: Sequence[str]) -> Table:
+    """One row per chosen instant, one column per named signal of the drive and the output."""
+    head = [*places(sheet), *(_column_head(sheet, name, name) for name in names)]
     columns = [_column(sheet, name) for name in names]
     rows = [(*where, *cells) for where, cells in zip(_instants(sheet), zip(*columns, strict=True), strict=False)]
     return Table("", head, rows, "r")
 
 
-def _of_kind(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
+def _part_tables(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
     """A table of all signals of a kind, a row for every part and instant."""
     parts = dict.fromkeys(name.rpartition(":")[0] for name in sheet.units if name.startswith(f"{kind}:"))
     components = [f":{component}" for component in COMPONENTS[kind]] + ([MAGNITUDE] if "force" in kind else [])
@@ -79,15 +83,16 @@ def _of_kind(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
             rows.append(("" if row else name, *where, *cells))
     if parts:
         first = next(iter(parts))
-        named = (_headed(sheet, first + key, label) for key, label in zip(components, labels, strict=True))
+        named = (_column_head(sheet, first + key, label) for key, label in zip(components, labels, strict=True))
         yield Table("", (title, *places(sheet), *named), rows)
 
 
-def _headed(sheet: Sheet, name: str, label: str) -> str:
+def _column_head(sheet: Sheet, name: str, label: str) -> str:
     return f"{label} {sheet.unit(name).name}"
 
 
 def _instants(sheet: Sheet) -> list[tuple[str, ...]]:
+    """The first cells of every row: φ in the file's unit, before it the time, s, unless φ is the axis."""
     angles = [f"{round(sheet.angle(phi), 9) + 0.0:.6g}" for phi in sheet.table["phi"].tolist()]
     times = [f"{time:.6g}" for time in sheet.table[TIME].tolist()]
     return [(phi,) for phi in angles] if sheet.axis == "phi" else [*zip(times, angles, strict=True)]

@@ -79,7 +79,7 @@ class SweepSummary:
 
     @property
     def document(self) -> dict[str, Any]:
-        """The same as plain data; what is not finite is null."""
+        """The JSON document of a sweep's summary; what is not finite is null."""
         space, result = self.request.space, self.summary
         names = [parameter.name for parameter in space.parameters]
         return {
@@ -151,6 +151,7 @@ def printout(engines: Sequence[EngineOverDesigns], seed: int) -> Printout:
 
 
 def _sentences(designs: EngineOverDesigns) -> Iterator[str]:
+    """On how many designs an engine is accurate, what separates the others, and its worst design."""
     within = designs.judged - len(designs.failing)
     bound = (
         "" if designs.bound is None else f"; with 95 % certainty fewer than {designs.bound:.0%} of such designs are not"
@@ -176,6 +177,7 @@ def _sentences(designs: EngineOverDesigns) -> Iterator[str]:
 
 
 def _where(number: TellingNumber) -> str:
+    """The sentence on the number that separates failing designs from the others."""
     name, _, unit = number.name.removesuffix("]").partition(" [")
     value = f"{figure(number.value)} {unit}".rstrip()
     side = f"{value} or less" if number.below else f"above {value}"

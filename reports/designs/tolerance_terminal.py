@@ -47,6 +47,7 @@ def _table(study: ToleranceStudy, row: int) -> Table:
 
 
 def _row(study: ToleranceStudy, row: int, column: int) -> tuple[str, ...]:
+    """The cells of one toleranced number in the table of one result, in the file's units."""
     tolerance, unit = study.request.tolerances[column], study.request.figures[row].unit
     derivative = study.derivatives[row, column]
     own = tolerance.parameter.unit
@@ -107,6 +108,7 @@ def document(study: ToleranceStudy) -> dict[str, Any]:
 
 
 def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
+    """The JSON of one result, in its unit of the file."""
     unit = study.request.figures[row].unit
     return {
         "units": unit.name,
@@ -183,6 +185,7 @@ def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
 
 
 def _panel(tornado: Tornado) -> Panel:
+    """The tornado of one result."""
     sizes = {bar: float(np.max(np.nan_to_num(np.abs(bar[1:]), nan=np.inf))) for bar in tornado.bars}
     moving = sorted((bar for bar, size in sizes.items() if size > 0.0), key=lambda bar: -sizes[bar])
     shown = moving[:MOST]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# "ink", "muted", "faint", "reference", "limit", "paper", the number of a colour of the palette, or a share of the ramp.
+# A colour: "ink", "muted", "faint", "reference", "limit", "paper", its number in the palette, or a share of the ramp.
 Ink = str | int | float
 
 

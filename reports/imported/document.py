@@ -26,7 +26,7 @@ def document(judgement: ImportedJudgement, blank: Record, command: str, sentence
         "passed": judgement.passed,
         "limit": judgement.limit,
         "motion": judgement.motion_source,
-        "records": [asdict(with_cause(verdict.record(blank), judgement)) for verdict in judgement.verdicts],
+        "records": [asdict(add_cause(verdict.record(blank), judgement)) for verdict in judgement.verdicts],
         "signals": [_signal(verdict) for verdict in judgement.verdicts],
         "causes": [_finding(finding) for finding in judgement.explanation.findings],
         "unexplained": list(judgement.explanation.unexplained),
@@ -40,14 +40,14 @@ def document(judgement: ImportedJudgement, blank: Record, command: str, sentence
     }
 
 
-def blank_of(judgement: ImportedJudgement, files: str) -> Record:
+def blank_record_of(judgement: ImportedJudgement, files: str) -> Record:
     """The common fields of all records of a judgement; the files stand in an engine's place."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank motion from {judgement.motion_source}"
     return Record(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING)
 
 
-def with_cause(record: Record, judgement: ImportedJudgement) -> Record:
+def add_cause(record: Record, judgement: ImportedJudgement) -> Record:
     """A record whose detail names the likeliest cause of its error, if any."""
     words = [f.likeliest.words for f in judgement.explanation.findings if record.quantity in f.signals]
     return (
@@ -56,6 +56,7 @@ def with_cause(record: Record, judgement: ImportedJudgement) -> Record:
 
 
 def _signal(verdict: SignalVerdict) -> dict[str, Any]:
+    """The JSON of one signal: its column, and where its error is largest, s and rad."""
     return {
         "name": verdict.name,
         "column": verdict.samples.imported.column.header,
@@ -94,12 +95,13 @@ MOST_ON_PAGE: Final = 6
 
 
 def judged_curves(judgement: ImportedJudgement, most: int = MOST_ON_PAGE) -> list[JudgedCurve]:
-    """The signals to be drawn."""
+    """Curves of the signals over the limit, the worst first, at most ``most``; of all signals if none is over it."""
     over = [verdict for verdict in judgement.verdicts if verdict.outcome is not Verdict.PASSED] or judgement.verdicts
     return [_curve(judgement, verdict) for verdict in sorted(over, key=lambda verdict: -verdict.error_max)[:most]]
 
 
 def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
+    """One signal's curves in the file's unit, thinned to their extremes and the worst sample."""
     unit, value = verdict.shown
     cause, without = judgement.without_cause(verdict)
     curves = {"file": verdict.samples.values, "truth": verdict.truth, "without": without}

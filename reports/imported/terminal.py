@@ -34,7 +34,7 @@ def share(value: float) -> str:
 def printout(judgement: ImportedJudgement, title: str) -> Printout:
     """The output of ``judge``; ``title`` names linkage and files."""
     verdict, *others = sentences(judgement)
-    over = _with(judgement, Verdict.OVER_LIMIT)
+    over = _names_with(judgement, Verdict.OVER_LIMIT)
     style = "green" if judgement.passed else "red" if over else "yellow"
     limit = f"The limit is {share(judgement.limit)} of a signal's peak."
     parts: list[Printed] = [Paragraph(title, colour="bold"), Paragraph(verdict, colour=style), *others, ""]
@@ -54,7 +54,7 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
 def sentence(judgement: ImportedJudgement) -> str:
     """The verdict in one sentence."""
     count, limit = len(judgement.verdicts), f"{share(judgement.limit)} of the closed form's peak"
-    over, open_ = (_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
+    over, open_ = (_names_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
     still_open = f"; {len(open_)} undecided: {_first_names(open_)}" if open_ else ""
     if len(open_) == count:
         return "Nothing could be judged."
@@ -72,7 +72,7 @@ def sentence(judgement: ImportedJudgement) -> str:
 def sentences(judgement: ImportedJudgement) -> list[str]:
     """The verdict, why signals are open, the causes, what to accept in the mapping and what was accepted."""
     written, unexplained = judgement.imported.written, judgement.explanation.unexplained
-    lines = [sentence(judgement), *_open(judgement)]
+    lines = [sentence(judgement), *_undecided_sentences(judgement)]
     lines += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
     lines += [f"No known cause explains the difference in {_first_names(unexplained)}."] if unexplained else []
     for name, correction in judgement.proposals.items():
@@ -89,14 +89,15 @@ def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) ->
     others, more = finding.others[:MOST_OTHERS], len(finding.others) - MOST_OTHERS
     also = [f"one of {more} more"] if more > 0 else []
     words = "; or ".join([finding.likeliest.words, *(other.words for other in others), *also])
-    return f"Likely cause of the difference in {_first_names(finding.signals)}: {aligned}{words}. {_left(finding)}"
+    signals, remaining = _first_names(finding.signals), _remaining_error(finding)
+    return f"Likely cause of the difference in {signals}: {aligned}{words}. {remaining}"
 
 
-def _with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
+def _names_with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
     return [verdict.name for verdict in judgement.verdicts if verdict.outcome is outcome]
 
 
-def _open(judgement: ImportedJudgement) -> list[str]:
+def _undecided_sentences(judgement: ImportedJudgement) -> list[str]:
     """Why signals are open, those with the same cure together."""
     reasons = grouped(
         (verdict.detail, verdict.name) for verdict in judgement.verdicts if verdict.outcome is Verdict.UNDEFINED
@@ -123,6 +124,7 @@ def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
 
 
 def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
+    """The cells of one signal: error, rounding, and both values where the error is largest."""
     sign, (unit, value) = RUNS[verdict.outcome.value], verdict.shown
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
     moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.samples.time) else 0.0
@@ -133,6 +135,7 @@ def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
 
 
 def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
+    """Notes below the table: signals near zero, samples at jumps, peaks between samples."""
     if any(verdict.near_zero for verdict in judgement.verdicts):
         yield f"* near zero: judged over {share(NEAR_ZERO)} of the typical size of its kind in this linkage"
     left_out = sum(verdict.left_out for verdict in judgement.verdicts)
@@ -142,7 +145,7 @@ def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
         yield f"The sample rate is too low to show the peak of {name}: {share(missed)} of it lies between samples."
 
 
-def _left(finding: FaultFinding) -> str:
+def _remaining_error(finding: FaultFinding) -> str:
     apart = " The file's rounding does not distinguish these." if finding.others else ""
     if finding.fully:
         return f"This explains the difference down to the file's rounding.{apart}"

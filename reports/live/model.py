@@ -41,7 +41,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
         return "it passes change points, where its formulas branch"
     if motion is None:
         return "its crank is released, so that the motion follows from masses and loads"
-    listed = _listed(mechanism, motion)
+    listed = _trace_signals(mechanism, motion)
     looked_up = [hashable for hashable in listed.trace.inputs if isinstance(hashable, tuple)]
     if len(listed.trace.operations) > MOST_OPERATIONS or any(order for _, order, _ in looked_up):
         return "its formulas are too many to be computed while a number is pulled"
@@ -87,7 +87,7 @@ def is_of_table(number: Number, linkage: Linkage) -> bool:
     return load is not None and not loads(linkage)[load].is_constant
 
 
-def _listed(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
+def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
     """The list of the page's signals with every number free but directions, the sketch and loads over φ."""
     every = named_numbers(mechanism.linkage).items()
     free = {

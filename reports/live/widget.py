@@ -88,13 +88,13 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[Pull]]:
     linkage, structure = mechanism.linkage, mechanism.structure
     groups = {point: [Pull(GROUND, "place")] for point in linkage.ground}
 
-    def put(point: str, body: str, way: Literal["place", "length", "crank"], about: str = "") -> None:
+    def add_pull(point: str, body: str, way: Literal["place", "length", "crank"], about: str = "") -> None:
         if point not in linkage.ground:
             groups.setdefault(point, []).append(Pull(body, way, about))
 
     if isinstance(structure.pivot, Revolute):
         for point in linkage.links[linkage.crank].points:
-            put(point, linkage.crank, "crank", structure.pivot.point)
+            add_pull(point, linkage.crank, "crank", structure.pivot.point)
     own = {slider.link: slider.point for slider in linkage.sliders}
     for dyad in structure.dyads:
         inner = dyad.inner_joint.point if isinstance(dyad.inner_joint, Revolute) else ""
@@ -103,9 +103,9 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[Pull]]:
             for point in linkage.links[name].points if name in linkage.links else ():
                 if point == inner:
                     if hangs:
-                        put(point, name, "length", hangs)
+                        add_pull(point, name, "length", hangs)
                 elif point not in (hangs, own.get(name)):
-                    put(point, name, "place")
+                    add_pull(point, name, "place")
     return groups
 
 
@@ -123,10 +123,10 @@ def model_of(sheet: Sheet) -> Model | str:
         return str(error)
 
 
-def live(sheet: Sheet, model: Model, instead: tuple[Part, ...]) -> Widget:
+def live_widget(sheet: Sheet, model: Model, instead: tuple[Part, ...]) -> Widget:
     """The widget of a model; ``instead`` stands where no script runs."""
     label = f"{sheet.linkage.title or sheet.name}: pull at points and numbers"
-    data = {**model.data, **_numbers(model), **_drawn(model.mechanism)}
+    data = {**model.data, **_numbers(model), **_drawing_data(model.mechanism)}
     return Widget("live", "live", label, data, {"model": JavaScript(model.source)}, instead=instead)
 
 
@@ -148,9 +148,11 @@ def _numbers(model: Model) -> dict[str, Any]:
     ]
     for row in rows:
         row["offered"] &= row["role"] == "given" and row["load"] is None
-    rows += [_pseudo(f"load {n + 1}", f"{label}, times", "scale", 1.0, "") for n, label in enumerate(_loads(linkage))]
+    rows += [
+        _extra_number(f"load {n + 1}", f"{label}, times", "scale", 1.0, "") for n, label in enumerate(_loads(linkage))
+    ]
     if model.data["motion"]["speed"]:
-        rows.append(_pseudo("speed", "speed", "speed", model.data["motion"]["speed"], "rpm"))
+        rows.append(_extra_number("speed", "speed", "speed", model.data["motion"]["speed"], "rpm"))
     return {
         "name": linkage.name,
         "numbers": rows,
@@ -185,12 +187,13 @@ def _loads(linkage: Linkage) -> Iterator[str]:
     yield from (f"torque on {torque.link}" for torque in linkage.torques)
 
 
-def _pseudo(name: str, label: str, role: str, value: float, unit: str) -> dict[str, Any]:
+def _extra_number(name: str, label: str, role: str, value: float, unit: str) -> dict[str, Any]:
+    """A number that the page offers and the file does not have: a load's factor, or the speed."""
     row = {"name": name, "group": "motion and loads", "label": label, "value": value, "si": value, "unit": unit}
     return {**row, "size": 1.0, "role": role, "load": None, "offered": True}
 
 
-def _drawn(mechanism: Mechanism) -> dict[str, Any]:
+def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
     """Data of the drawing: points of bodies in their frames, m, guides, springs, effects of pulling at a point."""
     linkage = mechanism.linkage
     guides = [(slider.link, slider.point, slider.guide, slider.link) for slider in linkage.sliders]

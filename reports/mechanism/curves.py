@@ -58,7 +58,7 @@ def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequen
         "name": regime.name,
         "conditions": regime.conditions,
         "jumps": list(regime.jumps),
-        "setting": view.standing(regime),
+        "setting": view.shown_setting(regime),
         "quantities": [
             {
                 "title": view.title(name),

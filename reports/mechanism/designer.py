@@ -28,7 +28,7 @@ from reports.document.parts import (
     Table,
 )
 from reports.document.templates import lines, plain, sentence
-from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, stacked, together, words
+from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, signals_panel, stacked_chart, words
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ def _motion(sheet: Sheet) -> Section:
     figures, normalised = [], sheet.normalised
     if "S" in sheet.values:
         caption = "Displacement S, velocity v and acceleration a of the output; dots are peaks."
-        chart = stacked(sheet, OUTPUT, TALL, wide=normalised is None)
+        chart = stacked_chart(sheet, OUTPUT, TALL, wide=normalised is None)
         figures.append(page_figure(sheet, "output", caption, "S, v and a", chart))
     if normalised:
         figures.append(_normalised(sheet, normalised))
@@ -93,7 +93,7 @@ def _drive(sheet: Sheet) -> Section:
         return Section("drive", "Drive", (Paragraph(sentence, "small"),))
     force = "force" if sheet.linkage.is_linear else "torque"
     caption = f"Driving {force} Mkr, power Peq and kinetic energy Teq; dots are peaks."
-    drive = page_figure(sheet, "drive", caption, caption, stacked(sheet, names, TALL))
+    drive = page_figure(sheet, "drive", caption, caption, stacked_chart(sheet, names, TALL))
     words = (Paragraph(_jeq(sheet)),) if "Jeq" in sheet.facts else ()
     figures = FigureGroup((drive, *_inertia(sheet)))
     return Section("drive", "Torque, power and inertia", (*words, figures))
@@ -147,7 +147,7 @@ def _forces(sheet: Sheet) -> Section:
     named = {signal: f"{name}, {words(sheet, sheet.peaks[signal])}" for signal, name in shown.items()}
     unit = sheet.file_unit_of("N").on_page
     caption = f"Force{most}, named with its peak."
-    magnitudes = chart(sheet, [together(sheet, named, f"|F|, {unit}")], 3.2, wide=True)
+    magnitudes = chart(sheet, [signals_panel(sheet, named, f"|F|, {unit}")], 3.2, wide=True)
     table = figures_table(sheet, "forces", plain)
     parts = (
         FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet, unit))),

@@ -1,4 +1,4 @@
-"""How the engines did on one mechanism: all errors and curves in one chart, and in folds the figures behind it."""
+"""How the engines did on one mechanism: all errors and curves in one chart, tables and costs below it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves
-from reports.records.origins import exceptions, origin_words, side_by_side
+from reports.records.origins import computed_or_shared, concurrency_note, origin_words
 from reports.records.views import Regime, View, anchor, engines, setting_rank
 
 KEY: Final = "engines"
@@ -30,11 +30,11 @@ def engines_section(view: View, printed: Mapping[str, ByName] = MappingProxyType
     ``printed`` are the motions of models as printed, by erratum.
     """
     imported = is_imported(view)
-    parts: list[Part] = [*_judged_curves(view), *([chart(view)] if any(map(view.standing, view.regimes)) else [])]
-    parts += [errors_fold(view, regime) for regime in view.regimes]
+    parts: list[Part] = [*_judged_curves(view), *([chart(view)] if any(map(view.shown_setting, view.regimes)) else [])]
+    parts += [errors_section(view, regime) for regime in view.regimes]
     parts += _printed_models(view, printed)
     if not imported:
-        parts.append(runs_fold(view))
+        parts.append(runs_section(view))
     return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
 
 
@@ -56,28 +56,28 @@ def chart(view: View) -> Widget:
     first = next(iter(further), "")
     data = {**chart_data(view), "first": first, "curves": further.pop(first, None)}
     label = "Errors and curves of every engine"
-    figures = tuple(errors_of(view, regime) for regime in view.regimes if view.standing(regime))
+    figures = tuple(errors_figure(view, regime) for regime in view.regimes if view.shown_setting(regime))
     return Widget("curves", "curves", label, data, further, instead=figures)
 
 
-def errors_of(view: View, regime: Regime) -> PageFigure:
+def errors_figure(view: View, regime: Regime) -> PageFigure:
     """Every error of a regime as a figure."""
-    caption = sentence("errors", regime=regime, setting=view.standing(regime))
+    caption = sentence("errors", regime=regime, setting=view.shown_setting(regime))
     alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
     return PageFigure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime), wide=True)
 
 
-def errors_fold(view: View, regime: Regime) -> Fold:
+def errors_section(view: View, regime: Regime) -> Fold:
     """Every error of a regime in figures, and the reason for each missing one."""
     runs = view.runs(regime)
     shown = [run for run in runs if any(record.error_max is not None for record in run)]
-    parts: list[Part] = [_matrix(view, regime, shown)] if shown else []
-    reasons = (*_reasons(runs), *_meanings(runs))
+    parts: list[Part] = [_errors_table(view, regime, shown)] if shown else []
+    reasons = (*_reasons(runs), *_probable_faults(runs))
     under = f" under {regime.name}" if len(view.regimes) > 1 else ""
     return Fold(f"Every error{under} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
 
 
-def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Table:
+def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Table:
     """Quantities, then invariants, down; engines and settings across."""
     groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
     result = [{record.quantity: record for record in run} for run in runs]
@@ -126,7 +126,7 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
     return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in groups.items())
 
 
-def _meanings(runs: Sequence[Sequence[Record]]) -> list[str]:
+def _probable_faults(runs: Sequence[Sequence[Record]]) -> list[str]:
     """The probable fault behind the failing rows of a run, in a sentence."""
     return [f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := probable_faults(run))]
 
@@ -138,7 +138,7 @@ def _printed_models(view: View, printed: Mapping[str, ByName]) -> list[Part]:
     rows = [row for row in view.results.document.get("errata", []) if row["mechanism"] == view.linkage.name]
     parts: list[Part] = []
     for (name, regime), part in groupby(rows, key=lambda row: (row["erratum"], row["regime"])):
-        parts.append(_printed_model(list(part)))
+        parts.append(_printed_model_table(list(part)))
         if name in printed:
             parts.append(_printed_figure(view, regime, name, printed[name]))
     return [Fold("Printed models put to the engines", tuple(parts))] if parts else []
@@ -147,7 +147,9 @@ def _printed_models(view: View, printed: Mapping[str, ByName]) -> list[Part]:
 def _printed_figure(view: View, regime: str, name: str, motion: ByName) -> PageFigure:
     """The crank's speed by both models and by the engines."""
     at = next((entry for entry in view.regimes if entry.name == regime), None)
-    traces = [trace for trace in view.traces(at, "omega") if trace.record.setting == view.standing(at)] if at else []
+    traces = (
+        [trace for trace in view.traces(at, "omega") if trace.record.setting == view.shown_setting(at)] if at else []
+    )
     names = engines(view.results)
     curves = [Curve(motion["time"], motion["corrected"], "corrected", "reference", width=3.4)]
     for trace in traces:
@@ -160,7 +162,7 @@ def _printed_figure(view: View, regime: str, name: str, motion: ByName) -> PageF
     return PageFigure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True), wide=True)
 
 
-def _printed_model(rows: Sequence[Mapping[str, Any]]) -> Table:
+def _printed_model_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """One model as printed: by how much every engine's crank speed is off it, and off the corrected one."""
     head = ("engine", "off the corrected model", "off the printed model", "supports")
     cells = tuple(
@@ -175,13 +177,13 @@ def _printed_model(rows: Sequence[Mapping[str, Any]]) -> Table:
     return Table(sentence("printed_model", row=rows[0]), head, cells, align="lrrl")
 
 
-def runs_fold(view: View) -> Fold:
+def runs_section(view: View) -> Fold:
     """How every run was made, what it cost and where its figures come from."""
-    parts = tuple(_runs(view, regime) for regime in view.regimes)
+    parts = tuple(_runs_table(view, regime) for regime in view.regimes)
     return Fold("How each run was made, and what it cost", parts)
 
 
-def _runs(view: View, regime: Regime) -> Table:
+def _runs_table(view: View, regime: Regime) -> Table:
     details = {run.run: run.details for run in view.results.runs}
     rows = tuple(
         (
@@ -189,14 +191,14 @@ def _runs(view: View, regime: Regime) -> Table:
             str(run[0].steps),
             numbers.seconds(run[0].seconds),
             numbers.seconds(run[0].setup_seconds),
-            "; ".join(filter(None, (origin_words(run), exceptions(run)))),
+            "; ".join(filter(None, (origin_words(run), computed_or_shared(run)))),
             settings_words(details.get(run[0].run, {})),
         )
         for run in view.runs(regime)
         if run[0].steps
     )
     head = ("run", "steps", "stepping", "set-up", "figures of", "as its adapter states it")
-    beside = side_by_side(view.results.document["environment"])
+    beside = concurrency_note(view.results.document["environment"])
     caption = f"{regime.name}: stepping alone, measured once{f' {beside}' if beside else ''}, and set-up beside it."
     return Table(caption, head, rows, align="lrrrl")
 

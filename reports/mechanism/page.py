@@ -32,7 +32,7 @@ from reports.document.parts import (
     Widget,
 )
 from reports.document.templates import lines, sentence
-from reports.live.widget import live, model_of
+from reports.live.widget import live_widget, model_of
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.published import published_section
@@ -226,7 +226,7 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
         return
     drawing, model = moving_scheme(sheet.linkage, sheet.positions, "moving"), model_of(sheet)
     if not isinstance(model, str):
-        yield live(sheet, model, (key_table(sheet), Drawn(drawing, "")))
+        yield live_widget(sheet, model, (key_table(sheet), Drawn(drawing, "")))
         yield Cards((Card("The mechanism as in its file", (designer.facts(sheet),)),), wide=True)
         return
     fixed = Paragraph(sentence("not_live", reason=model), "small")

@@ -19,7 +19,7 @@ VISIBLE: Final = 5e-4  # a deviation from which on it is shown in per cent with 
 
 def published_section(rows: Sequence[Row]) -> Section:
     """All of one mechanism, how many every variant meets, and what there is to note."""
-    met = "; ".join(_met(rows, variant) for variant in _variants(rows))
+    met = "; ".join(_met_words(rows, variant) for variant in _variants(rows))
     caption = f"Every printed figure beside ours. Reproduced: {met}."
     table = replace(published_table(rows, worded), caption=caption, note=f"{SIGNS}.", style="published")
     noted = notes(rows, worded)
@@ -32,7 +32,9 @@ def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> T
     for key in dict.fromkeys(map(_key, rows)):
         ours = {row["variant"]: row for row in rows if _key(row) == key}
         first = next(iter(ours.values()))
-        entries: list[TableCell | Words] = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
+        entries: list[TableCell | Words] = [
+            _variant_cell(ours[variant]) if variant in ours else "" for variant in variants
+        ]
         cells.append((named(first["quantity"]), _printed(first), *entries, first["source"]))
     return Table("", ("quantity", "printed", *variants, "place"), tuple(cells), "l")
 
@@ -48,12 +50,14 @@ def answers_table(rows: Sequence[Row], answers: Sequence[Row]) -> Table:
     for row in rows:
         of = [tables.get((row["quantity"], row["published"], name)) for name in engines]
         trusted = next((answer["uncertainty"] for answer in of if answer), row["half_digit"])
-        entries = [_away(answer) if answer else ABSENT for answer in of]
-        cells.append((row["quantity"], _printed(row), f"±{trusted:.0e}", _away(row), *entries, row["source"]))
+        entries = [_difference_cell(answer) if answer else ABSENT for answer in of]
+        cells.append(
+            (row["quantity"], _printed(row), f"±{trusted:.0e}", _difference_cell(row), *entries, row["source"])
+        )
     return Table("", ("quantity", "printed", "itself", "closed form", *engines, "place"), tuple(cells), "l")
 
 
-def _away(row: Row) -> TableCell | str:
+def _difference_cell(row: Row) -> TableCell | str:
     """How far a value is from the printed one, in its unit."""
     if row["ours"] is None:
         return ABSENT
@@ -81,7 +85,7 @@ def _key(row: Row) -> tuple[Any, ...]:
     return row["quantity"], row["published"], row["source"]
 
 
-def _met(rows: Sequence[Row], variant: str) -> str:
+def _met_words(rows: Sequence[Row], variant: str) -> str:
     """How many figures a variant meets, in words."""
     signs = [PUBLISHED[row["verdict"]].style for row in rows if row["variant"] == variant]
     near = f" and {signs.count('near')} within 6 %" if "near" in signs else ""
@@ -92,7 +96,7 @@ def _printed(row: Row) -> str:
     return f"{_digits(row, row['published'])} {row['unit']}".strip()
 
 
-def _ours(row: Row) -> TableCell:
+def _variant_cell(row: Row) -> TableCell:
     sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
     share = ""
     if deviation is not None:

@@ -48,10 +48,10 @@ def number(sheet: Sheet, signal_figure: SignalFigure) -> str:
 def words(sheet: Sheet, signal_figure: SignalFigure) -> str:
     """A key figure with its unit, as a page prints it."""
     text, unit = number(sheet, signal_figure), sheet.unit_of(signal_figure).on_page
-    return text if text == ABSENT else _signed(f"{text}°" if unit == "deg" else f"{text} {unit}")
+    return text if text == ABSENT else _with_minus_sign(f"{text}°" if unit == "deg" else f"{text} {unit}")
 
 
-def _signed(text: str) -> str:
+def _with_minus_sign(text: str) -> str:
     return f"−{text[1:]}" if text.startswith("-") else text
 
 
@@ -67,7 +67,7 @@ def place(sheet: Sheet, signal_figure: SignalFigure) -> str:
         return ""
     if sheet.is_turn:
         return within_turn(at / sheet.axis_unit.size)
-    return _signed(f"{at / sheet.axis_unit.size:z.4g} {sheet.axis_unit.on_page}")
+    return _with_minus_sign(f"{at / sheet.axis_unit.size:z.4g} {sheet.axis_unit.on_page}")
 
 
 def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) -> Table:
@@ -115,13 +115,13 @@ def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
     ]
     rows = [
         (signal_figure.what, words(sheet, signal_figure), place(sheet, signal_figure))
-        for signal_figure in (*chosen, *_besides(sheet))
+        for signal_figure in (*chosen, *_further_figures(sheet))
     ]
     inertia = [("mean Jeq", jeq(sheet, "mean"), "")] if "Jeq" in sheet.facts else []
     return (*rows[: len(chosen)], *inertia, *rows[len(chosen) :])
 
 
-def _besides(sheet: Sheet) -> Iterator[SignalFigure]:
+def _further_figures(sheet: Sheet) -> Iterator[SignalFigure]:
     """Key figures besides those of the drive."""
     yield from (
         signal_figure
@@ -140,7 +140,7 @@ def _besides(sheet: Sheet) -> Iterator[SignalFigure]:
 
 
 def key_table(sheet: Sheet) -> Table:
-    """The same as a table."""
+    """The key figures as a table, captioned with the conditions."""
     head = ("figure", "value", f"at {sheet.symbol}")
     conditions = sheet.conditions.partition(": ")[2]
     return Table(f"{conditions[:1].upper()}{conditions[1:]}.", head, key_figures(sheet), align="lrr", style="key")
@@ -163,7 +163,7 @@ def panel(sheet: Sheet, curves: Sequence[Curve], y_label: str, *, is_last: bool 
     return Panel(tuple(curves), axis_name(sheet) if is_last else "", y_label, turn=sheet.is_turn)
 
 
-def together(sheet: Sheet, signals: Mapping[str, str], y_label: str, solid: float = math.inf) -> Panel:
+def signals_panel(sheet: Sheet, signals: Mapping[str, str], y_label: str, solid: float = math.inf) -> Panel:
     """Signals on one panel, each with the name of its curve; so many lines are solid, all others dashed."""
     curves = [
         Curve(sheet.x, sheet.y(signal), name, row, "-" if row < solid else "--")
@@ -177,17 +177,17 @@ def chart(sheet: Sheet, panels: Sequence[Panel], height: float, *, wide: bool = 
     return Chart(tuple(panels), height, wide=wide, axis=sheet.axis)
 
 
-def stacked(sheet: Sheet, names: Sequence[str], height: float, *, wide: bool = False) -> Chart:
+def stacked_chart(sheet: Sheet, names: Sequence[str], height: float, *, wide: bool = False) -> Chart:
     """Signals one under the other over the axis, each with its peak marked."""
     panels = []
     for row, name in enumerate(names):
-        curves = (Curve(sheet.x, sheet.y(name), ink=row), *_dot(sheet, name, row))
+        curves = (Curve(sheet.x, sheet.y(name), ink=row), *_peak_mark(sheet, name, row))
         label = f"{'force' if name == 'Mkr' and sheet.is_linear else name}, {sheet.unit(name).on_page}"
         panels.append(panel(sheet, curves, label, is_last=row == len(names) - 1))
     return chart(sheet, panels, height, wide=wide)
 
 
-def _dot(sheet: Sheet, name: str, ink: int) -> tuple[Curve, ...]:
+def _peak_mark(sheet: Sheet, name: str, ink: int) -> tuple[Curve, ...]:
     """A mark at the value of the largest magnitude of a signal."""
     peak = sheet.peaks[name]
     at = sheet.place_of(peak)

@@ -29,7 +29,7 @@ from reports.python.keywords import words
 from reports.requests.campaign import files, request, running
 from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
 from reports.requests.options import command_line
-from reports.requests.standard import chosen_standard, coverage_of, in_project
+from reports.requests.standard import chosen_standard, complete_request, coverage_of
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,8 @@ class CampaignRun:
         return run.judged(self.campaign.standard.judge).every
 
 
-def set_of_files(project: Project) -> tuple[Departure, ...] | None:
-    """Differences between the linkages of a project and those of its baseline; None without a recorded baseline."""
+def project_departures(project: Project) -> tuple[Departure, ...] | None:
+    """Linkage files that are new or missing in a project's baseline; None without a recorded baseline."""
     chosen = CompareOptions(mechanisms=tuple(map(str, project.linkages)))
     coverage = coverage_of(CompareOptions(), StandardOptions(), project)
     baseline = standard(files(chosen), project, coverage=coverage).baseline
@@ -125,7 +125,7 @@ def file_campaign(path: Path, folder: Path) -> FileCampaign:
     Engines need not be installed. Raises LinkproofError for bad input.
     """
     words, usual = CompareOptions(mechanisms=(str(path),)), StandardOptions()
-    completed = in_project(words, RunLimits(), usual)
+    completed = complete_request(words, RunLimits(), usual)
     names = tuple(dict.fromkeys(completed.options.engine)) or engine_names()
     for name in names:
         engine(name)
@@ -142,7 +142,7 @@ def _relative(path: Path, folder: Path) -> str:
         return str(path)
 
 
-def failure(record: Record, options: CompareOptions, notes: Iterable[str] = ()) -> str:
+def failure_text(record: Record, options: CompareOptions, notes: Iterable[str] = ()) -> str:
     """Why a requested record failed; ``notes`` are further remarks on the file."""
     again = replace(
         options,
@@ -167,11 +167,16 @@ def changed(figure: KeyFigure, options: CompareOptions, notes: Iterable[str] = (
     """The change of a key figure, and the command that records its present value."""
     again = replace(options, regime=(figure.regime,))
     return "\n".join(
-        (figure.sentence, *notes, f"repeat it: {command_line('compare', again)}", f"if it is meant: {recording(again)}")
+        (
+            figure.sentence,
+            *notes,
+            f"repeat it: {command_line('compare', again)}",
+            f"if it is meant: {recording_command(again)}",
+        )
     )
 
 
-def recording(options: CompareOptions) -> str:
+def recording_command(options: CompareOptions) -> str:
     """The command that records the requested baseline."""
     return f"{command_line('compare', options)} --record-baseline"
 
@@ -200,7 +205,7 @@ class Assertion:
         comparison = self.made[key]
         requested = comparison.campaign.options
         texts = [
-            failure(record, requested, comparison.notes)
+            failure_text(record, requested, comparison.notes)
             for record in deciding(comparison.records)
             if _fails(record.outcome)
         ]

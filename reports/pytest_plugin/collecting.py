@@ -24,10 +24,10 @@ from reports.pytest_plugin.campaign import (
     CampaignRun,
     FileCampaign,
     changed,
-    failure,
+    failure_text,
     file_campaign,
-    recording,
-    set_of_files,
+    project_departures,
+    recording_command,
 )
 
 FIGURES: Final = "key-figures"
@@ -85,7 +85,7 @@ class ProjectTests(pytest.File):
         """A test of the set of files, if a baseline is recorded."""
         self.add_marker("linkproof")
         try:
-            departures = set_of_files(read_project(self.path))
+            departures = project_departures(read_project(self.path))
         except LinkproofError as error:
             raise self.CollectError(str(error)) from error
         if departures is not None:
@@ -149,7 +149,7 @@ class QuantityTest(pytest.Item):
         if verdict.failed and not run.campaign.decides(run.setting):
             pytest.xfail(f"decides nothing beside other settings: {record.detail}")
         if verdict.failed or verdict is Verdict.SUITE_ERROR:
-            pytest.fail(failure(record, run.campaign.options, run.campaign.notes), pytrace=False)
+            pytest.fail(failure_text(record, run.campaign.options, run.campaign.notes), pytrace=False)
         pytest.skip(f"{record.outcome}: {record.detail}")
 
     def reportinfo(self) -> tuple[Path, int, str]:
@@ -174,7 +174,7 @@ class FigureTests(pytest.Collector):
     def collect(self) -> Iterator[pytest.Item]:
         """A test for every figure; a single skipped test if none is recorded."""
         if all(figure.recorded is None for figure in self.figures):
-            reason = f"no key figure is recorded: {recording(self.campaign.options)}"
+            reason = f"no key figure is recorded: {recording_command(self.campaign.options)}"
             self.add_marker(pytest.mark.skip(reason=reason))
             yield FigureTest.from_parent(self, name="all", figure=self.figures[0])
             return

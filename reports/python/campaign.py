@@ -76,8 +76,10 @@ class Comparison(PrintedResult):
 
         results = Results(self.campaign.document(self.judged), tuple(self.judged.runs))
         seen = {view.linkage.name: view for view in views(results)}
-        view = _named("mechanism", mechanism, seen)
-        return figure(errors_chart(view, _named("regime", regime, {motion.name: motion for motion in view.regimes})))
+        view = _value_by_name("mechanism", mechanism, seen)
+        return figure(
+            errors_chart(view, _value_by_name("regime", regime, {motion.name: motion for motion in view.regimes}))
+        )
 
     def _printout(self) -> Printout:
         notes = (*self.notes, *self.departures)
@@ -144,8 +146,8 @@ def compare(
         return Comparison(wanted.compared(pool), wanted)
 
 
-def _named(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
-    """The value of a name, or the first value without a name; raises UnknownNameError."""
+def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
+    """The value of a name, or the first value if ``name`` is None; raises UnknownNameError."""
     if name is not None and name not in known:
         raise UnknownNameError(what, name, known)
     return known[name] if name is not None else next(iter(known.values()))

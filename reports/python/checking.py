@@ -17,14 +17,14 @@ from comparisons.runs.plugins import engine as registered
 from comparisons.runs.run_engine import AdapterError
 from engines.contract import Engine
 from reports.document.terminal import Printed, Printout
-from reports.imported.document import blank_of, with_cause
+from reports.imported.document import add_cause, blank_record_of
 from reports.imported.terminal import printout as judgement_printout
 from reports.imported.terminal import sentence
-from reports.python.keywords import chosen_linkage, of_linkage, with_keywords
+from reports.python.keywords import load_linkage, resolve_linkage, with_keywords
 from reports.python.labels import PrintedResult
 from reports.records.origins import printout
 from reports.requests.doctor import engine_findings
-from reports.requests.judge import check_judgement, judgement_of
+from reports.requests.judge import check_judgement, judge_files
 from reports.requests.motion_options import JudgeOptions
 
 
@@ -34,7 +34,7 @@ def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str
     SI, angles in rad. ``fault`` is the sentence of the first error, or None. Raises
     LinkproofError for a file that cannot be read.
     """
-    return linkage_facts(chosen_linkage(linkage, variant))[0]
+    return linkage_facts(load_linkage(linkage, variant))[0]
 
 
 class EngineFindings(PrintedResult, list[CheckResult]):
@@ -62,8 +62,8 @@ class JudgedResults(PrintedResult, ImportedJudgement):
         return judgement_printout(self, f"{linkage.name} ({linkage.variant}) against {self.files}")
 
     def _rows(self) -> Sequence[Record]:
-        blank = blank_of(self, self.files)
-        return [with_cause(verdict.record(blank), self) for verdict in self.verdicts]
+        blank = blank_record_of(self, self.files)
+        return [add_cause(verdict.record(blank), self) for verdict in self.verdicts]
 
     def _sentence(self) -> Printed:
         return sentence(self)
@@ -93,6 +93,6 @@ def judge(linkage: Linkage | str | Path, *results: str | Path, options: JudgeOpt
     """
     paths = tuple(map(Path, results))
     check_judgement(options)
-    chosen, options = of_linkage(linkage, replace(options, results=paths))
-    judgement = judgement_of(options, chosen)
+    chosen, options = resolve_linkage(linkage, replace(options, results=paths))
+    judgement = judge_files(options, chosen)
     return JudgedResults(**vars(judgement), files=", ".join(map(str, paths)))

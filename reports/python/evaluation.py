@@ -19,7 +19,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate as evaluate_signals
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import sheet
-from reports.python.keywords import Words, chosen_linkage, of_linkage, with_keywords, words
+from reports.python.keywords import Words, load_linkage, resolve_linkage, with_keywords, words
 from reports.python.labels import label, labelled, unit
 from reports.requests.case import requested_results
 from reports.requests.motion_options import ResultsOptions
@@ -47,7 +47,7 @@ def evaluate(
     ``assembled`` is False. A drive along a line has m, its file's unit of length per second and m/s² in place of rad,
     rpm and rad/s². Raises LinkproofError for bad input.
     """
-    mechanism = Mechanism(chosen_linkage(linkage, variant, gravity=gravity))
+    mechanism = Mechanism(load_linkage(linkage, variant, gravity=gravity))
     angle = np.atleast_1d(np.asarray(phi, dtype=float))
     if angle.ndim != 1 or not angle.size:
         raise LinkproofError(f"phi: expected a flat list of crank angles, got shape {angle.shape}; pass such a list")
@@ -57,15 +57,15 @@ def evaluate(
         moves["speed"] = np.asarray(speed, dtype=float) * size
     texts = None if quantities is None else words(quantities)
     if designs is not None:
-        return _of_designs(mechanism, angle, texts, designs, moves)
-    variables = _variables(mechanism)
-    chosen = _chosen(mechanism, texts, variables, moves=speed is not None)
+        return _evaluate_designs(mechanism, angle, texts, designs, moves)
+    variables = _signals_by_variable(mechanism)
+    chosen = _requested_variables(mechanism, texts, variables, moves=speed is not None)
     names = [name for variable in chosen for name in variables[variable]]
     values = evaluate_signals(mechanism, angle, names, **moves)
     return labelled(mechanism.linkage, "phi", {"phi": angle, **values}, {})
 
 
-def _variables(mechanism: Mechanism) -> dict[str, list[str]]:
+def _signals_by_variable(mechanism: Mechanism) -> dict[str, list[str]]:
     """Every variable that can be requested, with its signals."""
     known: dict[str, list[str]] = {}
     for name in signals.table(mechanism):
@@ -74,7 +74,7 @@ def _variables(mechanism: Mechanism) -> dict[str, list[str]]:
     return known
 
 
-def _chosen(
+def _requested_variables(
     mechanism: Mechanism, names: Sequence[str] | None, known: Mapping[str, Sequence[str]], *, moves: bool
 ) -> list[str]:
     """The requested variables, each once; by default all that need no motion, or all if the crank ``moves``."""
@@ -90,15 +90,16 @@ def _chosen(
     return list(dict.fromkeys(names))
 
 
-def _of_designs(
+def _evaluate_designs(
     mechanism: Mechanism,
     angle: Array,
     names: Sequence[str] | None,
     designs: Mapping[str, ArrayLike],
     moves: Mapping[str, Any],
 ) -> xarray.Dataset:
-    known = {name: parts for name, parts in _variables(mechanism).items() if name != "S" and parts == [name]}
-    chosen = _chosen(mechanism, names, known, moves=moves["speed"] is not None)
+    """Quantities of many designs over the angles, and whether each design is assembled there."""
+    known = {name: parts for name, parts in _signals_by_variable(mechanism).items() if name != "S" and parts == [name]}
+    chosen = _requested_variables(mechanism, names, known, moves=moves["speed"] is not None)
     values = evaluate_designs(mechanism, designs, angle, chosen, **moves)
     over = ("design", "phi")
     assembled = values.pop(ASSEMBLED)
@@ -126,7 +127,7 @@ def results(linkage: Linkage | str | Path, *, options: ResultsOptions) -> xarray
     Points, links, joints and groups are dimensions of their own, as are the components x and y of a vector. ``at``, in
     degrees, or ``time``, in s, choose the instants. Raises LinkproofError for what cannot be.
     """
-    case, chosen = requested_results(*of_linkage(linkage, options))
+    case, chosen = requested_results(*resolve_linkage(linkage, options))
     result = sheet(case, chosen)
     about = {"regime": case.motion.regime, "conditions": result.conditions}
     return labelled(result.linkage, result.axis, result.table, about)

@@ -13,16 +13,18 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import numpy as np
 
-from analytic.description.changes import without as lacking
+from analytic.description.changes import without as without_part
 from analytic.description.linkage import Linkage
 from analytic.description.loading import in_variant, load
 from analytic.errors import LinkproofError, UnknownNameError, shortened
 from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
 from reports.requests.motion_options import JudgeOptions, ResultsOptions
-from reports.requests.options import Declared, Option, declared, item
+from reports.requests.options import DeclaredOption, Option, declared_options, member_type
 
 Result = TypeVar("Result")
-OfLinkage = TypeVar("OfLinkage", JudgeOptions, OptimiseOptions, ResultsOptions, SweepOptions, ToleranceOptions)
+LinkageOptions = TypeVar(
+    "LinkageOptions", JudgeOptions, OptimiseOptions, ResultsOptions, SweepOptions, ToleranceOptions
+)
 Words = str | Iterable[str]  # a name, or several names
 UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", "GIB": " of GiB"}
 
@@ -36,13 +38,15 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
     def decorated(function: Callable[..., Result]) -> Callable[..., Result]:
         hints = get_type_hints(function)
         signature = inspect.signature(function)
-        bags: dict[str, Any] = {name: hints[name] for name in signature.parameters if is_dataclass(hints[name])}
+        option_classes: dict[str, Any] = {
+            name: hints[name] for name in signature.parameters if is_dataclass(hints[name])
+        }
         options = {
-            name: {option.field.name: option for option in declared(kind) if _has_keyword(option, without)}
-            for name, kind in bags.items()
+            name: {option.field.name: option for option in declared_options(kind) if _has_keyword(option, without)}
+            for name, kind in option_classes.items()
         }
         every = {name: option for group in options.values() for name, option in group.items()}
-        plain = [parameter for parameter in signature.parameters.values() if parameter.name not in bags]
+        plain = [parameter for parameter in signature.parameters.values() if parameter.name not in option_classes]
 
         @wraps(function)
         def called(*args: Any, **given: Any) -> Result:  # noqa: ANN401 - of all keywords
@@ -52,7 +56,7 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
                     raise TypeError(str(UnknownNameError("argument", name, known)))
             for bag, group in options.items():
                 values = {name: _value(option, given.pop(name)) for name, option in group.items() if name in given}
-                given[bag] = bags[bag](**values)
+                given[bag] = option_classes[bag](**values)
             return function(*args, **given)
 
         way = inspect.Parameter.KEYWORD_ONLY
@@ -72,19 +76,19 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
     return decorated
 
 
-def _has_keyword(option: Declared, without: Sequence[str]) -> bool:
+def _has_keyword(option: DeclaredOption, without: Sequence[str]) -> bool:
     return isinstance(option.info, Option) and option.field.name not in without
 
 
-def _help(option: Declared) -> str:
+def _help(option: DeclaredOption) -> str:
     text = option.info.help if isinstance(option.info, Option) else ""
     return f"with False: {text}" if option.field.default is True else text
 
 
-def _value(option: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
+def _value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option
     """The value of a field; raises LinkproofError for a value of another type."""
     name, kinds = option.field.name, (option.kind, *get_args(option.kind))
-    several = item(option.kind)
+    several = member_type(option.kind)
     if given is None and (type(None) in kinds or several is str):
         return option.field.default
     if several is float:
@@ -100,7 +104,7 @@ def _value(option: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
     return str(given) if str in kinds else given
 
 
-def _number(name: str, value: Any, option: Declared) -> float:  # noqa: ANN401 - whatever is passed
+def _number(name: str, value: Any, option: DeclaredOption) -> float:  # noqa: ANN401 - whatever is passed
     """A number; raises LinkproofError for anything else."""
     is_whole = int in (option.kind, *get_args(option.kind))
     if isinstance(value, bool | np.bool_) or not isinstance(value, Integral if is_whole else Real):
@@ -115,18 +119,18 @@ def words(given: Words) -> tuple[str, ...]:
     return (given,) if isinstance(given, str) else tuple(given)
 
 
-def chosen_linkage(linkage: Linkage | str | Path, variant: str | None = None, *, gravity: bool = True) -> Linkage:
-    """A linkage by its name or its file, or itself, in another variant if ``variant`` is given."""
+def load_linkage(linkage: Linkage | str | Path, variant: str | None = None, *, gravity: bool = True) -> Linkage:
+    """Load a linkage by its name or file, or take a loaded one, in ``variant`` if it is given."""
     if not isinstance(linkage, Linkage):
         result = load(linkage, variant)
     else:
         result = linkage if variant is None else in_variant(linkage, variant)
-    return result if gravity else lacking(result, "gravity")
+    return result if gravity else without_part(result, "gravity")
 
 
-def of_linkage(linkage: Linkage | str | Path, options: OfLinkage) -> tuple[Linkage, OfLinkage]:
-    """A linkage in the variant of the options, and the options with the name and variant for the command."""
-    chosen = chosen_linkage(linkage, options.variant)
+def resolve_linkage(linkage: Linkage | str | Path, options: LinkageOptions) -> tuple[Linkage, LinkageOptions]:
+    """The linkage in the variant of the options, and the options with its name and variant, for the command."""
+    chosen = load_linkage(linkage, options.variant)
     if not isinstance(linkage, Linkage):
         return chosen, replace(options, mechanism=str(linkage))
     variant = None if chosen.variant == chosen.variants[0] else chosen.variant

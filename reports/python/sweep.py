@@ -25,9 +25,15 @@ from comparisons.designs.tolerance_study import QUANTILES, ToleranceStudy, toler
 from comparisons.designs.tolerances import Tolerances, read_tolerances
 from comparisons.runs.cluster import opened
 from reports.designs.optimise_terminal import document
-from reports.python.keywords import Words, of_linkage, with_keywords, words
+from reports.python.keywords import Words, resolve_linkage, with_keywords, words
 from reports.requests.case import steady_case
-from reports.requests.designs import check_sweep, optimum, simulated_campaign, sweep_request_of, tolerance_request_of
+from reports.requests.designs import (
+    build_sweep_request,
+    build_tolerance_request,
+    check_sweep,
+    find_optimum,
+    simulated_campaign,
+)
 from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
 from reports.requests.options import command_line, word
 from reports.requests.standard import campaign
@@ -59,28 +65,32 @@ def sweep(
     run failed and NaN without a run. Raises LinkproofError for bad input; if no design assembles, all values are NaN.
     """
     check_sweep(options)
-    chosen, options = of_linkage(linkage, replace(options, quantity=words(figures)))
+    chosen, options = resolve_linkage(linkage, replace(options, quantity=words(figures)))
     case = steady_case(chosen, options)
     if (vary is None) == (table is None):
         raise LinkproofError(f"sweep: expected vary or table, got {'neither' if vary is None else 'both'}: pass one")
     given = table if vary is None else vary
-    values = {str(name): _checked(str(name), given[name]) for name in given}
+    values = {str(name): _check_values(str(name), given[name]) for name in given}
     parts = tuple(parameter(case.mechanism.linkage, name) for name in values)
     if not parts:
         raise LinkproofError("sweep: expected parameters, got none; name one or more")
-    is_lazy = any(map(_is_lazy, values.values()))
+    is_lazy = any(map(_is_dask_array, values.values()))
     if is_lazy and options.simulate:
         raise LinkproofError("simulate: expected arrays of numbers, got Dask's, worked out later; pass NumPy arrays")
-    space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
-    request, conditions = sweep_request_of(case, space, options)
+    space = _design_space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
+    request, conditions = build_sweep_request(case, space, options)
     figures_of_file(request)  # raises LinkproofError for figures that no design has
-    rows = _lazy(request, [*values.values()]) if is_lazy else _computed(request.with_fixed_path(), options.scheduler)
+    rows = (
+        _dask_array(request, [*values.values()])
+        if is_lazy
+        else _compute_figures(request.with_fixed_path(), options.scheduler)
+    )
     about = {name: value for name, value in dataset_attributes(request, conditions, "").items() if name != "command"}
     dataset = labelled_dataset(request, values, rows, about)
-    return _with_engines(dataset, request.with_fixed_path(), options) if options.simulate else dataset
+    return _add_engine_errors(dataset, request.with_fixed_path(), options) if options.simulate else dataset
 
 
-def _with_engines(dataset: xarray.Dataset, request: SweepRequest, options: SweepOptions) -> xarray.Dataset:
+def _add_engine_errors(dataset: xarray.Dataset, request: SweepRequest, options: SweepOptions) -> xarray.Dataset:
     """The dataset with the errors of engines over some of the designs, as shares of their limits."""
     with TemporaryDirectory() as folder:
         designs, wanted, limits = simulated_campaign(request, options, Path(folder))
@@ -93,20 +103,20 @@ def _with_engines(dataset: xarray.Dataset, request: SweepRequest, options: Sweep
     return dataset.assign_coords(engine=[*shares]).assign(share_of_limit=(over, values, {"units": "1"}))
 
 
-def _is_lazy(values: object) -> bool:
+def _is_dask_array(values: object) -> bool:
     return hasattr(values, "__dask_graph__")
 
 
-def _checked(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
+def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
     """Values of a parameter; raises LinkproofError if they are not a list of finite numbers."""
     data = given.data if isinstance(given, xarray.DataArray) else given
-    values = data if _is_lazy(data) else np.asarray(data, dtype=float)
-    if len(values.shape) != 1 or values.shape == (0,) or not (_is_lazy(values) or np.all(np.isfinite(values))):
+    values = data if _is_dask_array(data) else np.asarray(data, dtype=float)
+    if len(values.shape) != 1 or values.shape == (0,) or not (_is_dask_array(values) or np.all(np.isfinite(values))):
         raise LinkproofError(f"{name}: expected a flat list of finite numbers, got {values!r:.60}; pass such a list")
     return values
 
 
-def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: bool) -> DesignSpace:
+def _design_space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: bool) -> DesignSpace:
     if not is_table:
         return Grid(parts, tuple(values))
     if len({len(value) for value in values}) > 1:
@@ -116,7 +126,7 @@ def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: b
     return Listed(parts, tuple(values))
 
 
-def _computed(request: SweepRequest, scheduler: object) -> Array:
+def _compute_figures(request: SweepRequest, scheduler: object) -> Array:
     """Figures of all designs, (figures, *shape), computed here or on the workers of a scheduler."""
     values = np.empty((len(request.figures), request.space.count))
 
@@ -128,22 +138,23 @@ def _computed(request: SweepRequest, scheduler: object) -> Array:
     return values.reshape(-1, *request.space.shape)
 
 
-def _lazy(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 - Dask's own array
-    """The same as a Dask array, a chunk for every combination of the chunks of the values."""
+def _dask_array(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 - Dask's own array
+    """Figures of all designs as a Dask array (*shape, figures), a chunk for every combination of the values' chunks."""
     import dask.array as da  # noqa: PLC0415 - only Dask arrays need it
 
     shape = request.space.shape
     over = [0] * len(values) if len(shape) == 1 else range(len(shape))
-    arrays = [value if _is_lazy(value) else da.from_array(value, chunks=-1) for value in values]
+    arrays = [value if _is_dask_array(value) else da.from_array(value, chunks=-1) for value in values]
     pairs = [part for array, axis in zip(arrays, over, strict=True) for part in (array, (axis,))]
     return da.blockwise(
-        partial(_chunk, request), (len(shape), *range(len(shape))), *pairs, new_axes={len(shape): len(request.figures)},
-        dtype=float, meta=np.empty((0,) * (len(shape) + 1)),
+        partial(_compute_chunk, request), (len(shape), *range(len(shape))), *pairs,
+        new_axes={len(shape): len(request.figures)}, dtype=float, meta=np.empty((0,) * (len(shape) + 1)),
     )  # fmt: skip
 
 
-def _chunk(request: SweepRequest, *values: Array) -> Array:
-    space = _space(request.space.parameters, values, is_table=isinstance(request.space, Listed))
+def _compute_chunk(request: SweepRequest, *values: Array) -> Array:
+    """The figures of one chunk of designs, in the form that Dask joins."""
+    space = _design_space(request.space.parameters, values, is_table=isinstance(request.space, Listed))
     return sweep_block(replace(request, space=space), 0, space.count).reshape(-1, *space.shape)
 
 
@@ -172,14 +183,14 @@ def optimise(
     LinkproofError for bad input, and if no design holds the figures of ``keep``.
     """
     table = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
-    chosen, options = of_linkage(linkage, options)
+    chosen, options = resolve_linkage(linkage, options)
     options = replace(
         options,
-        over=tuple(_word(*pair) for pair in over.items()),  # in the form of the command that repeats the request
-        keep=tuple(_word(*pair) for pair in table.items()),
+        over=tuple(_range_word(*pair) for pair in over.items()),  # in the form of the command that repeats the request
+        keep=tuple(_range_word(*pair) for pair in table.items()),
         step=None if step is None else str(step),
     )
-    result, conditions = optimum(chosen, options)
+    result, conditions = find_optimum(chosen, options)
     saved = document(result, command_line("optimise", options), conditions)
     numbers = {
         variable.parameter.name: (
@@ -200,7 +211,7 @@ def optimise(
     return xarray.Dataset({**numbers, **figures}, {"design": ["before", "after"]}, {**about, **cost, "toml": text})
 
 
-def _word(name: str, values: Range) -> str:
+def _range_word(name: str, values: Range) -> str:
     """A number with its range in the form of the command line."""
     if values is None:
         return name
@@ -236,8 +247,8 @@ def tolerance(
     given = replace(given, results=given.results if results is None else words(results))
     if options.speed is not None:
         given = replace(given, speed=options.speed)
-    chosen, options = of_linkage(linkage, options)
-    return dataset(tolerance_study(tolerance_request_of(chosen, given, options)))
+    chosen, options = resolve_linkage(linkage, options)
+    return dataset(tolerance_study(build_tolerance_request(chosen, given, options)))
 
 
 def dataset(study: ToleranceStudy) -> xarray.Dataset:

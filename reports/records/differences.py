@@ -81,10 +81,11 @@ def moved_table(difference: FolderDifference) -> Table:
     """A row for every record that has moved."""
     head = ("mechanism", "regime", "engine", "quantity", "error before", "after", "factor", "peak", "")
     return Table("Errors over the peak, and peaks of the closed form over the samples.", head,
-                 [tuple(_move(move)) for move in difference.moves], "llllrrrrl")  # fmt: skip
+                 [tuple(_moved_cells(move)) for move in difference.moves], "llllrrrrl")  # fmt: skip
 
 
-def _move(move: MovedRecord) -> Iterator[TableCell | str]:
+def _moved_cells(move: MovedRecord) -> Iterator[TableCell | str]:
+    """The cells of a record that has moved: its run, both errors, their factor, the change of the peak."""
     record = move.after
     yield from (_name(record.run[:2]), record.regime, f"{record.engine} {record.setting}", record.quantity)
     for entry in (move.before, record):
@@ -106,11 +107,15 @@ def _runs(difference: FolderDifference) -> Table:
     head = ("run", "version", "steps before", "after")
     times = ("seconds before", "after", "factor") if difference.same_machine else ()
     return Table(
-        TIMES if times else STEPS, (*head, *times), [tuple(_run(run, difference)) for run in difference.runs], "llr"
+        TIMES if times else STEPS,
+        (*head, *times),
+        [tuple(_run_cells(run, difference)) for run in difference.runs],
+        "llr",
     )
 
 
-def _run(run: RunPair, difference: FolderDifference) -> Iterator[str]:
+def _run_cells(run: RunPair, difference: FolderDifference) -> Iterator[str]:
+    """The cells of a run: versions and steps, and the seconds, s, if both are of one machine."""
     old, new = run.versions
     yield from ("/".join(run.run), old if old == new else f"{old} → {new}", *map(str, run.steps))
     if difference.same_machine:
@@ -120,11 +125,12 @@ def _run(run: RunPair, difference: FolderDifference) -> Iterator[str]:
 
 def changed_figures(figures: Sequence[KeyFigure]) -> tuple[Table, ...]:
     """A table with a row for every key figure that has changed; no table without changes."""
-    rows = tuple(_changed(figure) for figure in figures if figure.changed)
+    rows = tuple(_changed_row(figure) for figure in figures if figure.changed)
     return (Table(CHANGED, CHANGED_HEAD, rows, align="lllrrlr"),) if rows else ()
 
 
-def _changed(figure: KeyFigure) -> tuple[str, ...]:
+def _changed_row(figure: KeyFigure) -> tuple[str, ...]:
+    """The row of a changed key figure: its place, both values, unit and relative change."""
     place = f"{figure.mechanism} ({figure.variant})"
     share = ABSENT if figure.share is None else change(figure.share, ".2g")
     recorded, now = (ABSENT if value is None else f"{value:.9g}" for value in (figure.recorded, figure.now))

@@ -31,8 +31,8 @@ def origin_words(records: Sequence[Record]) -> str:
     return "read in part" if any(r.origin != Origin.READ for r in words) else f"1 run, {Origin.READ}"
 
 
-def exceptions(records: Sequence[Record]) -> str:
-    """The quantities computed by the adapter or shared with the reference, in words; empty without any."""
+def computed_or_shared(records: Sequence[Record]) -> str:
+    """The quantities that the adapter computes or shares with the reference, in words; empty without any."""
     families = {
         origin: _families(record.quantity for record in records if record.origin == origin)
         for origin in (Origin.COMPUTED, Origin.PARTLY)
@@ -46,30 +46,30 @@ def _families(quantities: Iterable[str]) -> str:
     return ", ".join(dict.fromkeys(name.partition(":")[0] for name in quantities))
 
 
-def readout_table(name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
+def readout_table(engine_name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
     """The read-outs of an engine, as ``Abilities.as_dict`` has them."""
     rows = tuple(
         (plain(channel), names["source"], names["frame"], names["instant"], names["drive"] or ABSENT)
         for channel, names in groups.items()
     )
-    return Table(f"{name}: where its figures come from.", READOUTS, rows, align="l")
+    return Table(f"{engine_name}: where its figures come from.", READOUTS, rows, align="l")
 
 
 # The environment of results: date, machine and commit, then all versions on one line.
 
-AT_A_TIME: Final = "runs at a time"  # how many ran side by side, each on a share of the machine
+CONCURRENT_RUNS: Final = "runs at a time"  # how many ran side by side, each on a share of the machine
 
 
 def environment_facts(environment: Mapping[str, str], leave_out: Container[str] = ()) -> list[tuple[str, str]]:
     """Name and value of each fact; names in ``leave_out`` are given elsewhere."""
-    first = [name for name in ("date", "machine", "hosts", "commit", AT_A_TIME) if name in environment]
+    first = [name for name in ("date", "machine", "hosts", "commit", CONCURRENT_RUNS) if name in environment]
     rest = [f"{name} {version}" for name, version in environment.items() if name not in first and name not in leave_out]
     return [*((name.capitalize(), environment[name]) for name in first), ("Versions", ", ".join(rest))]
 
 
-def side_by_side(environment: Mapping[str, str]) -> str:
+def concurrency_note(environment: Mapping[str, str]) -> str:
     """A note on times: "while 4 ran" where runs were made side by side, else empty."""
-    return f"while {environment[AT_A_TIME]} ran" if AT_A_TIME in environment else ""
+    return f"while {environment[CONCURRENT_RUNS]} ran" if CONCURRENT_RUNS in environment else ""
 
 
 # The checks of an engine's adapter, as the terminal and Python print them.
@@ -77,10 +77,10 @@ def side_by_side(environment: Mapping[str, str]) -> str:
 STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
 
 
-def printout(name: str, checks: Sequence[CheckResult]) -> Printout:
+def printout(engine_name: str, checks: Sequence[CheckResult]) -> Printout:
     """A line of every check, and how many came to what."""
     counts = Counter(each.finding for each in checks)
-    closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
+    closing = f"{engine_name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
     return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
 
 

@@ -30,7 +30,7 @@ SETTINGS = tuple(setting.value for setting in Setting)
 
 @dataclass(frozen=True)
 class Regime:
-    """How the crank moved, by name and in words; ``motion`` is None where it is free."""
+    """A regime that a mechanism ran in, its conditions in words; ``motion`` is None for a released crank."""
 
     name: str
     conditions: str
@@ -112,8 +112,8 @@ class View:
         compared = (r for r in self.results.records if r.run[:2] == mine and r.error_max is not None)
         return frozenset((record.regime, record.quantity) for record in compared)
 
-    def standing(self, regime: Regime) -> str:
-        """The setting whose curves stand for an engine in a regime: tuned where any run at it gave one."""
+    def shown_setting(self, regime: Regime) -> str:
+        """The setting whose curves are shown first: tuned if any run of the regime at it gave one; "" without any."""
         ran = {record.setting for record in self.of(regime) if record.error_max is not None}
         return next((name for name in (Setting.TUNED.value, *reversed(SETTINGS), *sorted(ran)) if name in ran), "")
 
@@ -205,8 +205,8 @@ def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
     return tuple(sorted(records, key=rank))
 
 
-def once(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -> Iterator[tuple[TableCell | str, ...]]:
-    """Rows, of whose first words, so many ``heads``, those are left out that the row before begins with too."""
+def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -> Iterator[tuple[TableCell | str, ...]]:
+    """Rows whose first ``heads`` cells are blank where they repeat those of the row before."""
     before: tuple[TableCell | str, ...] = ()
     for row in rows:
         words = ("" if row[: n + 1] == before[: n + 1] else word for n, word in enumerate(row[:heads]))
@@ -222,8 +222,8 @@ def every_record(results: Results) -> tuple[Record, ...]:
     return ordered(results, (*results.records, *results.invariants))
 
 
-def past_baseline(results: Results) -> tuple[str, ...]:
-    """Records that are within their limit and were caught by the recorded baseline, each in one sentence."""
+def caught_by_baseline(results: Results) -> tuple[str, ...]:
+    """Records within their limit that fail by the recorded baseline, each in one sentence."""
     return tuple(
         f"{r.mechanism} ({r.variant}), {r.regime}, {r.engine} {r.setting}, {r.quantity}: {r.detail}"
         for r in every_record(results)

@@ -22,7 +22,7 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.requests.campaign_options import CompareOptions, RunLimits, RunsOptions
-from reports.requests.motions import EVERYTHING, check_motion, own_regimes, prescribed
+from reports.requests.motions import EVERYTHING, check_motion, own_regimes, prescribed_motions
 
 DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of files
 
@@ -32,7 +32,7 @@ def files(options: RunsOptions) -> list[LinkageFile]:
 
     Files of the same name get the names of their folders before their own, as many as are needed to differ.
     """
-    names = tuple(dict.fromkeys(options.mechanisms or having(catalogue(), options.variant)))
+    names = tuple(dict.fromkeys(options.mechanisms or with_variant(catalogue(), options.variant)))
     linkage_files = [read(name) for name in names]
     file_names = [file.name for file in linkage_files]
     for depth in range(1, DEEPEST_FOLDER + 1):
@@ -46,8 +46,8 @@ def files(options: RunsOptions) -> list[LinkageFile]:
     return linkage_files
 
 
-def having(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
-    """The linkages that have a variant; all of them if none has."""
+def with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
+    """The names of the linkages that have a variant; all names if none has it or ``variant`` is None."""
     return tuple(name for name in names if variant is None or variant in load(name).variants) or tuple(names)
 
 
@@ -71,7 +71,7 @@ def installed(engines: Sequence[str]) -> list[str]:
     return [name for name, engine in zip(engines, adapters(engines), strict=True) if why_unavailable(engine) is None]
 
 
-def left_out(engines: Sequence[str]) -> str:
+def missing_engines(engines: Sequence[str]) -> str:
     """A remark that names the engines which are not among the installed ``engines``; empty where all are."""
     absent = [name for name in engine_names() if name not in engines]
     if not absent:
@@ -121,7 +121,7 @@ def request(
     """
     check_motion(options)
     result = linkages(options)
-    motions, conditions = prescribed(options, result)
+    motions, conditions = prescribed_motions(options, result)
     return CampaignRequest(
         linkages=result,
         motions=motions,

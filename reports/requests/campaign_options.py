@@ -23,14 +23,14 @@ Settings = Annotated[
 ]
 Jobs = Annotated[
     int | None,
-    Option("Worker processes; default: one per core; compare: 0 for none, no limits.", "N", repeated=False),
+    Option("Worker processes; default: one per core; compare: 0 for none, no limits.", "N", affects_results=False),
 ]
 Scheduler = Annotated[
     Any,  # an address, or in Python a client of Dask
     Option(
         "Run on the workers of a Dask scheduler, tcp://HOST:8786, or on N of this machine, local:N.",
         "ADDRESS",
-        repeated=False,
+        affects_results=False,
     ),
 ]
 
@@ -99,7 +99,7 @@ class StandardOptions:
     limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None
     baseline: Annotated[Path | None, Option("Errors and key figures recorded earlier.", "FILE")] = None
     record_baseline: Annotated[
-        bool, Option("Record errors and key figures in the file of --baseline or the project.", repeated=False)
+        bool, Option("Record errors and key figures in the file of --baseline or the project.", affects_results=False)
     ] = False
     allow_new: Annotated[bool, Option("Allow linkages and motions that the baseline does not contain.")] = False
     allow_missing: Annotated[bool, Option("Allow linkages and motions of the baseline to be missing.")] = False

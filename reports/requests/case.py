@@ -23,7 +23,7 @@ from comparisons.designs.parameters import SteadyMotion, steady_motion
 from comparisons.reference.case import Case, case_of_file_regime
 from reports.requests.designs_options import SteadyOptions
 from reports.requests.motion_options import MotionOptions, ResultsOptions
-from reports.requests.motions import EVERYTHING, OWN, check_motion, own_regimes, prescribed
+from reports.requests.motions import EVERYTHING, OWN, check_motion, own_regimes, prescribed_motions
 
 
 class RequestedResults(NamedTuple):
@@ -57,9 +57,9 @@ def requested_case(mechanism: Mechanism, options: MotionOptions) -> Case:
         case = case_of_file_regime(mechanism, next(regime for regime in linkage.regimes if regime.name == names[0]))
         return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
     if linkage.is_linear or options.swings or options.regime not in ((), (STEADY,)) or _is_timed(options):
-        ((motion,), _) = prescribed(options, [linkage])
+        ((motion,), _) = prescribed_motions(options, [linkage])
         return Case(mechanism, motion)
-    return _usual_case(mechanism, options)
+    return _default_case(mechanism, options)
 
 
 def _is_timed(options: MotionOptions) -> bool:
@@ -74,7 +74,7 @@ def _is_timed(options: MotionOptions) -> bool:
     return times
 
 
-def _usual_case(mechanism: Mechanism, options: MotionOptions) -> Case:
+def _default_case(mechanism: Mechanism, options: MotionOptions) -> Case:
     """Constant speed over a full turn, or over the range of a crank that makes none, short of its limits."""
     start = math.radians(options.start_angle)
     speed, backwards = abs(options.rpm) * RPM, options.turns_back

@@ -57,11 +57,11 @@ def sweep_request(linkage: Linkage, options: SweepOptions) -> tuple[SweepRequest
             f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: give one of the two"
         )
     case = steady_case(linkage, options)
-    request, conditions = sweep_request_of(case, designs_of(case.mechanism.linkage, options), options)
+    request, conditions = build_sweep_request(case, design_space(case.mechanism.linkage, options), options)
     return request.with_fixed_path(), conditions
 
 
-def sweep_request_of(case: SteadyCase, space: DesignSpace, options: SweepOptions) -> tuple[SweepRequest, str]:
+def build_sweep_request(case: SteadyCase, space: DesignSpace, options: SweepOptions) -> tuple[SweepRequest, str]:
     """The figures of a space of designs, and the conditions in words; raises LinkproofError for unknown names."""
     linkage = case.mechanism.linkage
     figures = named_figures(case.mechanism, options.quantity) if options.quantity else usual_figures(case.mechanism)
@@ -71,7 +71,7 @@ def sweep_request_of(case: SteadyCase, space: DesignSpace, options: SweepOptions
     return SweepRequest(linkage, space, figures, case.motion, options.refine, options.jobs), conditions
 
 
-def designs_of(linkage: Linkage, options: SweepOptions) -> DesignSpace:
+def design_space(linkage: Linkage, options: SweepOptions) -> DesignSpace:
     """The grid of ``--vary``, or the list of ``--table``."""
     if options.table is not None:
         return read_table(options.table, linkage)
@@ -95,7 +95,7 @@ def simulated_campaign(request: SweepRequest, options: SweepOptions, folder: Pat
     return SimulatedCampaign(designs, campaign, RunLimits(jobs=options.jobs, scheduler=options.scheduler))
 
 
-def optimisation_request_of(options: OptimiseOptions) -> OptimisationRequest:
+def build_optimisation_request(options: OptimiseOptions) -> OptimisationRequest:
     """The aim and the constraints of an optimisation; raises LinkproofError for bad input before the search."""
     if (options.minimise is None) == (options.maximise is None):
         got = "neither" if options.minimise is None else "both"
@@ -109,17 +109,17 @@ def optimisation_request_of(options: OptimiseOptions) -> OptimisationRequest:
     return request
 
 
-def optimum(
+def find_optimum(
     linkage: Linkage, options: OptimiseOptions, announce: Callable[[str, int, int], None] = lambda *_: None
 ) -> tuple[Optimum, str]:
     """The best design, and the conditions in words."""
-    request = optimisation_request_of(options)
+    request = build_optimisation_request(options)
     mechanism, motion, conditions = steady_case(linkage, options)
     best = optimise(mechanism, motion, request, announce)
     return best, conditions + mass_words(mechanism.linkage, best.after)
 
 
-def tolerance_request_of(linkage: Linkage, tolerances: Tolerances, options: ToleranceOptions) -> ToleranceRequest:
+def build_tolerance_request(linkage: Linkage, tolerances: Tolerances, options: ToleranceOptions) -> ToleranceRequest:
     """The request, at the speed of the file of tolerances if it has one; raises LinkproofError for bad input."""
     if tolerances.speed is not None:
         options = replace(options, speed=tolerances.speed)

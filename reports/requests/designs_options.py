@@ -62,12 +62,14 @@ class SweepOptions(SteadyOptions, _Designs):
             "Compare this engine on a sample of the designs and report how often it is accurate; repeatable.",
             "ENGINE",
             names="engines",
-            repeated=False,
+            affects_results=False,
         ),
     ] = ()
-    designs: Annotated[int, Option("Designs to simulate, drawn from a Latin hypercube.", "N", repeated=False)] = DESIGNS
-    seed: Annotated[int, Option("Seed of the sample.", "N", repeated=False)] = 0
-    jobs: Annotated[int | None, Option("Processor cores; default: all.", "N", repeated=False)] = None
+    designs: Annotated[
+        int, Option("Designs to simulate, drawn from a Latin hypercube.", "N", affects_results=False)
+    ] = DESIGNS
+    seed: Annotated[int, Option("Seed of the sample.", "N", affects_results=False)] = 0
+    jobs: Annotated[int | None, Option("Processor cores; default: all.", "N", affects_results=False)] = None
     scheduler: Scheduler = None
 
 

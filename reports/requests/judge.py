@@ -16,7 +16,7 @@ from comparisons.imported.reading import read_results
 from comparisons.reference.case import case_of_file_regime
 from comparisons.reference.motion import Motion
 from reports.requests.motion_options import JudgeOptions
-from reports.requests.motions import check_motion, own_regimes, prescribed
+from reports.requests.motions import check_motion, own_regimes, prescribed_motions
 
 
 def check_judgement(options: JudgeOptions) -> None:
@@ -26,7 +26,7 @@ def check_judgement(options: JudgeOptions) -> None:
         raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {options.limit:g}")
 
 
-def judgement_of(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
+def judge_files(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
     """The judgement of a tool's results against the closed form of a linkage.
 
     Raises LinkproofError for files that cannot be read, among them ``MappingNeededError``.
@@ -44,7 +44,7 @@ def judgement_of(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
 
 
 def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) -> Motion | None:
-    """The requested regime; over the crank angle a constant speed; else None: the file's columns give the motion."""
+    """The motion of the regime; constant speed if all signals are over φ; None if the file's columns give it."""
     if len(options.regime) > 1:
         raise LinkproofError(f"--regime: expected one motion of the crank, got {', '.join(options.regime)}; name one")
     names = own_regimes(options, [linkage])
@@ -52,7 +52,7 @@ def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) 
         regime = next(regime for regime in linkage.regimes if regime.name == names[0])
         return case_of_file_regime(Mechanism(linkage), regime).motion
     if options.regime or options.swings:
-        ((motion, *_), _) = prescribed(options, [linkage])
+        ((motion, *_), _) = prescribed_motions(options, [linkage])
         return motion
     if imported.signals and all(signal.axis == "phi" for signal in imported.signals):
         return crank_motion("constant-speed", speed=abs(options.rpm) * RPM, clockwise=options.turns_back)

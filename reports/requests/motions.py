@@ -22,7 +22,7 @@ OWN = "own"  # every regime that a linkage defines for itself
 TURNING, SWINGING = "run-up", "constant-speed"  # the regime where none is named
 
 
-def offered(options: MotionOptions) -> tuple[str, ...]:
+def offered_regimes(options: MotionOptions) -> tuple[str, ...]:
     """Regimes that every linkage can have under these options."""
     return tuple(LAWS) if options.swings else REGIMES
 
@@ -46,6 +46,7 @@ def check_motion(options: MotionOptions) -> None:
 
 
 def _check_turning(options: MotionOptions) -> None:
+    """Raise LinkproofError for an impossible motion of a crank that turns on."""
     for name in options.regime:
         if name in LAWS and name not in REGIMES:
             raise LinkproofError(f"--regime {name} goes from one crank angle to another: add --from and --to")
@@ -57,6 +58,7 @@ def _check_turning(options: MotionOptions) -> None:
 
 
 def _check_swing(options: MotionOptions) -> None:
+    """Raise LinkproofError for an impossible motion from one angle to another."""
     start, end = options.from_angle, options.to_angle
     if start is None or end is None:
         given, lacking = ("--to", "--from") if start is None else ("--from", "--to")
@@ -93,13 +95,14 @@ def _check(option: str, value: float, unit: str, least: float) -> None:
 
 def _motions(options: MotionOptions) -> tuple[CrankMotion, ...]:
     """The requested prescribed crank motions, without regimes of the linkages."""
-    known = offered(options)
+    known = offered_regimes(options)
     usual = SWINGING if options.swings else TURNING
     names = known if EVERYTHING in options.regime else options.regime or (usual,)
     return tuple(_motion(options, name) for name in dict.fromkeys(names) if name in known)
 
 
 def _motion(options: MotionOptions, name: str) -> CrankMotion:
+    """The motion of a regime, in SI."""
     speed = abs(options.rpm) * RPM
     if options.from_angle is not None and options.to_angle is not None:
         return swing(name, math.radians(options.from_angle), math.radians(options.to_angle), speed=speed)
@@ -113,7 +116,7 @@ def _motion(options: MotionOptions, name: str) -> CrankMotion:
     )
 
 
-def prescribed(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
+def prescribed_motions(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
     """The requested prescribed motions, without regimes of the linkages, and their conditions in words."""
     linear = [linkage for linkage in linkages if linkage.is_linear]
     if not linear:
@@ -125,7 +128,7 @@ def prescribed(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tup
         )
     regimes = {regime.name for regime in linkage.regimes}
     for name in options.regime:
-        if name in offered(options) and name not in LAWS and name not in regimes:
+        if name in offered_regimes(options) and name not in LAWS and name not in regimes:
             raise LinkproofError(
                 f"--regime {name} turns a crank, but '{linkage.name}' is driven along a line: choose one of "
                 f"{', '.join(LAWS)} with --from and --to"
@@ -153,7 +156,7 @@ def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:
 def own_regimes(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[str, ...]:
     """Requested regimes that the linkages define for themselves; ``own`` and ``all`` request all of them."""
     regimes = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
-    known = [*offered(options), *regimes, OWN, EVERYTHING]
+    known = [*offered_regimes(options), *regimes, OWN, EVERYTHING]
     for name in options.regime:
         if name not in known:
             raise UnknownNameError("regime", name, known)

@@ -17,15 +17,15 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 class Option:
     """An option of a command: its ``help``, the ``metavar`` of its value, its ``flags`` if they differ from its field.
 
-    ``names`` is the function of ``reports.command_line.completion`` by which a shell completes it. An option that is
-    not ``repeated`` does not affect the results, so a command that repeats the request leaves it out.
+    ``names`` is the function of ``reports.command_line.completion`` by which a shell completes it. A command that
+    repeats the request leaves out an option without ``affects_results``.
     """
 
     help: str
     metavar: str = ""
     flags: tuple[str, ...] = ()
     names: str = ""
-    repeated: bool = True
+    affects_results: bool = True
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Argument:
     is_required: bool = False
 
 
-class Declared(NamedTuple):
+class DeclaredOption(NamedTuple):
     """A field that is an option or an argument, with the type of its value."""
 
     field: Field[Any]
@@ -51,21 +51,24 @@ class Declared(NamedTuple):
         return flags[-1].removeprefix("--") if flags else self.field.name.replace("_", "-")
 
 
-def declared(options: Any) -> tuple[Declared, ...]:  # noqa: ANN401 - a dataclass
+def declared_options(options: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass
     """The options and arguments of a dataclass, in order."""
     hints = get_type_hints(options, include_extras=True)
     annotated = [(field, hints[field.name]) for field in fields(options) if get_origin(hints[field.name]) is Annotated]
-    return tuple(Declared(field, *get_args(hint)) for field, hint in annotated)
+    return tuple(DeclaredOption(field, *get_args(hint)) for field, hint in annotated)
 
 
-def stated(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
-    """The repeated options that differ from their defaults, by name, each with its values; a flag has no values."""
+def changed_options(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
+    """Options that differ from their defaults and affect the results, by name, each with its words as typed.
+
+    A flag has no words. The command that repeats a request is written from them.
+    """
     groups = {}
-    for option in declared(type(options)):
+    for option in declared_options(type(options)):
         value = getattr(options, option.field.name)
-        if isinstance(option.info, Option) and option.info.repeated and value != option.field.default:
-            groups[option.name] = () if isinstance(value, bool) else tuple(map(word, _several(value)))
-            if item(option.kind) is float:
+        if isinstance(option.info, Option) and option.info.affects_results and value != option.field.default:
+            groups[option.name] = () if isinstance(value, bool) else tuple(map(word, _values_of(value)))
+            if member_type(option.kind) is float:
                 groups[option.name] = (",".join(groups[option.name]),)  # numbers are one word
     return groups
 
@@ -75,23 +78,24 @@ def command_line(command: str, *options: Any) -> str:  # noqa: ANN401 - dataclas
     arguments = [
         str(word)
         for each in options
-        for option in declared(type(each))
+        for option in declared_options(type(each))
         if isinstance(option.info, Argument)
-        for word in _several(getattr(each, option.field.name))
+        for word in _values_of(getattr(each, option.field.name))
     ]
-    given = {name: values for each in options for name, values in stated(each).items()}
+    given = {name: values for each in options for name, values in changed_options(each).items()}
     valued = [word for name, values in given.items() for value in values for word in (f"--{name}", value)]
     flags = [f"--{name}" for name, values in given.items() if not values]
     return shlex.join(["linkproof", command, *arguments, *valued, *flags])
 
 
-def item(kind: Any) -> type | None:  # noqa: ANN401 - a type
+def member_type(kind: Any) -> type | None:  # noqa: ANN401 - a type
     """The type of the members of a tuple, which may be optional; None for another type."""
     kinds = (kind, *get_args(kind))
     return next((get_args(entry)[0] for entry in kinds if get_origin(entry) is tuple), None)
 
 
-def _several(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
+def _values_of(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
+    """The members of a tuple, or a single value; empty for None."""
     return value if isinstance(value, tuple) else () if value is None else (value,)
 
 

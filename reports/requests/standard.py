@@ -27,8 +27,8 @@ from comparisons.runs.plugins import engines
 from comparisons.runs.study import Task
 from comparisons.runs.workers import Pool
 from engines.registry import engine_names
-from reports.records.origins import AT_A_TIME
-from reports.requests.campaign import Running, files, having, request, running
+from reports.records.origins import CONCURRENT_RUNS
+from reports.requests.campaign import Running, files, request, running, with_variant
 from reports.requests.campaign_options import (
     BenchOptions,
     CompareOptions,
@@ -37,14 +37,14 @@ from reports.requests.campaign_options import (
     StandardOptions,
     StressOptions,
 )
-from reports.requests.motions import EVERYTHING, OWN, offered
-from reports.requests.options import command_line, stated
+from reports.requests.motions import EVERYTHING, OWN, offered_regimes
+from reports.requests.options import changed_options, command_line
 
 Study = TypeVar("Study", CompareOptions, BenchOptions, StressOptions)
 INSTALLATIONS = {"site-packages", "dist-packages"}  # the next installation removes the files in them
 
 
-class InProject(NamedTuple):
+class CompletedRequest(NamedTuple):
     """Options, completed from the linkages' ``project``.
 
     ``known`` are the project's linkages, if a regime of the project may belong to a linkage that is not named.
@@ -58,14 +58,16 @@ class InProject(NamedTuple):
     known: tuple[Linkage, ...] = ()
 
 
-def in_project(options: CompareOptions, limits: RunLimits, standard: StandardOptions) -> InProject:
+def complete_request(options: CompareOptions, limits: RunLimits, standard: StandardOptions) -> CompletedRequest:
     """The options as the linkages' project completes them; raises LinkproofError for a project that cannot be read."""
     project = _project_of(options.mechanisms)
     coverage = coverage_of(options, standard, project)
     if project is None:
-        return InProject(options, limits, None, coverage)
+        return CompletedRequest(options, limits, None, coverage)
     known = _known_linkages(options, project)
-    return InProject(_completed(options, project), _bounded(limits, project), project, coverage, known)
+    return CompletedRequest(
+        _complete_options(options, project), _complete_limits(limits, project), project, coverage, known
+    )
 
 
 def baseline_file(standard: StandardOptions, project: Project | None) -> Path | None:
@@ -87,7 +89,7 @@ def baseline_file(standard: StandardOptions, project: Project | None) -> Path | 
     return file
 
 
-def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard:
+def chosen_standard(completed: CompletedRequest, standard: StandardOptions) -> Standard:
     """The limits and the baseline for results; raises LinkproofError for unknown names in them."""
     read_files, project = files(completed.options), completed.project
     chosen = standard_of(
@@ -97,20 +99,20 @@ def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard
 
     def known() -> Iterator[LinkageFile]:
         yield from read_files
-        yield from _others(read_files, project)
+        yield from _further_linkages(read_files, project)
 
     recorded = chosen.baseline.linkages  # a recorded linkage that is missing has its own message
     check_named(
         chosen.limits,
-        lambda: [*_mechanisms(known()), *(Path(path).stem for path in recorded)],
-        lambda: [*_regimes(known()), *chosen.baseline.regimes],
+        lambda: [*_mechanism_names(known()), *(Path(path).stem for path in recorded)],
+        lambda: [*_regime_names(known()), *chosen.baseline.regimes],
     )
     if not chosen.baseline.lost:
         check_figures(chosen.baseline.coverage.figures, (file.linkage() for file in known()))
     return chosen
 
 
-def _others(named: list[LinkageFile], project: Project | None) -> Iterator[LinkageFile]:
+def _further_linkages(named: list[LinkageFile], project: Project | None) -> Iterator[LinkageFile]:
     """Further linkages that a limit may name: those of the project, or those in the same folder."""
     folders = dict.fromkeys(Path(file.origin).parent for file in named if not file.is_known)
     paths = project.linkages if project else [path for folder in folders for path in sorted(folder.glob("*.toml"))]
@@ -120,11 +122,11 @@ def _others(named: list[LinkageFile], project: Project | None) -> Iterator[Linka
             yield read(path)
 
 
-def _mechanisms(known: Iterable[LinkageFile]) -> list[str]:
+def _mechanism_names(known: Iterable[LinkageFile]) -> list[str]:
     return [*(file.name for file in known), *catalogue(), *literature(), *installed()]
 
 
-def _regimes(known: Iterable[LinkageFile]) -> list[str]:
+def _regime_names(known: Iterable[LinkageFile]) -> list[str]:
     names = []
     for file in known:
         with suppress(LinkproofError):
@@ -137,7 +139,7 @@ def coverage_of(options: CompareOptions, standard: StandardOptions, project: Pro
 
     A named motion may be missing in the project's baseline, but not in a baseline that is named itself.
     """
-    names_motion = bool(stated(options.motion))
+    names_motion = bool(changed_options(options.motion))
     return Coverage(
         every_linkage=not options.mechanisms and options.variant is None,
         every_motion=project is not None and not names_motion,
@@ -158,23 +160,24 @@ def _project_of(names: tuple[str, ...]) -> Project | None:
     return None if first is None else find_project(Path(first).resolve().parent)
 
 
-def of_project(options: Study) -> Study:
+def complete_study(options: Study) -> Study:
     """A study's options, with the linkages and engines of the project where none are named.
 
     The project is that of the first named linkage, or of the working folder. Raises LinkproofError if it cannot be
     read.
     """
     project = _project_of(options.mechanisms if isinstance(options, RunsOptions) else ())
-    return options if project is None else _completed(options, project)
+    return options if project is None else _complete_options(options, project)
 
 
-def _completed(options: Study, project: Project) -> Study:
+def _complete_options(options: Study, project: Project) -> Study:
+    """Options with the project's values where none are given; raises UnknownNameError for an engine of the project."""
     for name in () if options.engine else project.engines:
         if name not in engine_names():
             raise UnknownNameError(f"engine of {project.folder / FILE}", name, engine_names())
     more: dict[str, Any] = {"engine": options.engine or project.engines}
     if isinstance(options, RunsOptions) and not options.mechanisms and project.linkages:
-        more["mechanisms"] = having([os.path.relpath(path) for path in project.linkages], options.variant)
+        more["mechanisms"] = with_variant([os.path.relpath(path) for path in project.linkages], options.variant)
     if isinstance(options, CompareOptions):
         more["setting"] = options.setting or project.settings
         more["regime"] = options.regime or (() if options.swings else project.regimes)
@@ -182,13 +185,15 @@ def _completed(options: Study, project: Project) -> Study:
 
 
 def _known_linkages(options: CompareOptions, project: Project) -> tuple[Linkage, ...]:
-    known = {*offered(options), OWN, EVERYTHING}
+    """The project's linkages, whose regimes may be requested; empty unless the project names such a regime."""
+    known = {*offered_regimes(options), OWN, EVERYTHING}
     if options.regime or not options.mechanisms or {*project.regimes} <= known:
         return ()
     return tuple(load(str(path)) for path in project.linkages)
 
 
-def _bounded(limits: RunLimits, project: Project) -> RunLimits:
+def _complete_limits(limits: RunLimits, project: Project) -> RunLimits:
+    """Limits of time and memory with the project's values where none are given."""
     if limits.jobs == 0:
         return limits  # without worker processes nothing is bounded
     return replace(
@@ -201,7 +206,7 @@ def _bounded(limits: RunLimits, project: Project) -> RunLimits:
 # ``compare``: the requested campaign with the standard of its project, and its results.
 
 
-AS_USUAL, UNBOUND = StandardOptions(), RunLimits()
+DEFAULT_STANDARD, DEFAULT_LIMITS = StandardOptions(), RunLimits()
 
 
 @dataclass(frozen=True)
@@ -237,7 +242,7 @@ class Campaign:
     def environment(self) -> dict[str, str]:
         """How many runs are made side by side on this machine, where they are."""
         count = min(self.running.processes, len(self.tasks)) if self.running.scheduler is None else 1
-        return {AT_A_TIME: str(count)} if count > 1 else {}
+        return {CONCURRENT_RUNS: str(count)} if count > 1 else {}
 
     def document(
         self, judged: JudgedCampaign, errata: Sequence[ErratumRecord] = (), *, is_saved: bool = False
@@ -249,12 +254,14 @@ class Campaign:
         return {**table, **judged.as_dict, "environment": table["environment"] | self.environment}
 
 
-def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limits: RunLimits = UNBOUND) -> Campaign:
+def campaign(
+    options: CompareOptions, standard: StandardOptions = DEFAULT_STANDARD, limits: RunLimits = DEFAULT_LIMITS
+) -> Campaign:
     """The campaign of a request; the project of the linkages completes its options.
 
     Raises LinkproofError for bad input, before any run.
     """
-    completed = in_project(options, limits, standard)
+    completed = complete_request(options, limits, standard)
     where = running(completed.limits)
     file = baseline_file(standard, completed.project)
     return Campaign(

@@ -26,7 +26,7 @@ NAME: Final = re.compile(r'(?<=\bid=")[^"]+(?=")')
 FILES: Final = "'self' file:"  # where scripts come from, in the policy of a page in a folder: the first of it
 MAIN: Final = "main"  # the anchor of the first page
 PLAIN: Final = " !$&'()*+,-./:;<=>?@[]^_`{|}~"  # characters that the address of a picture does not escape
-FEW: Final = frozenset({Setting.TUNED.value, Setting.BEST.value})  # whose curves are mailed
+MAILED_SETTINGS: Final = frozenset({Setting.TUNED.value, Setting.BEST.value})  # whose curves are mailed
 
 
 def write_single_file(saved: Path, file: Path) -> Path:
@@ -39,7 +39,7 @@ def write_single_file(saved: Path, file: Path) -> Path:
         folder = Path(name)
         html.write_assets(folder)
         html.write(page, folder, places)
-        write_text(file, _whole(folder, page))
+        write_text(file, _inline_files(folder, page))
     return file
 
 
@@ -47,11 +47,11 @@ def joined_page(pages: Sequence[Page]) -> Page:
     """Pages as sections of the first page, with names and links changed so that they stay unique."""
     first, *rest = pages
     files = {first.file: "", **{page.file: _anchor(page.file) for page in rest}}
-    moved = {page.file: _moved((*page.parts, *page.sections), files[page.file], files) for page in rest}
+    moved = {page.file: _rename_parts((*page.parts, *page.sections), files[page.file], files) for page in rest}
     sections = (
         Section(files[page.file], page.heading, (Paragraph(page.subtitle, "small"), *moved[page.file])) for page in rest
     )
-    parts, first_sections = _moved((first.parts, first.sections), "", files)
+    parts, first_sections = _rename_parts((first.parts, first.sections), "", files)
     return replace(first, parts=parts, sections=(*first_sections, *sections), charts=any(page.charts for page in pages))
 
 
@@ -60,15 +60,15 @@ def _anchor(file: str) -> str:
     return re.sub(r"\W+", "-", Path(file).stem)
 
 
-def _moved(result: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN401  any part of a page
+def _rename_parts(result: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN401  any part of a page
     """A part of a page, with its names and links changed for the joined page."""
     if isinstance(result, tuple):
-        return tuple(_moved(entry, stem, files) for entry in result)
+        return tuple(_rename_parts(entry, stem, files) for entry in result)
     if not is_dataclass(result) or isinstance(result, type):
         return result
     names = ("data", "further", "drawing")
     values = {field.name: getattr(result, field.name) for field in fields(result)}
-    changes = {name: _moved(value, stem, files) for name, value in values.items() if name not in names}
+    changes = {name: _rename_parts(value, stem, files) for name, value in values.items() if name not in names}
     prefix = f"{stem}-" if stem else ""
     if isinstance(result, PageLink):
         file, _, place = result.href.partition("#")
@@ -80,16 +80,16 @@ def _moved(result: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN40
     elif isinstance(result, (PageFigure, Widget)):
         changes["name"] = prefix + result.name
     if isinstance(result, (Drawn, Widget)):
-        changes["markup"] = _renamed(result.markup, prefix)
+        changes["markup"] = _rename_ids(result.markup, prefix)
     moved = replace(result, **changes)
     return _with_few_curves(moved) if isinstance(moved, Widget) and moved.kind == "curves" else moved
 
 
 def _with_few_curves(widget: Widget) -> Widget:
-    """The curves of the regime first shown, at the settings that matter; errors stay all there."""
+    """The chart with only the curves of its first regime at tuned and best, to save space; all errors stay."""
     data, number = widget.data, widget.data["first"].partition("-")[0]
     few = {key: curves for key, curves in widget.further.items() if key.partition("-")[0] == number}
-    settings = FEW & {*data["settings"]} or {*data["settings"]}
+    settings = MAILED_SETTINGS & {*data["settings"]} or {*data["settings"]}
     shown = data["regimes"][int(number or 0)]["name"]
     regimes = [
         {
@@ -101,16 +101,16 @@ def _with_few_curves(widget: Widget) -> Widget:
         for entry in data["regimes"]
     ]
     words = sentence("few_curves", regime=shown, settings=sorted(settings, reverse=True))
-    changes = {"regimes": regimes, "curves": _of(data["curves"], settings), "left_out": words}
-    further = {key: _of(curves, settings) for key, curves in few.items()}
+    changes = {"regimes": regimes, "curves": _runs_at_settings(data["curves"], settings), "left_out": words}
+    further = {key: _runs_at_settings(curves, settings) for key, curves in few.items()}
     return replace(widget, data={**data, **changes}, further=further, instead=())
 
 
-def _of(curves: Any, settings: set[str] | frozenset[str]) -> Any:  # noqa: ANN401  JSON
+def _runs_at_settings(curves: Any, settings: set[str] | frozenset[str]) -> Any:  # noqa: ANN401  JSON
     return curves and {**curves, "runs": [run for run in curves["runs"] if run["setting"] in settings]}
 
 
-def _renamed(markup: Any, prefix: str) -> Any:  # noqa: ANN401  Markup
+def _rename_ids(markup: Any, prefix: str) -> Any:  # noqa: ANN401  Markup
     """Markup whose ids, with the classes and motions named after them, begin with a ``prefix``."""
     for name in set(NAME.findall(markup)) if prefix else ():
         pattern = rf'((?:[#.":]|@keyframes )){re.escape(name)}(?=-\d|[^\w-])'
@@ -118,7 +118,7 @@ def _renamed(markup: Any, prefix: str) -> Any:  # noqa: ANN401  Markup
     return markup
 
 
-def _whole(folder: Path, page: Page) -> str:
+def _inline_files(folder: Path, page: Page) -> str:
     """The page with everything inside that a folder holds for it."""
     text = (folder / page.file).read_text(encoding="utf-8")
     data = sorted((folder / "data").rglob("*.js"))

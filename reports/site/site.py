@@ -102,6 +102,7 @@ class Contents(StudyFolder):
         return replace(mechanism_page.page(sheet, self.campaign), file=file)
 
     def _studies(self) -> Iterator[Words]:
+        """A link to the page of each benchmark and stability map, with a sentence."""
         if self.bench is not None:
             yield BENCH, ": ", sentence("index_bench", points=[point for point in self.bench.points if point.errors])
         if self.stress is not None:
@@ -124,7 +125,7 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     folder, links = out or contents.path, contents.links()
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
-    files = sorted((link.href for link in links), key=_turn)
+    files = sorted((link.href for link in links), key=_write_order)
     jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(saved) else []))]
     write = partial(_write, contents, folder, links, png)
     written: dict[int, tuple[str, ...]] = {}
@@ -140,7 +141,7 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     return folder / INDEX
 
 
-def _turn(file: str) -> int:
+def _write_order(file: str) -> int:
     """The rank of a page in the order of writing: slow pages first."""
     return {BENCH.href: 1, STRESS.href: 2, INDEX: 3}.get(file, 0)
 
@@ -178,24 +179,24 @@ LEAD = (
 )
 
 
-def write_machines(folders: Sequence[MergedFolder], out: Path) -> Path:
-    """Write the pages of every folder and one that leads to them; returns its path."""
+def write_merged_site(folders: Sequence[MergedFolder], out: Path) -> Path:
+    """Write the pages of every merged folder and the index page that links to them; returns the index page's path."""
     for folder in folders:
         write_site(folder.path)
     html.write_assets(out)
     links = [PageLink("Machines", INDEX), *(PageLink(folder.name, f"{folder.name}/{INDEX}") for folder in folders)]
-    return html.write(page(folders), out, links)
+    return html.write(machines_page(folders), out, links)
 
 
-def page(folders: Sequence[MergedFolder]) -> Page:
-    """The page that leads to the folders: a section per machine, and where machines differ."""
+def machines_page(folders: Sequence[MergedFolder]) -> Page:
+    """The index page of merged folders: a section per machine, and the errors that differ between machines."""
     machines = sorted({folder.machine for folder in folders})
     groups = [[folder for folder in folders if folder.machine == machine] for machine in machines]
     sections = [
         Section(f"machine-{number}", machine, tuple(part for folder in group for part in _folder(folder)))
         for number, (machine, group) in enumerate(zip(machines, groups, strict=True), 1)
     ]
-    across = tuple(_across(groups))
+    across = tuple(_machine_differences(groups))
     if across:
         sections.append(Section("across", "From machine to machine", across))
     count = f"{len(machines)} {'machine' if len(machines) == 1 else 'machines'}"
@@ -204,6 +205,7 @@ def page(folders: Sequence[MergedFolder]) -> Page:
 
 
 def _folder(folder: MergedFolder) -> Iterator[Part]:
+    """The link to a folder's report, its environment, and the verdicts of its engines."""
     yield Paragraph((PageLink(folder.name, f"{folder.name}/{INDEX}"), f": {'; '.join(_studies(folder))}"))
     environment = {name: value for name, value in folder.environment.items() if name != "machine"}
     yield Facts(tuple(environment_facts(environment)))
@@ -212,6 +214,7 @@ def _folder(folder: MergedFolder) -> Iterator[Part]:
 
 
 def _studies(folder: MergedFolder) -> Iterator[str]:
+    """How many runs, points and cells a folder has."""
     if folder.campaign is not None:
         yield f"{len({record.run for record in folder.campaign.records})} runs held to their limits"
     if folder.bench is not None:
@@ -242,7 +245,7 @@ def _engines(results: Results) -> Table:
     return Table("Verdicts of every engine, and the times of its runs together, on this machine.", head, rows, "lllr")
 
 
-def _across(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:
+def _machine_differences(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:
     """Errors that are not the same on two machines; times are not compared."""
     for folders, other in combinations(groups, 2):
         for first in folders:

@@ -20,8 +20,8 @@ from reports.document.templates import plain, worded
 
 
 # An outcome that says nothing of how far an engine goes.
-APART = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE, StressVerdict.SUITE_ERROR)
-SILENT = (StressVerdict.CAUGHT, StressVerdict.MISSED)
+NOT_JUDGED = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE, StressVerdict.SUITE_ERROR)
+WRONG_MOTIONS = (StressVerdict.CAUGHT, StressVerdict.MISSED)
 
 
 class StressSign(NamedTuple):
@@ -57,7 +57,7 @@ def border_words(border: Border) -> str:
     return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
 
 
-def against(record: QuantityRecord | None, name: Callable[[str], str] = str) -> str:
+def error_and_limit(record: QuantityRecord | None, name: Callable[[str], str] = str) -> str:
     """An error and its limit, both over the peak, with the name of its quantity; empty without a record."""
     return "" if record is None else f"{name(record.quantity)} {error(record.error_max)}, limit {bound(record.limit)}"
 
@@ -65,7 +65,7 @@ def against(record: QuantityRecord | None, name: Callable[[str], str] = str) -> 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:
     """The verdicts with a column: all that occur, and always "missed"."""
     count = stress.count()
-    return tuple(verdict for verdict in StressVerdict if count[verdict] or verdict in SILENT)
+    return tuple(verdict for verdict in StressVerdict if count[verdict] or verdict in WRONG_MOTIONS)
 
 
 WHITE = "#fdfdfd"  # ink of a sign that looks the same in the dark
@@ -103,7 +103,7 @@ def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]
 def _cell(result: CellResult) -> dict[str, Any]:
     """The number of its verdict, its story, and the command that repeats it."""
     sign = list(SIGNS).index(result.verdict)
-    return {"verdict": sign, "story": story(result), "command": result.cell.command}
+    return {"verdict": sign, "story": cell_facts(result), "command": result.cell.command}
 
 
 def border_place(border: Border, values: Sequence[float]) -> int:
@@ -114,14 +114,14 @@ def border_place(border: Border, values: Sequence[float]) -> int:
     return sum(value < between if rising else value > between for value in values)
 
 
-def story(result: CellResult) -> dict[str, str]:
-    """The result of a cell and its reasons, as name and words, without empty ones."""
+def cell_facts(result: CellResult) -> dict[str, str]:
+    """What there is to say of a cell's result, by heading: reason, deviation, invariant, work, conditions."""
     wrong, _, flagged = result.reason.partition(FLAGGED)
     parts = {
         "Wrong" if result.wrong else "Reason": wrong.rstrip(". "),
         "Flagged by the checks": flagged,
-        "Worst deviation, over the peak": against(result.nearest, worded),
-        "Worst invariant": against(result.worst_check, plain),
+        "Worst deviation, over the peak": error_and_limit(result.nearest, worded),
+        "Worst invariant": error_and_limit(result.worst_check, plain),
         "Work": f"{result.steps} steps in {seconds(result.seconds)}" if result.steps else "",
         "Conditions": "; ".join(f"{plain(name)} {_condition(value)}" for name, value in result.differing.items()),
     }

@@ -61,6 +61,7 @@ def _name(line: Data) -> str:
 
 
 def _panel(panel: Axes, block: Data, values: list[str]) -> None:
+    """Draw the lines of one row of an axis: cells, borders, names."""
     lines = block["lines"]
     panel.set(xlim=(0.0, len(values)), ylim=(len(lines), 0.0))
     panel.grid(visible=False)
@@ -127,6 +128,7 @@ def page(stress: Stress) -> Page:
 
 
 def _maps(stress: Stress) -> Section:
+    """The interactive map, every map as a figure, and the table of borders."""
     maps = {axis: map_data(stress, axis) for axis in stress.axes}
     first, *others = maps
     data = {"axes": {axis: table["title"] for axis, table in maps.items()}, "signs": signs(stress), "map": maps[first]}

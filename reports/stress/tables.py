@@ -11,11 +11,20 @@ from comparisons.stress.saved import Stress
 from reports.document.parts import Facts, Mono, Paragraph, Table, TableCell, Words
 from reports.document.templates import sentence
 from reports.document.terminal import Printed, Printout
-from reports.records.views import once
-from reports.stress.maps import APART, SIGNS, SILENT, axis_title, border_words, shown_verdicts, story, value_words
+from reports.records.views import blank_repeats
+from reports.stress.maps import (
+    NOT_JUDGED,
+    SIGNS,
+    WRONG_MOTIONS,
+    axis_title,
+    border_words,
+    cell_facts,
+    shown_verdicts,
+    value_words,
+)
 
 LOUD = (StressVerdict.MISSED, StressVerdict.ALARM)
-FAULTS = [verdict for verdict in StressVerdict if verdict not in (StressVerdict.WITHIN, *APART)]
+FAULTS = [verdict for verdict in StressVerdict if verdict not in (StressVerdict.WITHIN, *NOT_JUDGED)]
 MOST_ALONE = 40  # incidents of one verdict that a table has row by row
 INCIDENT = ("engine", "axis: row", "value", "usage", "reason", "command")
 RANKED = "tuned"  # the setting by which engines are ranked
@@ -24,7 +33,7 @@ RANKED = "tuned"  # the setting by which engines are ranked
 def summary(stress: Stress, macro: str) -> str:
     """A summary in the words of one macro: the runs, wrong motions flagged and missed, false alarms."""
     count = stress.count()
-    caught, missed, alarms = (count[verdict] for verdict in (*SILENT, StressVerdict.ALARM))
+    caught, missed, alarms = (count[verdict] for verdict in (*WRONG_MOTIONS, StressVerdict.ALARM))
     extent = {"cells": len(stress.results), "axes": len(stress.axes), "quick": stress.document["quick"]}
     counts = {"wrong": caught + missed, "caught": caught, "missed": missed, "alarms": alarms}
     return sentence(macro, facts={**extent, **counts})
@@ -39,7 +48,7 @@ def ranking(stress: Stress) -> str:
     cells = [result for result in stress.results if result.cell.value in stress.columns[result.cell.axis]]
     tuned = [cell for cell in cells if cell.cell.usage == RANKED]
     count = Counter((result.cell.engine, result.verdict is StressVerdict.WITHIN) for result in tuned or cells
-                    if result.verdict not in APART)  # fmt: skip
+                    if result.verdict not in NOT_JUDGED)  # fmt: skip
     engines = [(name, count[name, True], count[name, True] + count[name, False]) for name in stress.engines]
     ranked = sorted((engine for engine in engines if engine[2]), key=lambda row: -row[1] / row[2])
     return sentence("stress_ranking", engines=ranked, setting=RANKED if tuned else "") if ranked else ""
@@ -76,7 +85,7 @@ def _compact(count: Counter[StressVerdict]) -> TableCell:
 
 def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
     """A row to a border; what it shares with the one before is left out. ``name`` is how an axis is named."""
-    rows = once(
+    rows = blank_repeats(
         ((name(border.axis), *border.line[1:], TableCell(border_words(border), colour=SIGNS[border.verdict].terminal))
          for border in stress.borders), heads=4)  # fmt: skip
     return Table("", ("axis", "row", "engine", "usage", "last within, first beyond"), tuple(rows), align="l")
@@ -125,5 +134,5 @@ def _incident_line(result: CellResult) -> Paragraph:
 
 def cell_details(result: CellResult) -> str:
     """The details of one cell, a line to a fact."""
-    facts = (f"{name}: {words}" for name, words in story(result).items())
+    facts = (f"{name}: {words}" for name, words in cell_facts(result).items())
     return "\n  ".join([f"{result.cell.key}: {result.verdict.value}", *facts])

@@ -12,7 +12,7 @@ from comparisons.work_precision.records import BenchRecord
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import Fold, Paragraph, Section, Table, TableCell
 from reports.document.templates import sentence
-from reports.records.views import once
+from reports.records.views import blank_repeats
 from reports.work_precision.words import judged_by, label_of, way_words
 
 # Errors that the page begins with, by their places among those wanted.
@@ -37,14 +37,15 @@ def _share(error: float) -> str:
 def _winners(places: Sequence[PlaceFacts], column: int) -> list[tuple[str, str, int]]:
     """The engines that are the cheapest somewhere, their times and in how many places, those of most first."""
     groups = [
-        _met((facts for facts in place.engines(place.foremost) if not facts.is_control), column) for place in places
+        _points_reaching((facts for facts in place.engines(place.foremost) if not facts.is_control), column)
+        for place in places
     ]
     wins = grouped((best[0].engine, best) for met in groups if met for best in (min(met, key=_time),))
-    return [(name, _span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
+    return [(name, _time_span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
 
 
-def _met(engines: Iterable[EngineFacts], column: int) -> list[EnginePoint]:
-    """The cheapest points of those that get to an error."""
+def _points_reaching(engines: Iterable[EngineFacts], column: int) -> list[EnginePoint]:
+    """Every engine that reaches the error of a column, with its cheapest point that does."""
     return [(engine, record) for engine in engines if engine.choices and (record := engine.choices[column].record)]
 
 
@@ -53,7 +54,7 @@ def _time(pair: EnginePoint) -> float:
     return pair[1].total_seconds
 
 
-def _span(pairs: Sequence[EnginePoint]) -> str:
+def _time_span(pairs: Sequence[EnginePoint]) -> str:
     """The shortest and the longest time; one where they read alike."""
     times = [_time(pair) for pair in pairs]
     return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
@@ -74,10 +75,11 @@ def section(regimes: Regimes, note: str) -> Section:
 def _table(caption: str, corner: str, groups: Mapping[str, Sequence[PlaceFacts]]) -> Table:
     """A row for every engine of a group; cells that say the same are one."""
     head = (corner, "Engine", *map(bound, WANTED))
-    return Table(caption, head, tuple(once(_rows(groups))), "l", style="choices")
+    return Table(caption, head, tuple(blank_repeats(_rows(groups))), "l", style="choices")
 
 
 def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[TableCell | str, ...]]:
+    """A row per group and engine; equal cells side by side become one."""
     for name, places in groups.items():
         engines = grouped((label_of(facts), facts) for place in places for facts in place.engines(place.foremost))
         for label, mine in engines.items():
@@ -87,10 +89,10 @@ def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[TableCel
 
 def _cell(engines: Sequence[EngineFacts], column: int) -> TableCell:
     """The times of one engine to one error over the mechanisms, and the way that most of them take."""
-    met = _met(engines, column)
+    met = _points_reaching(engines, column)
     if not met:
         least = [facts.choices[column].closest.error_max or 0.0 for facts in engines if facts.choices]
         return TableCell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
     share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
     taken = Counter(way_words(*pair) for pair in met).most_common(1)[0][0]
-    return TableCell(_span(met), note=f"{taken}{share}")
+    return TableCell(_time_span(met), note=f"{taken}{share}")

@@ -73,6 +73,7 @@ def _least(sweep: MethodSweep) -> tuple[Array, Array]:
 
 
 def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
+    """The curves of one engine: its sweeps, floors, fronts and settings."""
     for sweep in facts.methods:
         line = LINES[sweep.first.is_extrapolated]
         yield Curve(*_places(sweep.records), ink=ink, line=line, width=0.6, marker=".")

@@ -29,7 +29,7 @@ from reports.document.parts import (
 )
 from reports.document.templates import lines, plain, sentence
 from reports.records.origins import environment_facts
-from reports.records.views import anchor, once
+from reports.records.views import anchor, blank_repeats
 from reports.work_precision import choices
 from reports.work_precision.overview import drawn_error, figures, inks
 from reports.work_precision.words import (
@@ -41,9 +41,9 @@ from reports.work_precision.words import (
     judged_by,
     label_of,
     limit_words,
+    method_words,
     noise_note,
     noise_share,
-    way,
 )
 
 # The cost of a whole scene beside those of scenes with less in them.
@@ -70,6 +70,7 @@ def _label(cost: MeasuredCost) -> str:
 
 
 def _cell(cost: MeasuredCost, whole: float) -> TableCell:
+    """The least time of a scene with its share of the whole scene's, s; or why there is none."""
     if cost.outcome != Outcome.FINISHED:
         return TableCell(cost.outcome, "failed", tooltip=cost.reason)
     least, median = min(cost.seconds), statistics.median(cost.seconds)
@@ -133,7 +134,7 @@ def _shared(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
         effort_words(record.effort, record.effort_unit),
     )
     table = {name: getattr(record, name) for name in SHARED}
-    return {**table, "way": way(facts, record), "own": own, "solver": solver, "ends": {}, "points": {}}
+    return {**table, "way": method_words(facts, record), "own": own, "solver": solver, "ends": {}, "points": {}}
 
 
 def _point(sweep: dict[str, Any], record: BenchRecord) -> dict[str, Any]:
@@ -175,7 +176,7 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
     def sweeps(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
         for method in facts.methods:
             order = "no order" if method.order is None else f"order {method.order:.1f}"
-            row = TableCell(way(facts, method.first), note=about[facts.engine, method.first.setting])
+            row = TableCell(method_words(facts, method.first), note=about[facts.engine, method.first.setting])
             yield row, TableCell(order, note=limit_words(method), tooltip=method.floor.evidence)
 
     orders = _by_mechanism(regimes, "bench_orders", "Method", sweeps)
@@ -195,7 +196,7 @@ def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Tab
             for row, cell in rows_of(facts):
                 table.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
     none = TableCell(ABSENT, "absent")
-    rows = once(
+    rows = blank_repeats(
         (label, row, *(mine.get(column, none) for column in range(len(places))))
         for label, cells in table.items()
         for row, mine in cells.items()

@@ -75,7 +75,7 @@ def _methods(place: PlaceFacts, quantity: str) -> Table:
         least, floor = sweep.least, sweep.floor
         order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
         names = (error(floor.error), words.per_turn(least), seconds(least.total_seconds), floor.cause.value)
-        rows.append((label_of(facts), words.way(facts, sweep.first), order, *names))
+        rows.append((label_of(facts), words.method_words(facts, sweep.first), order, *names))
     return Table("", METHODS, tuple(rows), "llrrrrl")
 
 

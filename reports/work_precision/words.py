@@ -26,7 +26,7 @@ def comparison_words(comparison: SettingComparison, facts: EngineFacts, noise: f
     if ratio is None or comparison.rival is None or comparison.rival_seconds is None:
         return f"; no {'method' if whole else 'single run'} measured gets there"
     front = "the front" if whole else "the front of single runs"
-    beside = f"{way(facts, comparison.rival)} takes {seconds(comparison.rival_seconds)} to the same error"
+    beside = f"{method_words(facts, comparison.rival)} takes {seconds(comparison.rival_seconds)} to the same error"
     if ratio <= 1.0 / (1.0 + noise):
         return f"; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
     return f"; {'on' if ratio <= 1.0 + noise else f'{figure(ratio, 2)} ×'} {front}: {beside}"
@@ -34,10 +34,10 @@ def comparison_words(comparison: SettingComparison, facts: EngineFacts, noise: f
 
 def way_words(facts: EngineFacts, record: BenchRecord) -> str:
     """A point's way and, behind an @, its steps a turn, which a setting's adapter fixes: "trapezoidal x4 @ 48"."""
-    return " @ ".join(filter(None, (way(facts, record), per_turn(record))))
+    return " @ ".join(filter(None, (method_words(facts, record), per_turn(record))))
 
 
-def way(facts: EngineFacts, record: BenchRecord) -> str:
+def method_words(facts: EngineFacts, record: BenchRecord) -> str:
     """The name of a point's setting or method, with an effort other than the default, without its step.
 
     Of several runs extrapolated it ends in "x3", with which the name of a method may end already.
@@ -88,7 +88,7 @@ def label_of(facts: EngineFacts) -> str:
 
 
 def engine_labels(bench: Bench) -> dict[str, str]:
-    """The report on all engines of a benchmark, by name, the control last."""
+    """The labels of all engines of a benchmark, by name, the control last."""
     controls = {record.engine: record.is_control for record in bench.records}
     return {name: engine_label(name, controls[name]) for name in sorted(controls, key=lambda own: (controls[own], own))}
 

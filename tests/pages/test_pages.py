@@ -93,12 +93,6 @@ def test_a_page_is_legible_on_a_phone_at_night(chromium, report, name):
         assert (facts["overflow"] <= 0, facts["small"], look.grave()) == (True, [], [])
 
 
-def test_a_page_names_what_is_missing_without_scripts(chromium, report):
-    with opened(chromium, report / NAMES[-1], scripts=False) as look:
-        assert look.faults == []
-        assert look.page.locator("noscript").count()
-
-
 def test_one_file_holds_the_whole_report(chromium, report, tmp_path):
     mailed = tmp_path / "report.html"
     assert linkproof("report", report, "--single-file", mailed).returncode == 0

@@ -18,13 +18,13 @@ from comparisons.work_precision.points import FULL, QUICK
 from comparisons.work_precision.records import KIND, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
-from reports.command_line.destination import Destination, interruptible, journal
-from reports.requests.campaign import left_out, request
+from reports.command_line.destination import Destination, journal, report_interruption
+from reports.requests.campaign import missing_engines, request
 from reports.requests.campaign_options import BenchOptions, RunsOptions
 from reports.requests.exit_codes import bench_exit_code
 from reports.requests.motion_options import MotionOptions
 from reports.requests.options import command_line
-from reports.requests.standard import of_project
+from reports.requests.standard import complete_study
 from reports.work_precision.terminal import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
@@ -37,19 +37,19 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
     given, with a single run at a time on each machine. Raises LinkproofError for bad input before any run.
     """
     destination.check(f"{KIND}.html")
-    options = of_project(options)
+    options = complete_study(options)
     out = destination.out
     check_scheduler(scheduler)
     if scheduler is not None and options.costs:
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
-    requested = request(_campaign(options))
+    requested = request(_default_runs(options))
     wanted = _request(options, requested)
     if destination.verbose and not options.engine:
-        destination.remark(left_out(requested.engines))
+        destination.remark(missing_engines(requested.engines))
     with (
         closing(LastingPool()) as here,
         opened(scheduler, here, alone=True) as pool,
-        interruptible(out) as counting,
+        report_interruption(out) as counting,
     ):
         records = (
             journal(out, wanted.command, requested.engines, requested.linkages, resume=destination.resume)
@@ -69,7 +69,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: object = N
     return bench_exit_code(result.records, wanted.engines)
 
 
-def _campaign(options: BenchOptions) -> RunsOptions:
+def _default_runs(options: BenchOptions) -> RunsOptions:
     """The runs, with the default motions if none is named, and without a choice of quantities.
 
     A quick benchmark runs up over half a turn and turns half a turn more, which shows as much as many turns.
@@ -85,6 +85,7 @@ def _campaign(options: BenchOptions) -> RunsOptions:
 
 
 def _request(options: BenchOptions, requested: CampaignRequest) -> BenchRequest:
+    """The benchmark to measure; raises LinkproofError for a quantity that a case does not have."""
     every = tuple(cases(requested))
     quantities = tuple(dict.fromkeys(options.quantity)) or QUANTITIES
     for name in quantities:

@@ -19,14 +19,14 @@ from comparisons.datasheet.published import PublishedRecord, all_variants, compa
 from comparisons.runs.run_engine import Failure
 from engines.registry import engine_names
 from reports.campaign.terminal import printout
-from reports.command_line.destination import Destination, interruptible, journal
+from reports.command_line.destination import Destination, journal, report_interruption
 from reports.document.terminal import Printout, show
 from reports.mechanism import terminal
 from reports.requests import PASSED, SUITE_ERROR
-from reports.requests.campaign import installed, left_out
+from reports.requests.campaign import installed, missing_engines
 from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
 from reports.requests.exit_codes import campaign_exit_code
-from reports.requests.standard import AS_USUAL, UNBOUND, campaign
+from reports.requests.standard import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign
 
 PAGE = "index.html"
 
@@ -34,19 +34,19 @@ PAGE = "index.html"
 def compare(
     options: CompareOptions,
     destination: Destination,
-    limits: RunLimits = UNBOUND,
-    standard: StandardOptions = AS_USUAL,
+    limits: RunLimits = DEFAULT_LIMITS,
+    standard: StandardOptions = DEFAULT_STANDARD,
     words: Callable[[JudgedCampaign], Printout] | None = None,
 ) -> int:
-    """Run a campaign, write the requested files, print its tables or other ``words``; returns the exit code."""
+    """Run a campaign, write the requested files, print its tables, or what ``words`` makes; returns the exit code."""
     destination.check(PAGE)
     wanted, out = campaign(options, standard, limits), destination.out
     request = wanted.request
     if destination.verbose and not wanted.names_engines:
-        destination.remark(left_out(request.engines))
+        destination.remark(missing_engines(request.engines))
     if out:
         _ = wanted.tasks  # a run that cannot be made is refused before the folder is touched
-    with wanted.running.pool() as pool, interruptible(out) as counting:
+    with wanted.running.pool() as pool, report_interruption(out) as counting:
         engines, linkages = request.engines, request.linkages
         records = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
         with destination.progress() as announce, destination.own_stdout():
@@ -101,7 +101,7 @@ def published(names: Sequence[str], destination: Destination, *, with_literature
     linkages = [linkage for name in names for linkage in all_variants(name)]
     records = compare_published(linkages)
     if with_literature:
-        return _answered(linkages, records, destination)
+        return _print_answers(linkages, records, destination)
     errata = []
     with destination.progress() as announce:
         judged = judge_errata(linkages, installed(engine_names()))
@@ -114,8 +114,8 @@ def published(names: Sequence[str], destination: Destination, *, with_literature
     return SUITE_ERROR if any(record.outcome == Failure.SUITE_ERROR for record in errata) else PASSED
 
 
-def _answered(linkages: Sequence[Linkage], records: Sequence[PublishedRecord], destination: Destination) -> int:
-    """The same with the figures of every installed engine."""
+def _print_answers(linkages: Sequence[Linkage], records: Sequence[PublishedRecord], destination: Destination) -> int:
+    """Print or write the published figures beside those of every installed engine; returns the exit code."""
     with destination.progress() as announce:
         answers = list(engine_answers(linkages, installed(engine_names()), announce))
     sources = {linkage.name: linkage.source for linkage in linkages}

@@ -16,7 +16,7 @@ from comparisons.runs.plugins import engine, engines
 from comparisons.stress.cells import find_cell
 from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine_names, why_unavailable
-from reports.command_line.destination import Destination, write_out
+from reports.command_line.destination import Destination, write_to_stdout
 from reports.document.parts import Paragraph
 from reports.document.terminal import Printed
 from reports.records.origins import printout, readout_table
@@ -29,12 +29,12 @@ from reports.requests.options import command_line
 
 def list_engines(names: Sequence[str], destination: Destination) -> None:
     """Print or write the abilities and read-outs of these engines, of all by default."""
-    tables = [_described(adapter) for adapter in engines(names or engine_names())]
-    destination.print(*(part for table in tables for part in _shown(table)))
+    tables = [_describe_engine(adapter) for adapter in engines(names or engine_names())]
+    destination.print(*(part for table in tables for part in _engine_parts(table)))
     destination.write_json({"records": tables})
 
 
-def _described(adapter: Engine) -> dict[str, Any]:
+def _describe_engine(adapter: Engine) -> dict[str, Any]:
     """The abilities and read-outs of an engine, and the reason if it cannot be used here."""
     error = adapter.error if isinstance(adapter, Unusable) else None
     reason = why_unavailable(adapter) if error is None else str(error)
@@ -43,9 +43,9 @@ def _described(adapter: Engine) -> dict[str, Any]:
         "engine": adapter.name,
         "version": adapter.version(),
         "control": adapter.is_control,
-        "drives": _names(able.drives),
-        "joints": ["PinJoint", *_names(able.joints)],
-        "loads": ["gravity", *_names(able.loads)],
+        "drives": _type_names(able.drives),
+        "joints": ["PinJoint", *_type_names(able.joints)],
+        "loads": ["gravity", *_type_names(able.loads)],
         "varying_loads": able.varying_loads,
         "massless_bodies": able.massless,
         "settings": [setting.value for setting in Setting if setting in able.settings],
@@ -54,11 +54,12 @@ def _described(adapter: Engine) -> dict[str, Any]:
     }
 
 
-def _names(types: Iterable[type]) -> list[str]:
+def _type_names(types: Iterable[type]) -> list[str]:
     return sorted(entry.__name__ for entry in types)
 
 
-def _shown(table: Mapping[str, Any]) -> list[Printed]:
+def _engine_parts(table: Mapping[str, Any]) -> list[Printed]:
+    """What is printed of one engine: its name and version, its abilities, its read-outs."""
     version = table["unusable"] or table["version"]
     control = ", the reference's control, no engine" if table["control"] else ""
     kinds = ("drives", "joints", "loads", "settings")
@@ -79,20 +80,21 @@ def export(options: ExportOptions, out: Path | None) -> None:
         check_writable(out)
     if (options.cell is None) != (options.mechanism is not None):
         raise LinkproofError("expected a mechanism with --engine, or a --cell, and not both: leave one out")
-    text = _exported_run(options) if options.cell is None else _exported_cell(options, options.cell)
+    text = _export_run(options) if options.cell is None else _export_cell(options, options.cell)
     if out is None:
-        write_out(text)  # Python reads UTF-8
+        write_to_stdout(text)  # Python reads UTF-8
     else:
         write_text(out, text)
 
 
-def _exported_cell(options: ExportOptions, cell: str) -> str:
+def _export_cell(options: ExportOptions, cell: str) -> str:
     if options != ExportOptions(cell=cell):
         raise LinkproofError("--cell already defines the whole run: leave the other options out")
     return exported_cell(find_cell(cell), command_line("export", options))
 
 
-def _exported_run(options: ExportOptions) -> str:
+def _export_run(options: ExportOptions) -> str:
+    """The script of the one run that the options name; raises LinkproofError for none or several."""
     named = (options.mechanism, options.engine, options.setting)
     mechanisms, engine, setting = ((name,) if name else () for name in named)
     wanted = request(CompareOptions(mechanisms=mechanisms, engine=engine, setting=setting, **vars(options.motion)))

@@ -62,9 +62,9 @@ def merge(saved: Sequence[Path], out: Path) -> None:
 
 
 def _write_machines(folders: Sequence[MergedFolder], out: Path) -> None:
-    from reports.site.site import write_machines  # noqa: PLC0415  figures cost a second
+    from reports.site.site import write_merged_site  # noqa: PLC0415  figures cost a second
 
-    show(f"report: {write_machines(folders, out)}", stderr=True)
+    show(f"report: {write_merged_site(folders, out)}", stderr=True)
 
 
 def report(

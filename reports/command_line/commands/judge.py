@@ -17,11 +17,11 @@ from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.mapping import with_proposals
 from comparisons.judging.records import Verdict, run_record
 from comparisons.runs.files import check_writable, write_text
-from reports.command_line.destination import STDOUT, Destination, check_files, files_of, write_files
-from reports.imported.document import blank_of, document, with_cause
+from reports.command_line.destination import STDOUT, Destination, check_files, requested_files, write_files
+from reports.imported.document import add_cause, blank_record_of, document
 from reports.imported.terminal import printout, sentence, sentences
 from reports.requests import FAILED, PASSED
-from reports.requests.judge import check_judgement, judgement_of
+from reports.requests.judge import check_judgement, judge_files
 from reports.requests.motion_options import JudgeFiles, JudgeOptions
 from reports.requests.options import OutputOptions, command_line
 
@@ -33,7 +33,7 @@ def judge(
 ) -> int:
     """Judge result files, print and write the verdicts; returns the exit code."""
     destination.check(PAGE)
-    named = files_of(pictures, OutputOptions(json=destination.json))
+    named = requested_files(pictures, OutputOptions(json=destination.json))
     check_files(
         named, {"the linkage's file": Path(options.mechanism), **{f"'{result}'": result for result in options.results}}
     )
@@ -42,7 +42,7 @@ def judge(
         _check_is_new(write_mapping, options.mapping)
     linkage = load(options.mechanism, options.variant)
     try:
-        judgement = judgement_of(options, linkage)
+        judgement = judge_files(options, linkage)
     except MappingNeededError as error:
         if write_mapping is None:
             raise LinkproofError(f"{error}; --write-mapping FILE writes one to fill in") from error
@@ -63,7 +63,7 @@ def judge(
         from reports.imported.document import svg  # noqa: PLC0415 - matplotlib, where a picture is drawn
 
         write_files({pictures.svg: svg(judgement, title)})
-    destination.write_json(document(judgement, blank_of(judgement, files), command, sentence(judgement)))
+    destination.write_json(document(judgement, blank_record_of(judgement, files), command, sentence(judgement)))
     if destination.quiet and pictures.svg != STDOUT:
         destination.print(sentence(judgement))
     if pictures.svg != STDOUT:
@@ -83,11 +83,11 @@ def _check_is_new(path: Path, mapping: Path | None) -> None:
 def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: str, folder: Path) -> None:
     """The records, curves and page of a campaign, with the files in an engine's place."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
-    blank = blank_of(judgement, ", ".join(path.name for path in options.results))
+    blank = blank_record_of(judgement, ", ".join(path.name for path in options.results))
     blank = replace(blank, steps=max(len(verdict.truth) for verdict in judgement.verdicts))
     run = run_record(
         blank,
-        (with_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
+        (add_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
         (),
         {verdict.name: verdict.deviation(motion).curve for verdict in judgement.verdicts},
         {f"cause {n}": finding.likeliest.words for n, finding in enumerate(judgement.explanation.findings, start=1)},

@@ -52,12 +52,13 @@ def list_names(figures: str | None, numbers: str | None, destination: Destinatio
             f"speed, {speed_unit(linkage).name}, may be varied too, and tolerances be of a point's length and angle"
         )
         words = f"{linkage.name} ({linkage.variant}); {beside}"
-        _list("number", linkage, rows, words, destination)
+        _print_values("number", linkage, rows, words, destination)
     else:
         list_mechanisms(destination)
 
 
 def _list_figures(name: str, destination: Destination) -> None:
+    """Print or write every figure of a design under the default motion, extremes refined."""
     from reports.requests.case import steady_case  # noqa: PLC0415 - for this list alone
 
     mechanism, motion, conditions = steady_case(load(name), SteadyOptions())
@@ -66,13 +67,13 @@ def _list_figures(name: str, destination: Destination) -> None:
         :, 0
     ]
     rows = [(figure.name, figure.unit, value) for figure, value in zip(every, values.tolist(), strict=True)]
-    _list("figure", mechanism.linkage, rows, conditions, destination)
+    _print_values("figure", mechanism.linkage, rows, conditions, destination)
 
 
-def _list(
+def _print_values(
     what: str, linkage: Linkage, rows: Sequence[tuple[str, FileUnit, float]], words: str, destination: Destination
 ) -> None:
-    """Names with units and values, SI, in the units of the file."""
+    """Print or write the rows, each a name with its unit and its value in SI, in the units of the file."""
     shown = [(name, unit.name, finite(float(f"{value / unit.size:.15g}"))) for name, unit, value in rows]
     cells = [(name, unit, ABSENT if value is None else printed(value)) for name, unit, value in shown]
     destination.print(Paragraph(words, colour="bold"), "", Table("", (what, "unit", "value"), cells, "llr"))

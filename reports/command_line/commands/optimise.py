@@ -22,7 +22,7 @@ from reports.command_line.destination import Destination
 from reports.designs.optimise_terminal import aim, closing, document, printed
 from reports.requests import PASSED
 from reports.requests.campaign_options import CompareOptions
-from reports.requests.designs import optimum
+from reports.requests.designs import find_optimum
 from reports.requests.designs_options import OptimiseOptions
 from reports.requests.motion_options import MotionOptions
 from reports.requests.options import command_line
@@ -36,7 +36,7 @@ def optimise(options: OptimiseOptions, destination: Destination) -> int:
     destination.check(JSON)
     linkage = load(options.mechanism, options.variant)
     with destination.progress() as announce:
-        best, conditions = optimum(linkage, options, announce)
+        best, conditions = find_optimum(linkage, options, announce)
     text = design_file(best.problem.mechanism, best.after)
     name, folder = f"{linkage.name}-optimised.toml", destination.out
     saved = document(best, command_line("optimise", options), conditions)

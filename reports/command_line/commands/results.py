@@ -12,7 +12,7 @@ from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
 from comparisons.runs.files import check_writable, claim
-from reports.command_line.destination import STDOUT, check_files, files_of, write_files
+from reports.command_line.destination import STDOUT, check_files, requested_files, write_files
 from reports.designs.results_files import csv_table, json_text
 from reports.document.terminal import show
 from reports.requests.case import requested_results
@@ -29,7 +29,7 @@ def results(
 
     A browser ``opens`` the page of a folder. With ``strict`` a likely mistake is refused.
     """
-    named = files_of(files)
+    named = requested_files(files)
     _check(files, named, opens=opens)
     check_files(named, {"the linkage's file": Path(options.mechanism)})
     linkage = load(options.mechanism, options.variant)
@@ -41,7 +41,7 @@ def results(
     if files.out is not None or {*PICTURES} & {*named}:
         drawn = page_sheet(case, tuple(case.mechanism.linkage.released) if files.out is not None else ())
     write_files(
-        {file: _content(option, drawn if option in PICTURES else result, files) for option, file in named.items()}
+        {file: _file_content(option, drawn if option in PICTURES else result, files) for option, file in named.items()}
     )
     if files.out is not None:
         _write_page(files.out, drawn, opens=opens, quiet=quiet)
@@ -81,7 +81,7 @@ def _write_page(out: Path, sheet: Sheet, *, opens: bool, quiet: bool) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
-def _content(option: str, result: Sheet, files: ResultsFiles) -> str | bytes:
+def _file_content(option: str, result: Sheet, files: ResultsFiles) -> str | bytes:
     """The content of the file of an option; its writer is imported here, which takes half a second or more."""
     if option == "--xlsx":
         from reports.designs.results_workbook import workbook  # noqa: PLC0415

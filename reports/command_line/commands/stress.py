@@ -12,12 +12,12 @@ from comparisons.runs.workers import LastingPool
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import chosen_axes, find_cell
 from comparisons.stress.saved import KIND, save
-from reports.command_line.destination import Destination, interruptible, journal
-from reports.requests.campaign import Running, left_out, requested_engines, running
+from reports.command_line.destination import Destination, journal, report_interruption
+from reports.requests.campaign import Running, missing_engines, requested_engines, running
 from reports.requests.campaign_options import RunLimits, StressOptions
 from reports.requests.exit_codes import stress_exit_code
 from reports.requests.options import command_line
-from reports.requests.standard import of_project
+from reports.requests.standard import complete_study
 from reports.stress.tables import cell_details, printout
 
 
@@ -27,7 +27,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     Without names, the engines of the project are used. Raises LinkproofError for bad input before any run.
     """
     destination.check(f"{KIND}.html")
-    options = of_project(options)
+    options = complete_study(options)
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
     if options.time_limit is not None and not 0.0 < options.time_limit < math.inf:
@@ -35,11 +35,11 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     where = running(RunLimits(jobs=jobs, scheduler=scheduler))
     cells = [word for word in options.words if "/" in word]
     if cells:
-        return _alone(options, cells, destination, where)
+        return _make_named_cells(options, cells, destination, where)
     wanted, out = _request(options), destination.out
     if destination.verbose and not options.engine:
-        destination.remark(left_out(wanted.engines))
-    with closing(LastingPool(where.processes)) as here, where.pool(here) as pool, interruptible(out) as counting:
+        destination.remark(missing_engines(wanted.engines))
+    with closing(LastingPool(where.processes)) as here, where.pool(here) as pool, report_interruption(out) as counting:
         records = journal(out, wanted.command, wanted.engines, resume=destination.resume) if out else None
         with destination.progress() as announce:
             result = stress(replace(wanted, pool=pool), counting(announce), records)
@@ -55,13 +55,14 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
 
 
 def _request(options: StressOptions) -> StressRequest:
+    """The stability maps to make; raises LinkproofError for unknown names."""
     present = requested_engines(options.engine)
     axes = tuple(chosen_axes(options.words))
     command = command_line("stress", options)
     return StressRequest(axes, present, options.setting, options.quick, time_limit=options.time_limit, command=command)
 
 
-def _alone(options: StressOptions, cells: Sequence[str], destination: Destination, where: Running) -> int:
+def _make_named_cells(options: StressOptions, cells: Sequence[str], destination: Destination, where: Running) -> int:
     """Make the named cells, each separately, and print all their details."""
     if len(cells) < len(options.words):
         raise LinkproofError("expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind")

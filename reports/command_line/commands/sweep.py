@@ -22,10 +22,10 @@ from reports.command_line.destination import (
     STDOUT,
     Destination,
     check_files,
-    files_of,
-    interruptible,
     journal,
-    write_out,
+    report_interruption,
+    requested_files,
+    write_to_stdout,
 )
 from reports.designs.sweep_terminal import SweepSummary, csv_rows
 from reports.document.terminal import Printout
@@ -43,7 +43,7 @@ def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) ->
     destination.check(FILE)
     destination.check(PICTURE)
     check_sweep(options)
-    named, read = files_of(destination, files), {"the linkage's file": Path(options.mechanism)}
+    named, read = requested_files(destination, files), {"the linkage's file": Path(options.mechanism)}
     check_files(named, read if options.table is None else {**read, "the table": options.table})
     request, conditions = sweep_request(load(options.mechanism, options.variant), options)
     figures, command = figures_of_file(request), command_line("sweep", options)
@@ -54,7 +54,7 @@ def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) ->
         saved = (
             None if folder is None else SavedSweep(request, folder, dataset_attributes(request, conditions, command))
         )
-        summary = SweepSummary(request, figures, _computed(options, destination, request, saved), conditions)
+        summary = SweepSummary(request, figures, _compute_designs(options, destination, request, saved), conditions)
         if saved is not None:
             _write_rows(files.csv, saved)
             _write_pictures(files.svg, destination, saved, summary)
@@ -86,7 +86,7 @@ def _simulate(options: SweepOptions, destination: Destination, request: SweepReq
         )  # fmt: skip
 
 
-def _computed(
+def _compute_designs(
     options: SweepOptions, destination: Destination, request: SweepRequest, saved: SavedSweep | None
 ) -> Summary:
     """Compute the designs that are not yet saved, here or on the workers of a scheduler."""
@@ -99,7 +99,7 @@ def _computed(
             begun.add(request.blocks[number], saved.read(number))
     with (
         opened(options.scheduler, None) as pool,
-        interruptible(destination.out, "designs") as counting,
+        report_interruption(destination.out, "designs") as counting,
         destination.progress() as announce,
     ):
         heard = counting(announce)
@@ -122,6 +122,7 @@ def _computed(
 
 
 def _journal(saved: SavedSweep, table: Path | None, *, resume: bool) -> Journal:
+    """The journal of a sweep's finished blocks; with the digest of the table of designs, if there is one."""
     files = {}
     if table is not None:
         with table.open("rb") as stream:
@@ -138,7 +139,7 @@ def _write_rows(place: str | None, saved: SavedSweep) -> None:
 
     if place == STDOUT:
         for text in csv_rows(saved):
-            write_out(text)
+            write_to_stdout(text)
     elif place is not None:
         write_file(Path(place), write)
 
@@ -155,4 +156,4 @@ def _write_pictures(svg: str | None, destination: Destination, saved: SavedSweep
 
         text = sweep_svg(saved.dataset(), summary.own_parameters, summary.summary.extremes)
         for place in places:
-            write_out(text) if place == STDOUT else write_text(Path(place), text)
+            write_to_stdout(text) if place == STDOUT else write_text(Path(place), text)

@@ -55,7 +55,7 @@ class _WatchedFile:
         with self._lock:
             state = self._state()
             if state.encode() != self._files["state"]:
-                self._files = self._built(state)
+                self._files = self._build_files(state)
             return self._files
 
     def save(self, text: str, state: str) -> None:
@@ -75,7 +75,7 @@ class _WatchedFile:
             return hashlib.sha256(self.path.read_bytes()).hexdigest()
         return "no file"
 
-    def _built(self, state: str) -> dict[str, bytes]:
+    def _build_files(self, state: str) -> dict[str, bytes]:
         """The files of the page of the linkage, or of the error in its file."""
         name = self.path.name
         try:

@@ -8,8 +8,7 @@ from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict
 from reports.campaign.index import index
 from reports.document.markdown import written
-from reports.document.parts import Cards, Fold, PageLink, Paragraph, Table
-from reports.document.terminal import rendered
+from reports.document.parts import Cards, PageLink, Paragraph
 from tests.reports.made_up_results import made_up_results
 
 NAMES = ("juki-mf7923d", "two-crank-takeup")
@@ -37,22 +36,9 @@ def section(page, key):
     return next(one for one in page.sections if one.key == key)
 
 
-def tables(page):
-    return [part for part in section(page, "engines").parts if isinstance(part, Table)]
-
-
 def test_the_verdict_stands_before_every_section(page):
     assert [part.role for part in page.parts[:3]] == ["verdict", "lead", "lead"]
     assert page.parts[0].words.startswith("Trust alpha and beta")
-
-
-def test_every_engine_has_a_row_and_every_setting_its_columns(page):
-    standings, families = tables(page)
-    assert [row[0] for row in standings.rows] == ["alpha", "beta", "gamma"]
-    assert [name for name, _ in standings.groups] == ["", "tuned", "best", "naive (decides nothing)"]
-    assert sum(columns for _, columns in standings.groups) == len(standings.head) == len(standings.rows[0])
-    assert "gamma <cannot> hold this scene" in rendered(standings) or standings.rows[2][1].note
-    assert {row[1] for row in families.rows} == {"tuned", "best"}
 
 
 def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, sheets):
@@ -64,15 +50,6 @@ def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, s
     assert all(name in text for name in ("peak torque", "peak power", "mean Jeq", "stroke"))
     assert "- worst error: 0." in text
     assert " of its limit: beta, " in text
-
-
-def test_everything_else_is_a_link_or_behind_a_line(page):
-    assert STUDY[0] in page.parts[-1].items[0]
-    (fold,) = section(page, "run").parts
-    assert isinstance(fold, Fold)
-    assert not fold.is_open
-    text = written(fold.parts)
-    assert all(words in text for words in ("linkproof compare juki-mf7923d", "ideal joints", "1e-5", "motor torque"))
 
 
 def test_a_judgement_says_its_own_verdict(results, sheets):

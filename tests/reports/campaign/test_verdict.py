@@ -7,7 +7,6 @@ import pytest
 from analytic.description.loading import load
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Verdict
-from engines.contract import Setting
 from reports.campaign.verdict import CHECKS, OTHER, RELEASED, EngineRanking, verdict
 from tests.reports.made_up_results import changed_results, made_up_results
 
@@ -24,12 +23,12 @@ def results():
 
 
 def test_who_is_within_every_limit_is_trusted_in_everything(results):
-    trusted, nearest, untuned = verdict(EngineRanking(results))
+    trusted, most_accurate, untuned = verdict(EngineRanking(results))
     count = sum(record.setting == "tuned" for record in (*results.records, *results.invariants))
     assert trusted.startswith("Trust alpha and beta, once tuned, for every quantity compared: all ")
     assert f" {count} errors" in trusted
-    assert nearest.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
-    assert "The quickest within every limit is" in nearest
+    assert most_accurate.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
+    assert "The quickest within every limit is" in most_accurate
     assert untuned.startswith("At default settings (naive) over its limits: alpha, beta, off by up to ")
 
 
@@ -53,14 +52,7 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
     first = verdict(trust)[0]
     assert first.startswith("Within their limits: alpha, once tuned, for every quantity compared. ")
     assert "Do not trust beta for Mkr/Peq: an error is over its limit" in first
-    assert trust.nearest("tuned", "Mkr/Peq") == "alpha"
-
-
-def test_where_only_naive_ran_it_decides():
-    trust = EngineRanking(made_up(settings=[Setting.NAIVE]))
-    assert trust.settings == ("naive",)
-    assert "Do not trust alpha and beta for S/v/a, Jeq/Teq" in verdict(trust)[0]
-    assert not any("At default" in line for line in verdict(trust))
+    assert trust.most_accurate("tuned", "Mkr/Peq") == "alpha"
 
 
 def test_a_released_crank_checks_and_foreign_signals_are_families_of_their_own(results):
@@ -98,13 +90,3 @@ def test_nobody_is_trusted_where_anything_is_red(results, told, words):
     assert first.startswith(words)
     assert second == "Within their limits: alpha and beta, once tuned, for every quantity compared."
     assert not any("Trust" in line for line in rest)
-
-
-@pytest.mark.parametrize("outcome", ["diverged", "suite-error"])
-def test_nobody_is_trusted_where_another_setting_failed(results, outcome):
-    """What decides the exit code decides here, though the table is that of tuned runs."""
-
-    def worse(record):
-        return replace(record, setting="best", outcome=outcome) if record.setting == "naive" else record
-
-    assert not any("Trust" in line for line in verdict(EngineRanking(changed_results(results, worse))))

@@ -53,15 +53,6 @@ def test_no_words_touch_others_leave_the_figure_or_are_small(chart):
     check_words(draw.figure(chart), 2.5)
 
 
-def test_a_key_of_many_names_the_largest_and_counts_the_rest():
-    figure = draw.figure(CHARTS["names that take all the room"])
-    upper, lower = figure.axes
-    assert set(NAMES) <= set(texts(figure, upper))
-    names = [text for text in texts(figure, lower) if re.match("link|and", text)]
-    assert "and 32 more" in names
-    assert len(names) == 9
-
-
 def test_a_turn_has_its_sixths_and_errors_whole_decades():
     figure = draw.figure(CHARTS["one above the other"])
     upper, lower = figure.axes
@@ -70,12 +61,6 @@ def test_a_turn_has_its_sixths_and_errors_whole_decades():
     assert draw.edges(figure) == pytest.approx((lower.get_position().x0, lower.get_position().x1))
     assert np.log10(lower.get_ylim()) == pytest.approx(np.round(np.log10(lower.get_ylim())))
     assert set(texts(figure, lower)) >= {scales.power_of_ten(end) for end in lower.get_ylim()}
-
-
-def test_a_metre_is_a_metre_in_both_directions():
-    axes = draw.figure(CHARTS["to one scale"]).axes[-1]
-    size = axes.get_window_extent()
-    assert np.ptp(axes.get_xlim()) / size.width == pytest.approx(np.ptp(axes.get_ylim()) / size.height)
 
 
 def test_a_file_keeps_its_words_and_turns_every_colour_it_has(chart):

@@ -65,19 +65,3 @@ def test_springs_and_cylinders_stay_between_their_ends(moving):
             track = points(scheme, path.T)
             for share, place in carried(text, number, points(scheme, end)).items():
                 np.testing.assert_allclose(place, track[round(share * (len(track) - 1))], atol=0.5)
-
-
-def test_it_is_small_and_its_names_are_its_own(moving):
-    scheme, root, text = moving
-    assert len(list(root.iter())) < 100
-    assert len(text) < 80_000
-    assert {element.get("id") for element in root.iter()} == {"key", None}
-    classes = {element.get("class") for element in root.iter()} - {None, "moving"}
-    assert classes <= {f"key-{number}" for number in range(len(scheme.linkage.links) + len(scheme.stretches))}
-    assert set(re.findall(r"animation-name:([^}]*)}", text)) >= classes
-    assert "prefers-reduced-motion" in text
-
-
-def test_what_reaches_an_end_of_its_range_goes_back_the_way_it_came(moving):
-    scheme, _, text = moving
-    assert ("infinite alternate" in text) is not scheme.positions.closed

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from analytic.errors import LinkproofError
-from reports.command_line.destination import interruptible, journal
+from reports.command_line.destination import journal, report_interruption
 from reports.requests.campaign import request
 from reports.requests.campaign_options import CompareOptions
 from reports.requests.options import command_line
@@ -36,7 +36,7 @@ def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sente
     passed_on = []
 
     def pressed():
-        with interruptible(folder) as counting:
+        with report_interruption(folder) as counting:
             announce = counting(lambda *words: passed_on.append(words))
             for words in announced:
                 announce(*words)
@@ -45,11 +45,6 @@ def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sente
     with pytest.raises(KeyboardInterrupt) as error:
         pressed()
     assert (str(error.value), passed_on) == (sentence, announced)
-
-
-def test_other_faults_pass():
-    with pytest.raises(ValueError, match="as it was"), interruptible(Path("out")):
-        raise ValueError("as it was")
 
 
 def test_the_same_request_is_resumed_and_another_one_is_refused(tmp_path):

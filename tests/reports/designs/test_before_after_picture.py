@@ -34,10 +34,3 @@ def test_any_values_are_drawn(values):
     figure = before_after_figure({"S": Change(places, values, values, "")}, axis="travel of the drive, m")
     assert draw.svg(figure)
     assert len(figure.axes) == 1
-
-
-def test_signals_beyond_nine_are_counted_and_none_are_words_alone():
-    figure = before_after_figure({f"s{n}": Change(ANGLE, WAVE, WAVE, "mm") for n in range(11)})
-    assert len(figure.axes) == 9
-    assert "The first 9 of 11 signals are drawn." in texts(figure)
-    assert "made-up" in texts(before_after_figure({}, "made-up"))

@@ -29,12 +29,6 @@ def test_rows_stand_by_contribution_and_a_mass_moves_no_stroke():
     assert "30 random designs, seed 2: all of them assemble" in text
 
 
-def test_corners_that_do_not_assemble_are_counted():
-    study, text = printed(mechanism("rimoldi-164", "as-built"), ("stroke",), {"rod.B.x": 12.0}, samples=30)
-    assert "of all 2 corners, of which 2 do not assemble" in text
-    assert document(study)["results"]["stroke"]["worst case"]["corners that do not assemble"] == 2
-
-
 def test_what_has_no_derivative_says_why():
     table = {"piston.through.y": 0.001, "rod.B.x": 0.001}
     study, text = printed(from_text(IN_LINE), ("v.peak",), table, samples=4)

@@ -3,18 +3,7 @@
 import pytest
 
 from reports.document.markdown import inline, table, written
-from reports.document.parts import (
-    Bullets,
-    Facts,
-    Fold,
-    Mono,
-    PageFigure,
-    PageLink,
-    Paragraph,
-    Section,
-    Table,
-    TableCell,
-)
+from reports.document.parts import Bullets, Facts, Fold, PageFigure, PageLink, Paragraph, Section, Table, TableCell
 
 
 def test_rows_of_a_table_are_as_wide_as_their_head_and_bars_are_escaped():
@@ -34,10 +23,6 @@ def test_rows_of_a_table_are_as_wide_as_their_head_and_bars_are_escaped():
         "| a\\|b | \\<x> | 3 |",
         "| \\[/c\\] | y (of z) | 40 |",
     ]
-
-
-def test_words_keep_links_and_commands():
-    assert inline(("see ", PageLink("it", "a.html"), ": ", Mono("x --y"))) == "see [it](a.html): `x --y`"
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,6 @@
 """Printed text: no markup, no control characters, no loss of text."""
 
-import io
-import sys
-
-from reports.document.parts import Mono, PageLink, Paragraph, Table, TableCell
+from reports.document.parts import Paragraph, Table, TableCell
 from reports.document.terminal import rendered, show
 
 FOREIGN = "[/rod] [bold]x[/] :smile: \x1b[2J\x07 \u202e"
@@ -28,25 +25,3 @@ def test_a_terminal_folds_and_cuts_nothing():
     text = rendered(Table("", ("a", "b"), [("x" * 50, "y" * 50)]), width=40)
     assert (text.count("x"), text.count("y")) == (50, 50)
     assert max(map(len, text.splitlines())) <= 40
-
-
-def test_figures_stand_to_the_right_of_words():
-    table = Table("", ("name", "of", "n"), (("a", "b", "1"), ("a", "b", "10")), align="llr")
-    assert rendered(table).splitlines()[1:] == ["a     b    1", "a     b   10"]
-
-
-def test_links_and_commands_are_their_words():
-    assert rendered(Paragraph(("see ", PageLink("the page", "x.html"), " or ", Mono("linkproof list")))) == (
-        "see the page or linkproof list\n"
-    )
-
-
-def test_remarks_go_to_stderr(capsys):
-    show("remark", stderr=True)
-    assert capsys.readouterr() == ("", "remark\n")
-
-
-def test_nothing_is_printed_of_nothing(monkeypatch):
-    monkeypatch.setattr(sys, "stdout", io.StringIO())
-    show()
-    assert sys.stdout.getvalue() == ""

@@ -8,7 +8,6 @@ from analytic.description.loading import load
 from comparisons.imported.judge import judge
 from reports.document.terminal import rendered
 from reports.imported.terminal import printout
-from tests.analytic.drives import driven
 from tests.comparisons.imported.exported import exported
 
 JUKI = load("juki-mf7923d")
@@ -36,11 +35,3 @@ def test_an_instant_that_is_nothing_but_rounding_is_zero():
     motion = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
     time = np.linspace(0.0, 0.06, 101) - 6e-18
     assert " 0 s " in printed(JUKI, motion, time, 0)
-
-
-def test_a_drive_along_a_line_is_at_a_length():
-    linkage = driven("linear-motor").linkage
-    motion = swing("constant-speed", 0.0, 0.1, speed=0.1)
-    said = printed(linkage, motion, np.linspace(0.0, 1.0, 101), 50)
-    assert " 50 mm " in said
-    assert " drive " in said

@@ -6,10 +6,9 @@ import json
 import numpy as np
 import pytest
 
-from comparisons.datasheet.instants import extreme_samples
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
-from reports.mechanism.curves import STRETCHES, chart_data, curves, pack, worst_samples
+from reports.mechanism.curves import STRETCHES, chart_data, curves, pack
 from reports.records.views import views
 from tests.reports.made_up_results import made_up_results
 
@@ -41,19 +40,6 @@ def test_packed_numbers_come_back_to_four_digits_of_their_range():
     assert found[1][1:-1] == pytest.approx(second[1:-1], abs=8.0 / 65534)
     assert unpacked(pack(np.full(3, 7.0), np.full(3, np.nan)))[0] == pytest.approx([7.0, 7.0, 7.0])
     assert len(unpacked(pack(np.empty(0)))[0]) == 0
-
-
-def test_thinning_keeps_every_peak_and_the_worst_error():
-    values = np.sin(np.linspace(0.0, 50.0, 10_007))
-    values[4321] = 9.0
-    chosen = extreme_samples(values, 100)
-    assert {0, 4321, 10_006} <= set(chosen)
-    assert len(chosen) <= 202
-    assert list(extreme_samples(values[:150], 100)) == list(range(150))
-    values[:2000] = np.nan
-    found = worst_samples(values, STRETCHES)
-    assert 4321 in found
-    assert found[0] >= 2000
 
 
 def test_a_run_keeps_its_largest_error_and_where_it_is(view):

@@ -23,14 +23,6 @@ def test_signals_are_those_of_the_place_on_the_axis(speed):
     assert rows["v"]["unit"] == "mm/s"
 
 
-@pytest.mark.parametrize(("speed", "way"), [(SPEED, 1.0), (-SPEED, -1.0)])
-def test_a_crank_that_turns_clockwise_is_played_clockwise(speed, way):
-    found = shown(speed)
-    data = player_data(found, found.positions)
-    for key in (data["axis"]["shares"], data["poses"]):
-        assert np.sign(np.median(np.diff(key))) == way
-
-
 def test_poses_of_a_motion_to_and_fro_go_from_its_start_to_its_end():
     found = usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))
     data = player_data(found, found.positions)

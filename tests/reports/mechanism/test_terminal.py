@@ -16,9 +16,3 @@ def test_catalogue_portrait_and_published_name_their_mechanism():
     assert "juki-mf7923d (as-built)" in rendered(*terminal.portrait(portrait(load("juki-mf7923d"))))
     text = rendered(*terminal.published(compare_published(all_variants("juki-mf7923d"))))
     assert "9.127e-05 ✓ +0.3%" in text
-
-
-def test_an_extreme_just_short_of_a_turn_is_at_its_start():
-    facts = portrait(load("juki-mf7923d"))
-    facts["Jeq"]["min_at"] = 359.97
-    assert "at 0.0° kg m²" in rendered(*terminal.portrait(facts))

@@ -1,18 +1,16 @@
 """A benchmark's diagram, static figures and page."""
 
-import json
 import re
 
 import pytest
 
 from comparisons.work_precision.analysis import by_regime, on_front, places, split_by_runs
-from comparisons.work_precision.records import KIND, METHOD, Bench, load, save
+from comparisons.work_precision.records import METHOD, Bench, load, save
 from reports.document import html
-from reports.document.parts import Fold, Section
-from reports.work_precision.overview import LEAST, chart, inks
+from reports.work_precision.overview import chart, inks
 from reports.work_precision.page import page, widget
 from reports.work_precision.words import engine_labels
-from tests.comparisons.bench_rows import points, row, sweep_rows
+from tests.comparisons.bench_rows import points, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench, nothing_finished
 
 BENCH = made_up_bench()
@@ -35,30 +33,6 @@ def test_every_finished_record_of_every_place_is_there_once():
             errors = [point["errors"][name][1] for _, point in _held(data) if name in point["errors"]]
             wanted = [float(f"{one.error_max:.4g}") for one in place.records if one.quantity == name and one.finished]
             assert sorted(errors) == sorted(wanted)
-
-
-def test_the_data_are_json_and_a_quantity_tells_its_unit_and_peak():
-    data = _widget().data
-    json.dumps(data, allow_nan=False)
-    assert data["first"]["quantities"] == [["Mkr", "Mkr", "N m", 0.2], ["joint_force", "joint force", "N m", 0.2]]
-    assert data["engines"] == [["alpha", "alpha", 0], ["beta", "beta", 1]]
-
-
-def test_a_sweep_tells_whether_its_effort_is_its_own_and_what_limits_it():
-    sweeps = {one["way"]: one for one in _widget().data["first"]["sweeps"] if one["engine"] == "alpha"}
-    assert set(sweeps) == {"naive", "tuned", "best x4", "plain", "plain, 10 iterations", "higher x2"}
-    assert [way for way, one in sweeps.items() if not one["own"]] == ["plain, 10 iterations"]
-    words, order = sweeps["plain"]["ends"]["Mkr"]
-    assert "still falling" in words
-    assert order == 2.0
-    assert sweeps["tuned"]["ends"] == {}
-    assert sweeps["best x4"]["runs"] == 4
-
-
-def test_an_error_of_nought_has_a_place_on_a_logarithmic_axis():
-    data = _widget(Bench(document(("m",), ("alpha",)), points([row(error_max=0.0)]))).data["first"]
-    ((_, point),) = _held(data)
-    assert point["errors"]["Mkr"] == [LEAST, 0.0, 0.0]
 
 
 PLACES, INKS = places(BENCH), inks(engine_labels(BENCH))
@@ -100,14 +74,6 @@ def folder(tmp_path_factory):
     return found
 
 
-def test_the_folder_has_the_page_its_figures_and_the_places_that_are_loaded_when_chosen(folder):
-    names = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
-    assert {"bench.html", f"{KIND}/study.json", "figures/bench/run-up-quintic.svg"} <= names
-    (further,) = (folder / "data" / "bench").iterdir()
-    assert "rimoldi-164" in further.name
-    assert "rimoldi-164" in (folder / "bench.html").read_text(encoding="utf-8")
-
-
 def test_what_engines_say_is_escaped_and_nothing_is_fetched(folder):
     text = (folder / "bench.html").read_text(encoding="utf-8")
     assert "the joints &lt;gave&gt; way" in text
@@ -115,20 +81,6 @@ def test_what_engines_say_is_escaped_and_nothing_is_fetched(folder):
     assert not re.search(r"<(gave|made up|plain)>", text)
     assert "NaN" not in text
     assert not re.search(r"(src|href)=\"https?:", text)
-
-
-def test_the_diagram_comes_first_and_failures_stand_once_with_their_places():
-    made = page(BENCH)
-    assert [type(part).__name__ for part in made.parts[:2]] == ["Paragraph", "Widget"]
-    assert [section.key for section in made.sections] == ["use", "settings", "failed", "measured"]
-    (fold,) = _section(made, "failed").parts
-    assert isinstance(fold, Fold)
-    told = "torn: diverged: the joints <gave> way (everywhere)"
-    assert fold.parts[0].items == (f"alpha, {told}", f"beta, {told}")
-
-
-def _section(made, key) -> Section:
-    return next(section for section in made.sections if section.key == key)
 
 
 def test_a_benchmark_that_gave_nothing_has_a_page_that_says_why(tmp_path):

@@ -1,15 +1,14 @@
 """A benchmark in words and tables: choices, orders and floors, costs, and the terminal."""
 
-from comparisons.work_precision.analysis import WANTED, by_regime, places
+from comparisons.work_precision.analysis import by_regime, places
 from comparisons.work_precision.records import Bench, MeasuredCost
 from comparisons.work_precision.step_sweep import Cause
-from reports.document.parts import Fold, Table
 from reports.document.terminal import rendered
 from reports.work_precision.choices import section, verdicts
-from reports.work_precision.page import cost_section, method_section
+from reports.work_precision.page import cost_section
 from reports.work_precision.terminal import printout
-from reports.work_precision.words import comparison_words, failed_methods, limit_words, way_words
-from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
+from reports.work_precision.words import comparison_words, limit_words
+from tests.comparisons.bench_rows import points, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
 BENCH = made_up_bench()
@@ -17,13 +16,6 @@ BENCH = made_up_bench()
 
 def _facts(rows, quantity="Mkr"):
     return places(Bench(document(("m",), ("alpha", "beta")), points(rows)))[0].engines(quantity)
-
-
-def test_a_way_names_its_method_and_its_steps_a_turn():
-    (alpha, _) = places(BENCH)[0].engines("Mkr")
-    ways = [way_words(alpha, choice.record) for choice in alpha.choices if choice.record]
-    assert (ways[0], ways[-1]) == ("plain @ 4", "best x4")
-    assert any(way.startswith("higher x2 @") for way in ways)
 
 
 def test_a_floor_is_an_error_that_a_finer_step_does_not_lower():
@@ -35,16 +27,6 @@ def test_a_floor_is_an_error_that_a_finer_step_does_not_lower():
     assert told([1e-1, 1e-2, 1e-3]) == (Cause.FALLING, "1.0e-3, still falling")
     assert told([1e-2]) == (Cause.UNSETTLED, "1.0e-2, undecided")
     assert told([1e-1, 2e-3, 1.9e-3, 1.8e-3]) == (Cause.MODEL, "floor 1.8e-3: read-out or model")
-
-
-def test_a_quantity_without_a_value_has_its_reason_once():
-    told = {"lacking": {"Jeq": "Jeq computed by the adapter"}}
-    rows = [row(**told), setting_row("tuned", 1e-3, 1e-2, **told), row(quantity="Jeq", engine="beta")]
-    alpha, beta = _facts(rows, "Jeq")
-    assert failed_methods(alpha) == ("plain, tuned: not-provided: Jeq computed by the adapter",)
-    assert failed_methods(beta) == failed_methods(_facts(rows)[0]) == ()
-    (alpha,) = _facts([row(quantity="joint_force", detail_of="joint_force:A not offered")], "joint_force")
-    assert failed_methods(alpha) == ("joint_force:A not offered",)
 
 
 def test_a_setting_is_on_ahead_of_or_off_the_front():
@@ -61,10 +43,6 @@ def test_a_setting_is_on_ahead_of_or_off_the_front():
 
 def _regimes(*rows, mechanisms=("m",)):
     return by_regime(places(Bench(document(mechanisms, ("alpha", "beta")), points(rows))))
-
-
-def _columns(row):
-    return sum(getattr(cell, "span", 1) for cell in row)
 
 
 def test_the_winner_of_an_error_is_the_cheapest_engine_of_most_mechanisms():
@@ -88,58 +66,6 @@ def test_what_an_engine_does_not_reach_says_how_near_it_comes():
     assert (regime, label) == ("run-up-quintic", "alpha")
     assert [(cell.words, cell.span) for cell in found] == [("500 ms", 2), ("900 ms", 2), ("–", 3)]
     assert found[-1].note == "least 2.0e-6"
-
-
-def test_every_mechanism_has_a_row_an_engine_as_long_as_the_head():
-    whole, fold, _ = section(by_regime(places(made_up_bench())), "").parts
-    assert isinstance(fold, Fold)
-    (table,) = fold.parts
-    assert isinstance(table, Table)
-    assert [row[:2] for row in table.rows] == [
-        ("juki-mf7923d, run-up-quintic", "alpha"), ("", "beta"), ("rimoldi-164, run-up-quintic", "alpha"), ("", "beta"),
-    ]  # fmt: skip
-    assert all(_columns(row) == len(WANTED) + 2 for row in (*whole.rows, *table.rows))
-
-
-def _rows(table):
-    """Cells by engine and the name of a row; an engine is named in its first row alone."""
-    found, engine = {}, ""
-    for name, way, *cells in table.rows:
-        engine = name or engine
-        found[engine, way.words] = cells
-    return found
-
-
-def _section(bench):
-    return method_section(by_regime(places(bench)), bench.document["methods"], 0.1)
-
-
-def test_a_setting_stands_beside_the_cheapest_method_at_its_error():
-    table, _ = _section(made_up_bench()).parts
-    assert isinstance(table, Table)
-    rows = _rows(table)
-    assert {row for _, row in rows} == {"naive", "tuned", "best"}
-    first = {row: rows["alpha", row][0] for row in ("naive", "tuned", "best")}
-    assert first["naive"].note == "no solution"
-    assert first["best"].note == "no method measured gets there"
-    assert (first["tuned"].words, first["tuned"].note) == (
-        "4.0e-4\u00a0in\u00a017.0\u00a0ms",
-        "on the front of single runs",
-    )
-    assert "plain takes 15.8 ms" in first["tuned"].tooltip
-
-
-def test_orders_and_least_errors_stand_side_by_side_by_regime_and_mechanism():
-    _, orders = _section(made_up_bench(regimes=("run-up", "own"))).parts
-    assert isinstance(orders, Fold)
-    (table,) = orders.parts
-    assert table.groups == (("", 2), ("regime run-up", 2), ("regime own", 2))
-    rows = _rows(table)
-    assert set(rows) == {(engine, way) for engine in ("alpha", "beta") for way in ("plain", "higher x2")}
-    assert {row[1].note for row in table.rows} == {"what <plain> does", "what <higher> does"}
-    assert {cell.words for cell in rows["alpha", "plain"]} == {"order 2.0"}
-    assert {cell.words for cell in rows["alpha", "higher x2"]} == {"order 4.0"}
-    assert all("still falling" in cell.note and "floor" not in cell.note for cell in rows["alpha", "plain"])
 
 
 def _run(engine, reduction, least, outcome="finished", reason=""):

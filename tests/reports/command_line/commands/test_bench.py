@@ -29,7 +29,7 @@ def short(monkeypatch):
     hurried = RunsOptions(
         mechanisms=("juki-mf7923d",), regime=("run-up-quintic",), engine=("direct",), ramp_time=0.1, hold_time=0.0
     )
-    monkeypatch.setattr(bench_command, "_campaign", lambda options: hurried)
+    monkeypatch.setattr(bench_command, "_default_runs", lambda options: hurried)
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def short(monkeypatch):
     ],
 )
 def test_the_regimes_and_times_of_a_benchmark(options, regimes, times):
-    options = bench_command._campaign(BenchOptions(**options))
+    options = bench_command._default_runs(BenchOptions(**options))
     assert options.regime == regimes
     assert (options.ramp_time, options.hold_time) == pytest.approx(times)
 
@@ -88,14 +88,3 @@ def test_bad_input_is_refused_before_any_run(options, destination, kind, words, 
     monkeypatch.setattr(bench_command, "measure_all", lambda *_: pytest.fail("something was run"))
     with pytest.raises(kind, match=words):
         bench(options, Destination(**destination))
-
-
-def test_an_engine_that_finishes_no_point_fails(short, monkeypatch):
-    real = bench_command.measure_all
-
-    def failing(request, *rest):
-        measured = real(request, *rest)
-        return replace(measured, points=tuple(replace(point, outcome="diverged") for point in measured.points))
-
-    monkeypatch.setattr(bench_command, "measure_all", failing)
-    assert bench(OPTIONS, Destination(quiet=True)) == 1

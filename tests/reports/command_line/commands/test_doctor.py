@@ -18,11 +18,14 @@ def row(outcome, error=None, detail=""):
     return Record(**facts, quantity="Mkr", outcome=outcome, error_max=error, detail=detail)
 
 
-def test_every_engine_and_the_compiler_are_tried(tmp_path):
+@pytest.mark.parametrize("names", [("direct",), pytest.param(engine_names(), marks=pytest.mark.nightly)])
+def test_every_engine_and_the_compiler_are_tried(tmp_path, monkeypatch, names):
+    for module in ("reports.requests.doctor", "reports.requests.campaign"):
+        monkeypatch.setattr(f"{module}.engine_names", lambda: names)
     done = linkproof("doctor", "--json", "doctor.json", cwd=tmp_path)
     facts = json.loads((tmp_path / "doctor.json").read_text())
     assert done.returncode == 0, done.stdout
-    assert [trial["name"] for trial in facts["trials"]] == [*engine_names(), "machine code"]
+    assert [trial["name"] for trial in facts["trials"]] == [*names, "machine code"]
     assert all(trial["works"] is not False for trial in facts["trials"])
     assert set(facts["places"]) == {"temporary files", "matplotlib's cache", "linkproof.toml"}
     assert all(f"{trial['name']} " in done.stdout for trial in (*facts["trials"], *facts["packages"]))

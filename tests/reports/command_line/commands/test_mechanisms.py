@@ -6,8 +6,6 @@ import pytest
 
 from tests.commands import linkproof, refused
 
-OVER = ("--over", "coupler.mass=1:2")
-
 
 def _listed(option, name):
     document = json.loads(linkproof("list", option, name, "--json", "-").stdout)
@@ -42,10 +40,8 @@ def test_every_number_has_the_value_and_the_unit_of_the_file():
         (("list", "--figures", "juki"), "did you mean 'juki-mf7923d'?"),
         (("list", "--figures", "juki-mf7923d", "--numbers", "juki-mf7923d"), "give one of them"),
         (("sweep", "juki-mf7923d", "--vary", "cuopler.mass=1:2:3"), "did you mean 'coupler.mass'"),
-        (("sweep", "juki-mf7923d", "--vary", "sped=1:2:3"), "did you mean 'speed'"),
         (("sweep", "juki-mf7923d", "--vary", "coupler.mass=1:2:3", "--quantity", "torque"), "did you mean 'Mkr.peak'"),
         (("optimise", "juki-mf7923d", "--over", "mas=1:2", "--minimise", "a.peak"), "`linkproof list --numbers`"),
-        (("optimise", "juki-mf7923d", *OVER, "--minimise", "v.pk"), "`linkproof list --figures`"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
