@@ -7,6 +7,7 @@ import pytest
 from analytic.description.loading import load
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Verdict
+from engines.contract import Setting
 from reports.campaign.verdict import CHECKS, OTHER, RELEASED, EngineRanking, verdict
 from tests.reports.made_up_results import changed_results, made_up_results
 
@@ -55,6 +56,13 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
     assert trust.most_accurate("tuned", "Mkr/Peq") == "alpha"
 
 
+def test_where_only_naive_ran_it_decides():
+    trust = EngineRanking(made_up(settings=[Setting.NAIVE]))
+    assert trust.settings == ("naive",)
+    assert "Do not trust alpha and beta for S/v/a, Jeq/Teq" in verdict(trust)[0]
+    assert not any("At default" in line for line in verdict(trust))
+
+
 def test_a_released_crank_checks_and_foreign_signals_are_families_of_their_own(results):
     named = changed_results(results, lambda r: replace(r, quantity="length of the belt") if r.quantity == "S" else r)
     assert EngineRanking(named).families == ("Jeq/Teq", "Mkr/Peq", OTHER, CHECKS)
@@ -90,3 +98,13 @@ def test_nobody_is_trusted_where_anything_is_red(results, told, words):
     assert first.startswith(words)
     assert second == "Within their limits: alpha and beta, once tuned, for every quantity compared."
     assert not any("Trust" in line for line in rest)
+
+
+@pytest.mark.parametrize("outcome", ["diverged", "suite-error"])
+def test_nobody_is_trusted_where_another_setting_failed(results, outcome):
+    """What decides the exit code decides here, though the table is that of tuned runs."""
+
+    def worse(record):
+        return replace(record, setting="best", outcome=outcome) if record.setting == "naive" else record
+
+    assert not any("Trust" in line for line in verdict(EngineRanking(changed_results(results, worse))))

@@ -47,6 +47,11 @@ def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sente
     assert (str(error.value), passed_on) == (sentence, announced)
 
 
+def test_other_faults_pass():
+    with pytest.raises(ValueError, match="as it was"), report_interruption(Path("out")):
+        raise ValueError("as it was")
+
+
 def test_the_same_request_is_resumed_and_another_one_is_refused(tmp_path):
     begun(tmp_path, resume=False).keep("run", {})
     assert begun(tmp_path, resume=True).records.keys == ["run"]

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from analytic.description.loading import read
+from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
 from comparisons.runs.record_file import RECORDS
 from comparisons.runs.study import FOLDER
@@ -84,6 +86,12 @@ def test_misuse_is_one_sentence_and_exit_code_2(tmp_path, words, sentence):
     assert sentence in refused(*words, cwd=tmp_path)
 
 
+def test_a_bad_file_is_one_sentence_and_nothing_is_written(tmp_path):
+    (tmp_path / "mine.toml").write_text(read(NAME).text.replace("mass    = 0.03", "mass    = -0.03"))
+    assert "got -0.03" in refused("compare", "mine.toml", "--out", "out", "--json", "r.json", cwd=tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
+
+
 def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_out_where_it_is_not(monkeypatch):
     monkeypatch.setattr(PymunkEngine, "why_unavailable", lambda _: "pymunk is not installed: install it")
     monkeypatch.setattr("reports.requests.campaign.engine_names", lambda: ("direct", "pymunk"))
@@ -94,8 +102,36 @@ def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_o
     assert "not installed, left out: pymunk" in done.stderr
 
 
+def test_errata_of_a_users_own_file_are_judged_by_its_own_variants(tmp_path):
+    (tmp_path / "mine.toml").write_text(read("two-crank-takeup").text)
+    words = ("compare", "mine.toml", "--regime", "own", "--engine", "direct", "--quantity", "phi", "--json", "-")
+    done = linkproof(*words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    judged = {row["erratum"]: row["supports"] for row in json.loads(done.stdout)["errata"]}
+    assert judged == {"S1 without US1": "corrected", "1000 fixed Runge-Kutta steps": "corrected"}
+
+
 def test_control_characters_of_a_file_do_not_reach_the_terminal():
     assert refused("show", LINKAGES / "control-characters.toml").rstrip("\n").isprintable()
+
+
+def test_a_quiet_run_prints_one_line_and_a_verbose_one_every_record():
+    words = ("compare", NAME, "--engine", "direct", "--quantity", "joint_force", "--jobs", "0")
+    quiet = linkproof(*words, "--quiet")
+    assert (quiet.stdout.count("\n"), "passed" in quiet.stdout, quiet.stderr) == (1, True, "")
+    verbose = linkproof(*words, "--verbose").stdout
+    assert verbose.endswith(quiet.stdout)
+    assert verbose.count("joint_force:") == int(quiet.stdout.split()[0])
+
+
+@pytest.mark.parametrize("command", ["bench", "stress"])
+def test_a_folder_with_results_takes_new_ones(command, tmp_path, monkeypatch):
+    def begin(*_, **__):
+        raise LinkproofError("the runs begin")
+
+    monkeypatch.setattr(f"reports.command_line.commands.{command}.journal", begin)
+    (tmp_path / command).mkdir()
+    assert linkproof(command, "--quick", "--out", tmp_path).stderr == "linkproof: the runs begin\n"
 
 
 @pytest.mark.parametrize(
@@ -125,6 +161,13 @@ def test_a_deleted_working_folder_matters_only_where_it_is_needed(tmp_path):
         done = linkproof("show", NAME)
         assert (done.returncode, done.stderr) == (0, "")
         assert "a working folder" in refused("compare", "--jobs", "0")
+
+
+# What follows is about a process: each test starts one.
+def test_output_to_a_small_character_set_is_readable():
+    done = process("published", NAME, text=False, PYTHONIOENCODING="cp1252")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert "9.127e-05 + +0.3%" in done.stdout.decode("cp1252")
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")

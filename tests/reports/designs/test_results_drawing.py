@@ -1,16 +1,20 @@
 """The drawing is one well-formed picture that names every force, in the units of the file."""
 
 import xml.etree.ElementTree as ET
-from io import BytesIO
+from io import BytesIO, StringIO
 
+import numpy as np
 import PIL.Image
 import pytest
+from rich.console import Console
 
 from analytic.description.crank_motion import swing
 from analytic.errors import LinkproofError
 from reports.designs.results_drawing import picture
+from reports.designs.results_terminal import key_figures
 from tests.analytic.drives import driven
-from tests.analytic.linkages import from_text
+from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.reports.designs.samples import IMPERIAL, piston_text, shown, shown_piston
 
 
@@ -25,8 +29,31 @@ def test_it_names_every_force_with_its_peak_and_is_in_the_files_units():
         assert part in found, part
 
 
+def test_a_swing_is_drawn_within_its_range_and_without_an_output():
+    found = words(shown(from_text(DOUBLE_ROCKER), swing("cycloidal", *np.radians([50, 90]), speed=2.0)))
+    assert "time, s" in found
+    assert "S," not in found
+
+
 def test_a_drive_along_a_line_is_drawn():
     assert "force, N" in words(shown(driven("linear-motor"), swing("cycloidal", 0.0, 0.1, speed=0.1)))
+
+
+def test_without_masses_the_output_alone_is_drawn():
+    light = "\n".join(line for line in piston_text().splitlines() if not line.startswith(("mass", "inertia")))
+    found = words(shown(from_text(light)))
+    assert "S: peak 0.1000 m" in found
+    assert "torque" not in found
+
+
+def test_forces_through_a_change_point_are_drawn_where_they_have_a_bound():
+    found = shown(mechanism("parallelogram"))
+    assert "shaking force" in words(found)
+    screen = Console(width=120, file=StringIO())
+    screen.print(key_figures(found))
+    text = screen.file.getvalue()
+    assert "nan" not in text
+    assert "Joint forces have no bound at the change point" in text
 
 
 @pytest.mark.parametrize(

@@ -9,11 +9,12 @@ import openpyxl
 import pandas
 import pytest
 
+from analytic.description.crank_motion import RPM, crank_motion
 from comparisons.imported.reading import read_results
 from reports.designs.results_files import csv_table, json_text
 from reports.designs.results_workbook import workbook
 from tests.analytic.linkages import from_text
-from tests.reports.designs.samples import CRANK, IMPERIAL, MASS, ROD, SPEED, piston, piston_text, results
+from tests.reports.designs.samples import CRANK, IMPERIAL, MASS, ROD, SPEED, TURN, engine, piston, piston_text, results
 
 # What one of the file's unit is in SI, for each unit that a column can have.
 SIZES = {"s": 1.0, "J": 1.0, "W": 1.0, "N*mm": 1e-3, "kN": 1e3, "kg*m^2": 1.0}
@@ -52,6 +53,24 @@ def test_csv_has_a_column_per_signal_in_the_units_of_the_file_and_the_axis_first
         assert values * SIZES[unit] == pytest.approx(expected, rel=1e-13, abs=1e-300), head
     assert columns["phi [deg]"][[0, -1]] == pytest.approx([0.0, 360.0])
     assert np.max(columns["S [in]"]) == pytest.approx(0.1 / 0.0254)
+
+
+def test_a_peak_is_at_its_stated_place():
+    """Read off the axis: φ at constant speed, else the time; the least transmission angle counts as its peak."""
+    for motion in (TURN, crank_motion("run-up", speed=300 * RPM, ramp_time=0.1, hold_time=0.0)):
+        document = json.loads(json_text(piston(motion=motion)))
+        along = np.array(document["values"][document["axis"]])
+        for name, peak in document["peaks"].items():
+            values = np.array(document["values"][name])
+            size = float(np.max(np.abs(values)))
+            assert np.interp(peak["at"], along, values) == pytest.approx(peak["value"], abs=2e-3 * size + 1e-9), name
+
+
+def test_chosen_instants_are_the_rows_and_peaks_are_those_of_the_whole_motion():
+    all_of_it = json.loads(json_text(piston()))
+    some = json.loads(json_text(results(engine(), chosen=np.array([0.01, 0.02]))))
+    assert len(some["values"]["Mkr"]) == 2
+    assert some["peaks"] == all_of_it["peaks"]
 
 
 @pytest.mark.parametrize("kind", ["comma", "workbook"])

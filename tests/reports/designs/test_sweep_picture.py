@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.patches import Rectangle
 
+from analytic.errors import LinkproofError
+from reports.charts import draw
 from reports.charts.scales import INK, LIMIT_COLOUR, MUTED
 from reports.designs.sweep_picture import sweep_figure, sweep_svg
 from tests.reports.designs.made_up_sweep import CONDITIONS, sweep
@@ -94,6 +96,34 @@ def test_a_map_has_a_colour_bar_contours_with_words_a_hatch_and_its_best_design(
     assert marked(axes, "D", INK) == [(174.0, 184.0)]
 
 
+def test_a_transmission_angle_is_best_at_ninety_degrees():
+    dataset = sweep(101, figures=3)
+    name = list(dataset.data_vars)[-1]
+    dataset[name] = dataset[name] * 0.0 + np.linspace(60.0, 130.0, 101)
+    figure = sweep_figure(dataset)
+    ((place, value),) = marked(panels(figure)[-1], "*", LIMIT_COLOUR)
+    assert value == pytest.approx(90.0, abs=0.5)
+    assert place == pytest.approx(170.0 + 10.0 * 30.0 / 70.0, abs=0.1)
+    assert "nearest to 90°" in texts(figure)
+
+
+def test_parallel_lines_end_where_designs_do_not_assemble_and_the_best_is_among_a_sample():
+    best = int(np.nanargmin(sweep(30, 20, 10, fails=0.3)["Mkr.peak"].values))
+    figure = sweep_figure(sweep(30, 20, 10, figures=2, fails=0.3), OWN, {best})
+    axes = figure.axes[0]
+    lines = {line.get_color(): line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 5}
+    drawn = sum(np.count_nonzero(points[:, 0] == 0.0) for points in lines.values())
+    assert 2000 < drawn <= 2000 + 2  # the best is drawn among the others, and above them
+    best = lines[LIMIT_COLOUR]
+    assert best[:3, 1] == pytest.approx(np.array([9.0 / 29.0, 0.0, 0.0]), abs=1e-12)
+    grey = [points for points in lines.values() if np.all(np.isnan(points[points[:, 0] > 2.0, 1]))]
+    assert len(grey) == 1
+    assert any(re.search("6 000 designs, a sample of 2 00. is drawn", text) for text in texts(figure))
+    assert {"design of the file", "does not assemble", "Mkr.peak: least"} <= set(texts(figure))
+    (own,) = [line.get_xydata() for line in axes.lines if line.get_marker() == "D"]
+    assert own == pytest.approx(np.array([(n, 0.4) for n in range(3)]))
+
+
 def test_a_table_is_drawn_as_the_grid_of_the_same_designs_and_a_file_stands_on_white():
     grid, table = (sweep(6, 5, 4, figures=2, fails=0.2, table=one) for one in (False, True))
     assert sweep_svg(grid, OWN) == sweep_svg(table, OWN)
@@ -101,6 +131,15 @@ def test_a_table_is_drawn_as_the_grid_of_the_same_designs_and_a_file_stands_on_w
     assert "<pattern" in text
     assert "fill: #ffffff" in text
     assert "prefers-color-scheme" not in text
+
+
+def test_descending_values_are_turned_and_no_designs_are_refused():
+    dataset = sweep(21, 31)
+    figure = sweep_figure(dataset.isel({"rod.B.x": slice(None, None, -1)}))
+    assert not hatches(panels(figure)[0])
+    assert sweep_svg(dataset) == draw.svg(figure, page="white")
+    with pytest.raises(LinkproofError, match="expected designs"):
+        sweep_figure(sweep(0, table=True))
 
 
 @pytest.mark.parametrize("counts", [(40, 30), (400, 3, 3)])

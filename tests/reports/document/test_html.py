@@ -1,5 +1,6 @@
 """A page as HTML: its elements, its links, the files beside it, its colours."""
 
+import json
 import re
 from html.parser import HTMLParser
 
@@ -104,6 +105,15 @@ def page(folder):
     return Elements((folder / PAGE.file).read_text(encoding="utf-8"))
 
 
+def test_a_half_written_script_is_written_anew(tmp_path):
+    html.write_assets(tmp_path)
+    script = tmp_path / "assets" / html.PLOTLY
+    whole = script.read_bytes()
+    script.write_bytes(whole[:100])
+    html.write_assets(tmp_path)
+    assert script.read_bytes() == whole
+
+
 def test_words_are_escaped_everywhere_and_elements_nest(page):
     assert not page.of("b")
     assert sum(FOREIGN in words for words in page.words) >= 12
@@ -117,6 +127,37 @@ def test_links_lead_from_the_page_through_the_report_s_folder(page, folder):
         assert (folder / PAGE.file).parent.joinpath(picture["src"]).resolve().is_file()
         assert picture["alt"] == FOREIGN
         assert int(picture["width"]) > 0
+
+
+def test_every_figure_is_a_file_and_says_where_its_axis_lies(page, folder):
+    assert sorted(one.name for one in (folder / "figures/one").iterdir()) == [
+        "instead.png", "instead.svg", "one.png", "one.svg", "two.png", "two.svg",
+    ]  # fmt: skip
+    for one in page.of("figure"):
+        assert one["data-axis"] == "phi"
+        assert 0.0 < float(one["data-left"]) < float(one["data-right"]) <= 1.0
+
+
+def test_headings_go_down_one_level_at_a_time(page):
+    levels = [int(tag[1]) for tag, _ in page.found if re.fullmatch("h[1-6]", tag)]
+    assert levels == [1, 2, 3, 2, 2, 3]
+
+
+def test_a_table_has_a_caption_heads_with_scopes_and_cells_of_its_classes(page):
+    assert page.of("caption")
+    assert page.of("div")[0]["role"] == "region"
+    assert [head.get("scope") for head in page.of("th")] == ["colgroup", "col", "col", "col", "row", "row"]
+    titled = [cell for cell in page.of("td") if "title" in cell]
+    assert [(cell["class"], cell["title"]) for cell in titled] == [("num pass", "more of it")]
+    assert [cell.get("colspan") for cell in page.of("td") if cell.get("class") == "num"][-1] == "3"
+
+
+def test_data_of_a_widget_is_on_the_page_and_further_data_beside_it(folder):
+    text = (folder / PAGE.file).read_text(encoding="utf-8")
+    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', text)
+    assert json.loads(data) == WIDGET.data
+    assert (folder / "data/one/w.k.js").read_text(encoding="utf-8") == 'linkproof.loaded("w.k", {"b":2});\n'
+    assert 'data-files="../data/one/"' in text
 
 
 def test_a_page_loads_its_assets_and_nothing_from_elsewhere(page, folder):

@@ -1,5 +1,7 @@
 """The half of a mechanism's page that shows how the engines did."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,9 +10,9 @@ from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.charts import draw
 from reports.document.parts import Bullets, Fold, Table, TableCell, Widget
-from reports.mechanism.engines import engines_section, errors_section
+from reports.mechanism.engines import engines_section, errors_section, runs_section
 from reports.records.views import views
-from tests.reports.made_up_results import made_up_results
+from tests.reports.made_up_results import changed_results, made_up_results
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +57,56 @@ def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
     assert reasons == Bullets(("gone naive; tuned; best – unsupported: gone <cannot> hold this scene.",))
 
 
+@pytest.mark.parametrize(
+    ("setting", "cure"),
+    [
+        ("best", "run 'linkproof check-engine beta', and if it passes shorten the step."),
+        ("naive", "naive takes the engine's defaults: use the setting tuned."),
+    ],
+)
+def test_rows_that_fail_together_have_their_meaning(results, setting, cure):
+    def fail(record):
+        failing = (record.engine, record.setting) == ("beta", setting) and record.quantity in (
+            "Mkr",
+            "torque_two_routes",
+        )
+        return replace(record, outcome=Verdict.OVER_LIMIT.value) if failing else replace(record, outcome="passed")
+
+    (view,) = views(changed_results(results, fail))
+    _, reasons = errors_section(view, view.regimes[0]).parts
+    (told,) = (item for item in reasons.items if item.startswith(f"beta {setting} – "))
+    assert "the drive torque is not the one it takes" in told
+    assert told.endswith(cure)
+
+
+def test_a_quantity_that_an_engine_lacks_stands_beside_its_other_errors(results):
+    def lack(record):
+        if (record.engine, record.setting, record.quantity) != ("beta", "best", "Mkr"):
+            return record
+        return replace(record, error_max=None, outcome=Verdict.NOT_PROVIDED.value, detail="no torque")
+
+    (view,) = views(changed_results(results, lack))
+    _, reasons = errors_section(view, view.regimes[0]).parts
+    assert reasons.items[0] == "beta best, Mkr – not provided: no torque."
+
+
+def test_the_setting_that_stands_for_an_engine_is_one_that_gave_a_curve_in_the_regime(results):
+    def stop(record):
+        if record.regime != "run-up" or record.setting != "tuned":
+            return record
+        return replace(record, error_max=None, outcome=Verdict.UNSUPPORTED.value)
+
+    (view,) = views(changed_results(results, stop))
+    assert [view.shown_setting(regime) for regime in view.regimes] == ["best", "tuned"]
+
+
+def test_runs_have_their_steps_cost_and_settings(results):
+    tables = runs_section(views(results)[0]).parts
+    assert len(tables) == 2
+    (best,) = (row for row in tables[0].rows if row[0] == "alpha best")
+    assert best[1:] == ("7000", "12.3 ms", "4.00 ms", "4 runs, extrapolated", "step 1e-4, scheme made up, passes 2")
+
+
 def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a_motion(results):
     row = {"mechanism": "juki-mf7923d", "erratum": "sign of k2", "place": "equation (7)", "regime": "own",
            "engine": "alpha", "outcome": "finished", "supports": "corrected", "deviation_corrected": 2e-9,
@@ -76,6 +128,13 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
         ("alpha", "2.0e-9", "corrected"),
         ("gone", "–", "takes no drive"),
     ]
+
+
+def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
+    broken = {"gone": Verdict.UNAVAILABLE}
+    (view,) = views(made_up_results(engines=("gone",), broken=broken, samples=21, quantities=("Mkr",)))
+    errors, _ = engines_section(view).parts
+    assert errors.parts == (Bullets(("gone naive; tuned; best – not installed: gone <cannot> hold this scene.",)),)
 
 
 def test_a_judged_file_has_its_errors_but_no_cost(results):

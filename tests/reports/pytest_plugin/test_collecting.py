@@ -100,6 +100,11 @@ def test_a_run_that_is_lost_fails_in_every_quantity_and_invariant(pytester):
     assert failures.count("took longer than 1e-06 s") == 12
 
 
+def test_a_linkage_without_the_regimes_of_its_project_has_no_tests(pytester):
+    project(pytester, 'engines = ["direct"]', 'regimes = ["own"]')
+    assert run(pytester).ret == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize("dist", ["load", "loadscope"])
 def test_tests_are_the_same_on_several_workers(pytester, dist, monkeypatch):

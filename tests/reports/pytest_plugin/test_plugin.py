@@ -18,6 +18,12 @@ def test_the_names_it_repeats_are_the_projects():
     assert (FILE, ENGINES) == (project_file.FILE, registry.GROUP)
 
 
+def test_nothing_is_collected_without_a_project(pytester):
+    (pytester.path / "bar.toml").write_text(BAR)
+    assert run(pytester).ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert run(pytester, "bar.toml").ret == pytest.ExitCode.USAGE_ERROR
+
+
 def test_a_file_that_is_named_is_tested_without_a_project(pytester):
     (pytester.path / "bar.toml").write_text(BAR)
     (pytester.path / "other.toml").write_text(BAR)
@@ -25,6 +31,13 @@ def test_a_file_that_is_named_is_tested_without_a_project(pytester):
     done.stdout.fnmatch_lines(["bar.toml::run-up-direct-tuned::Mkr PASSED*"])
     done.stdout.no_fnmatch_line("*other.toml*")
     assert run(pytester, "--linkproof").ret == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
+def test_other_files_of_a_project_are_no_tests(pytester):
+    project(pytester)
+    (pytester.path / "settings.toml").write_text("[tool]")
+    done = run(pytester, "--collect-only", "-q")
+    assert {line.partition("::")[0] for line in done.outlines if "::" in line} == {"linkages/bar.toml"}
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from matplotlib.text import Text
 
 import linkproof
 from analytic.description.loading import read
+from comparisons.campaign.project import JudgedCampaign
 
 FAST = {"engine": "direct", "jobs": 0}
 
@@ -36,6 +37,12 @@ def test_a_file_of_limits_and_the_project_of_the_first_file_are_used(tmp_path):
     (tmp_path / "linkproof.toml").write_text('engines = ["direct"]\nsettings = ["best"]\n')
     (record,) = linkproof.compare(press, quantity="S", jobs=0).records
     assert (record.engine, record.setting) == ("direct", "best")
+
+
+def test_where_nothing_can_be_judged_it_has_neither_passed_nor_failed():
+    found = linkproof.Comparison(JudgedCampaign(None, (), (), ()), None)
+    with pytest.raises(linkproof.LinkproofError, match="got no run at all"):
+        _ = found.passed
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,15 @@ def test_the_facts_of_a_check_are_the_commands_and_a_fault_is_a_fact(tmp_path):
     assert "cannot be assembled" in linkproof.check(tmp_path / "short.toml")["fault"]
 
 
+def test_results_of_another_tool_are_judged(curves):
+    found = linkproof.judge(NAME, "a<b.csv", regime="run-up")
+    assert found.passed
+    assert [verdict.name for verdict in found.verdicts] == ["Mkr", "S"]
+    assert not linkproof.judge(NAME, "a<b.csv", regime="run-up", gravity=False, limit=1e-4).passed
+    with pytest.raises(linkproof.LinkproofError, match="--limit: expected a positive share"):
+        linkproof.judge(NAME, "a<b.csv", limit=0.0)
+
+
 def test_an_engine_is_checked_by_name_or_as_it_is():
     for engine in ("direct", DirectEngine()):
         found = linkproof.check_engine(engine, 1)

@@ -37,6 +37,15 @@ def test_every_quantity_is_that_of_results(name):
     assert np.allclose(found["S"].values, expected["S"].values, rtol=0.0, atol=1e-11)
 
 
+def test_acceleration_and_speed_are_of_each_angle():
+    phi, speed, rise = np.array([1.0, 1.0]), np.array([0.0, 60.0]), np.array([3.0, 0.0])
+    found = linkproof.evaluate("juki-mf7923d", phi, ["Jeq", "Mkr", "joint_force"], speed=speed, acceleration=rise)
+    still = linkproof.evaluate("juki-mf7923d", [1.0], ["Mkr", "joint_force"], speed=0.0)
+    assert np.isclose(found["Mkr"][0], found["Jeq"][0] * 3.0 + still["Mkr"][0], rtol=1e-12)
+    moving = linkproof.evaluate("juki-mf7923d", [1.0], ["joint_force"], speed=60.0)
+    assert np.array_equal(found["joint_force"][..., 1], moving["joint_force"][..., 0])
+
+
 def test_without_a_speed_it_gives_the_quantities_that_need_none():
     found = linkproof.evaluate("juki-mf7923d", [0.0, 1.0])
     still = {"Jeq", "Q", "S", "damping", "half_slope", "link_angle", "point_position", "transmission_angle"}
@@ -69,3 +78,8 @@ def test_every_design_is_evaluated_by_itself():
 def test_bad_input_is_refused(words, sentence):
     with pytest.raises(linkproof.LinkproofError, match=sentence):
         linkproof.evaluate("juki-mf7923d", *words)
+
+
+def test_many_designs_have_no_stroke():
+    with pytest.raises(linkproof.LinkproofError, match="unknown quantity 'S'"):
+        linkproof.evaluate("juki-mf7923d", [0.0], "S", designs={"coupler.D.x": [0.05]})

@@ -256,6 +256,32 @@ def test_pytest_is_red_with_the_same_sentences(folder, pytester, change, words):
     assert re.search(words, done.stdout.str())
 
 
+def test_a_new_recording_leaves_out_what_is_missing(folder):
+    for change in ("regime removed", "variant removed"):
+        SETS[change][0](folder)
+    (folder / "linkages" / "other.toml").unlink()
+    text = (folder / "linkproof.toml").read_text(encoding="utf-8")
+    (folder / "linkproof.toml").write_text(text.partition("[[limit]]")[0], encoding="utf-8")
+    linkproof.compare(record_baseline=True, **FAST)
+    assert linkproof.compare(**FAST).passed
+    entries = json.loads((folder / BASELINE).read_text(encoding="utf-8"))["linkages"]
+    assert {path: [*entry["variants"]] for path, entry in entries.items()} == {PATH: ["base"]}
+    (regime,) = entries[PATH]["variants"]["base"]
+    assert regime.startswith("constant-speed: ")
+
+
+def test_a_linkage_that_is_named_is_a_part_of_the_set(folder):
+    assert linkproof.compare(PATH, **FAST).passed
+    assert linkproof.compare(PATH, baseline=BASELINE, **FAST).passed
+    other = linkproof.compare(PATH, speed=500, **FAST)
+    assert other.passed
+    assert "500 rpm" in " ".join(other.notes)
+    assert not linkproof.compare(PATH, speed=500, baseline=BASELINE, **FAST).passed
+    (folder / "linkages" / "new.toml").write_text(PRESS)
+    assert linkproof.compare("linkages/new.toml", **FAST).departures
+    assert linkproof.compare("linkages/new.toml", allow_new=True, **FAST).passed
+
+
 @pytest.mark.parametrize(("name", "change"), [("allow_new", "file added"), ("allow_missing", "file deleted")])
 def test_a_project_may_allow_differences(folder, name, change):
     SETS[change][0](folder)

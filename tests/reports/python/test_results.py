@@ -3,11 +3,13 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray
 
 import linkproof
-from analytic.description.loading import parse
-from reports.python.labels import label
+from analytic.description.loading import load, parse
+from reports.python.labels import Label, label, labelled
 from tests.commands import linkproof as command
 
 DRIVES = Path(__file__).parents[2] / "linkages" / "drives"
@@ -37,6 +39,47 @@ def test_a_loaded_linkage_and_a_path_are_the_same():
     assert linkproof.results(MOTOR).identical(linkproof.results(linkproof.load(MOTOR)))
     loaded = linkproof.results(linkproof.load("juki-mf7923d"), variant="as-printed")
     assert loaded.identical(linkproof.results("juki-mf7923d", variant="as-printed"))
+
+
+def test_results_are_saved_and_read_as_netcdf(tmp_path):
+    found = linkproof.results("juki-mf7923d", at=[0, 45])
+    found.to_netcdf(tmp_path / "juki.nc", engine="scipy")
+    with xarray.open_dataset(tmp_path / "juki.nc", engine="scipy") as saved:
+        assert np.array_equal(saved["joint_force"].sel(joint="A"), found["joint_force"].sel(joint="A"))
+
+
+def test_refusals_of_the_command_are_errors():
+    with pytest.raises(linkproof.LinkproofError, match="--at and --time both"):
+        linkproof.results("juki-mf7923d", at=[0], time=[0])
+    with pytest.raises(linkproof.LinkproofError, match="got neither"):
+        linkproof.optimise("rimoldi-164", over={"rod.B.x": (170, 180)})
+
+
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("Mkr", Label("Mkr")),
+        ("point:D:vx", Label("point_velocity", "point", "D", "x")),
+        ("link:rod:alpha", Label("link_alpha", "link", "rod")),
+        ("joint_force:A:K5:y", Label("joint_force", "joint", "A:K5", "y")),
+        ("joint_force:A:K5:magnitude", Label("joint_force_magnitude", "joint", "A:K5")),
+        ("shaking_force:x", Label("shaking_force", component="x")),
+        ("transmission_angle:K2 + K3: x", Label("transmission_angle", "group", "K2 + K3: x")),
+    ],
+)
+def test_a_signal_has_its_place_whatever_colons_its_name_has(name, place):
+    assert label(name) == place
+
+
+def test_parts_and_components_keep_their_values_and_units():
+    names = [f"joint_force:{joint}:{axis}" for joint in ("B", "A") for axis in "xy"]
+    values = {name: np.array([10.0 * row, 10.0 * row + 1.0]) for row, name in enumerate(names)}
+    found = labelled(load("juki-mf7923d"), "time", {"time": np.array([0.0, 0.5]), **values}, {"regime": "run-up"})
+    assert found["joint_force"].dims == ("joint", "component", "time")
+    assert found["joint_force"].sel(joint="A", component="y", time=0.5) == 31.0
+    assert found["joint_force"].sel(joint="B", component="x").values.tolist() == [0.0, 1.0]
+    assert (found["joint_force"].attrs["units"], found["time"].attrs["units"]) == ("N", "s")
+    assert (found.attrs["mechanism"], found.attrs["regime"]) == ("juki-mf7923d", "run-up")
 
 
 def test_an_optimum_has_the_numbers_and_figures_of_the_command():

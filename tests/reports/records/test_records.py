@@ -5,12 +5,26 @@ import pytest
 
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.folders.difference import FolderDifference, MovedRecord, RunPair
-from comparisons.judging.records import Record
+from comparisons.judging.records import Record, Verdict
 from reports.document.numbers import ABSENT
 from reports.document.terminal import rendered
 from reports.records.differences import changed_figures, difference_printout
-from reports.records.views import blank_repeats, views
+from reports.records.views import View, anchor, blank_repeats, limit_table, short_title, views
+from tests.analytic.drives import driven
 from tests.reports.made_up_results import made_up_results
+
+
+@pytest.fixture(scope="module")
+def results():
+    return made_up_results(engines=("beta", "alpha"), broken={"alpha": Verdict.UNAVAILABLE}, samples=101)
+
+
+def test_limits_carry_their_reasons(results):
+    rows = limit_table(results).rows
+    jeq = next(row for row in rows if row[0].startswith("Jeq") and "tuned" in row[1])
+    assert jeq[3] == "1e-5"
+    assert "smoother than torque" in jeq[4]
+
 
 PLACE = ("m", "v", "run-up", "c")
 
@@ -63,6 +77,15 @@ def test_an_error_stands_beside_the_one_before_with_factor_and_peak():
     ]
 
 
+def test_seconds_are_compared_on_one_machine_only():
+    here, elsewhere = (rendered(*difference_printout(_difference(same)).details) for same in (True, False))
+    assert "7.0 → 7.1" in here
+    assert "500 ms" in here
+    assert "0.50" in here
+    assert "500 ms" not in elsewhere
+    assert "seconds are not compared" in elsewhere
+
+
 @pytest.fixture(scope="module")
 def view_results():
     return made_up_results(engines=("beta", "alpha"), samples=201)
@@ -75,6 +98,22 @@ def test_traces_leave_out_what_the_comparison_left_out(view_results):
         for trace in view.traces(regime, quantity):
             assert np.nanmax(trace.error) == pytest.approx(trace.record.error_max, rel=1e-9)
     assert np.isnan(view.traces(regime, "Mkr")[0].error[0])
+
+
+def test_quantities_are_named_by_symbol_and_words_that_suit_the_drive(view_results):
+    (view,) = views(view_results)
+    assert view.title("Mkr") == "Mkr crank torque"
+    assert view.title("thread_feed") == "thread feed"
+    assert View(view_results, driven("linear-motor").linkage).title("Mkr") == "Mkr force of the drive"
+    assert short_title("joint_force:slot_slider on rocker") == "force of slot slider on rocker"
+    assert short_title("omega") == "ω"
+
+
+def test_anchors_hold_no_character_that_a_link_cannot():
+    assert (
+        anchor("juki-mf7923d", "as-built", "joint_force:P4 in rocker")
+        == "juki-mf7923d-as-built-joint_force-P4-in-rocker"
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,20 +1,25 @@
 """From options to the request of a campaign, and back to the command that repeats it."""
 
 import math
+import re
+import shlex
+from pathlib import Path
 
 import pytest
 
 from analytic.description.loading import catalogue, find
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.machine_code.compiling import cores
+from comparisons.campaign.campaign import cases
 from comparisons.runs.run_engine import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.requests import campaign
-from reports.requests.campaign import Running, installed, missing_engines, request, running
+from reports.requests.campaign import Running, installed, linkages, missing_engines, request, running
 from reports.requests.campaign_options import CompareOptions, RunLimits
-from reports.requests.options import changed_options
+from reports.requests.options import changed_options, command_line
+from tests.counting import calls
 
 JUKI = "juki-mf7923d"
 
@@ -39,6 +44,22 @@ def test_engines_that_are_not_installed_are_left_out_with_a_remark_unless_engine
     assert missing_engines(engine_names()) == ""
 
 
+def test_options_become_si():
+    options = CompareOptions(speed=3000.0, ramp_time=0.2, hold_time=0.3, start_angle=90.0, clockwise=True)
+    (motion,) = request(options).motions
+    assert motion.angle(0.0) == pytest.approx(math.pi / 2)
+    assert motion.speed(0.5) == pytest.approx(-100.0 * math.pi)
+    assert motion.duration == pytest.approx(0.5)
+    (motion,) = request(CompareOptions(regime=("constant-speed",), ramp_time=0.0, hold_time=0.1)).motions
+    assert motion.duration == pytest.approx(0.1)
+
+
+def test_a_variant_without_mechanisms_means_those_that_have_it():
+    assert names(CompareOptions(variant="y-along")) == ["rimoldi-164"]
+    with pytest.raises(UnknownNameError, match="variant of 'juki-mf7923d'"):
+        request(CompareOptions(mechanisms=(JUKI,), variant="y-along"))
+
+
 def test_two_files_of_one_name_have_the_names_of_their_folders_before_theirs(tmp_path, monkeypatch):
     paths = [tmp_path / folder / f"{JUKI}.toml" for folder in ("old", "new")]
     for path in paths:
@@ -48,6 +69,25 @@ def test_two_files_of_one_name_have_the_names_of_their_folders_before_theirs(tmp
     monkeypatch.chdir(tmp_path / "old")
     with pytest.raises(LinkproofError, match=rf"both called '.*-{JUKI}'"):
         request(CompareOptions(mechanisms=(paths[0].name, str(paths[0]))))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, ""),
+        (
+            {"mechanisms": (JUKI,), "engine": ("direct",), "setting": ("naive", "best"), "variant": "as-printed"},
+            f"{JUKI} --variant as-printed --engine direct --setting naive --setting best",
+        ),
+        (
+            {"speed": 50.0, "start_angle": 78.79541471699513, "clockwise": True, "gravity": False},
+            "--speed 50 --start-angle 78.79541471699513 --clockwise --no-gravity",
+        ),
+        ({"mechanisms": ("path with spaces/mine.toml",)}, "'path with spaces/mine.toml'"),
+    ],
+)
+def test_the_command_repeats_the_request(options, words):
+    assert shlex.split(command_line("compare", CompareOptions(**options))) == shlex.split(f"linkproof compare {words}")
 
 
 def test_limits_become_bounds_and_stay_with_the_command():
@@ -72,3 +112,21 @@ def test_limits_become_bounds_and_stay_with_the_command():
 def test_impossible_limits_are_refused(limits, words):
     with pytest.raises(LinkproofError, match=words):
         running(RunLimits(**limits))
+
+
+def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
+    weightless = tmp_path / "weightless.toml"
+    weightless.write_text(re.sub("^gravity.*$", "", find(JUKI).read_text(), flags=re.MULTILINE))
+    options = CompareOptions(mechanisms=(JUKI, str(weightless)))
+    conditions = {case.mechanism.linkage.name: case.conditions for case in cases(request(options))}
+    assert conditions[JUKI].endswith(", gravity on")
+    assert conditions["weightless"].endswith(", gravity off")
+    assert all(linkage.gravity == (0.0, 0.0) for linkage in request(CompareOptions(gravity=False)).linkages)
+
+
+def test_a_linkage_file_is_read_once_and_its_text_kept(monkeypatch):
+    reads = calls(monkeypatch, Path, "read_text")
+    chosen = linkages(CompareOptions(mechanisms=(JUKI, "rimoldi-164"), variant="as-printed", gravity=False))
+    assert [linkage.variant for linkage in chosen] == ["as-printed", "as-printed"]
+    assert [path.stem for (path,) in reads if path.suffix == ".toml"] == [JUKI, "rimoldi-164"]
+    assert chosen[0].text.startswith("# Juki MF-7923D")

@@ -70,3 +70,13 @@ def test_whole_numbers_paths_and_several_words_are_taken_as_they_are_typed(tmp_p
     assert package.sweep("rimoldi-164", {"rod.mass": [0.1]}, "stroke", angles=np.int64(12)).sizes["rod.mass"] == 1
     with pytest.raises(TypeError, match=r"unknown argument 'sped': did you mean 'speed'"):
         package.results("juki-mf7923d", sped=3)
+
+
+def test_a_command_in_an_attribute_repeats_what_was_computed():
+    linkage = package.load("rimoldi-164", "as-printed")
+    over, keep = {"rod.mass": "±5%", "rod.B.x": (170, 180)}, {"stroke": (29.0, None)}
+    best = package.optimise(linkage, minimise="Mkr.peak", over=over, keep=keep, step="0.1mm", speed=500)
+    assert best.attrs["command"] == (
+        "linkproof optimise rimoldi-164 --minimise Mkr.peak --over 'rod.mass=±5%' --over rod.B.x=170:180 "
+        "--keep stroke=29: --variant as-printed --speed 500 --round 0.1mm"
+    )

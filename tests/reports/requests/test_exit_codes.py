@@ -7,9 +7,11 @@ import pytest
 from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.judging.records import Record
+from comparisons.judging.records import Record, run_record
 from comparisons.stress.cell_result import StressVerdict, blank_result
 from comparisons.stress.cells import find_cell
+from reports.campaign.terminal import printout
+from reports.document.terminal import rendered
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
 from tests.comparisons.bench_rows import row
 
@@ -30,6 +32,11 @@ def _record(outcome, setting="tuned"):
 )
 def test_a_campaign_fails_by_its_worst_record(outcomes, code):
     assert campaign_exit_code([_record(outcome) for outcome in outcomes]) == code
+
+
+def test_naive_records_count_only_where_nothing_else_ran():
+    assert campaign_exit_code([_record("diverged", "naive"), _record("passed")]) == 0
+    assert campaign_exit_code([_record("diverged", "naive")]) == 1
 
 
 @pytest.mark.parametrize("changed", [False, True])
@@ -71,3 +78,11 @@ def test_a_benchmark_fails_where_an_engine_gave_nothing():
     assert codes == [0, 0, 1, 3]
     with pytest.raises(LinkproofError, match="got none: unavailable, not installed"):
         bench_exit_code([absent], ("beta",))
+
+
+def test_what_is_not_judged_is_counted_apart():
+    records = [*map(_record, ["passed", "passed", "unavailable"])]
+    result = run_record(records[0], records)
+    *_, text = rendered(*printout([result]).closing).splitlines()
+    assert text.startswith("2 deviations: 2 passed, 1 not judged")
+    assert "1 unavailable" in text

@@ -8,10 +8,11 @@ import pytest
 from analytic.description.crank_motion import LAWS, REGIMES, RPM
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from comparisons.datasheet.building import MARGIN
 from reports.requests.campaign import request
 from reports.requests.campaign_options import CompareOptions
 from reports.requests.motion_options import MotionOptions
-from reports.requests.motions import prescribed_motions
+from reports.requests.motions import own_regimes, prescribed_motions
 from reports.requests.options import changed_options
 from tests.analytic.drives import driven, path_of
 
@@ -33,6 +34,19 @@ def ends(motion):
     return [float(motion.angle(np.array(time))) for time in (0.0, motion.duration)]
 
 
+def test_a_negative_speed_turns_clockwise():
+    assert motions(speed=-300.0) == motions(speed=300.0, clockwise=True)
+    assert MotionOptions(speed=-300.0).conditions == MotionOptions(speed=300.0, clockwise=True).conditions
+
+
+def test_two_angles_alone_are_constant_speed_between_them():
+    (motion,) = motions(from_angle=110.0, to_angle=20.0, speed=60.0)
+    assert motion.regime == "constant-speed"
+    assert motion.speed(0.0) == pytest.approx(-60.0 * RPM)
+    assert motion.duration == pytest.approx(0.25)
+    assert ends(motion) == pytest.approx([math.radians(110.0), math.radians(20.0)])
+
+
 def test_the_speed_of_a_swing_is_its_largest():
     found = motions(regime=("all",), speed=120.0, **SWING)
     assert [motion.regime for motion in found] == list(LAWS)
@@ -52,6 +66,13 @@ def test_the_speed_of_a_swing_is_its_largest():
 )
 def test_the_words_ask_for_the_same(options, words):
     assert changed_options(MotionOptions(**options)) == words
+
+
+def test_conditions_tell_motions_apart():
+    swings = [SWING, {"from_angle": 110.0, "to_angle": 20.0}, {**SWING, "speed": 50.0}]
+    options = [{}, {"speed": -1000.0}, {"speed": 2000.0}, {"start_angle": 1.0}, *swings]
+    assert len({MotionOptions(**given).conditions for given in options}) == len(options)
+    assert MotionOptions(**SWING).conditions == "from 20° to 110°, at most 1000 rpm counter-clockwise"
 
 
 @pytest.mark.parametrize(
@@ -92,6 +113,15 @@ def test_travels_and_speeds_of_a_drive_along_a_line_are_in_the_unit_of_its_file(
     assert campaign.conditions.startswith("from 0 mm to 50 mm")
 
 
+@pytest.mark.parametrize("backwards", [False, True])
+def test_by_default_a_drive_along_a_line_goes_over_its_range_in_a_second(backwards):
+    low, high = MOTOR.crank_range().limits
+    motion, _ = linear(clockwise=backwards)
+    inside = [low + MARGIN * (high - low), high - MARGIN * (high - low)]
+    assert ends(motion) == pytest.approx(inside[::-1] if backwards else inside)
+    assert motion.duration == pytest.approx(1.0)
+
+
 def test_options_of_a_turning_crank_are_refused_for_a_drive_along_a_line():
     with pytest.raises(LinkproofError, match="--regime run-up turns a crank"):
         linear(regime=("run-up",))
@@ -99,3 +129,11 @@ def test_options_of_a_turning_crank_are_refused_for_a_drive_along_a_line():
         linear(start_angle=90.0)
     with pytest.raises(LinkproofError, match="cannot share a motion with other linkages"):
         prescribed_motions(MotionOptions(), [load("juki-mf7923d"), MOTOR.linkage])
+
+
+def test_a_regime_of_a_file_is_requested_by_its_name_or_with_all_of_them():
+    linkages = [load("slotted-takeup")]
+    assert own_regimes(MotionOptions(regime=("free",)), linkages) == ("free",)
+    assert own_regimes(MotionOptions(regime=("own",)), linkages) == ("driven", "free")
+    with pytest.raises(LinkproofError, match="unknown regime 'fre'"):
+        own_regimes(MotionOptions(regime=("fre",)), linkages)

@@ -1,12 +1,13 @@
 """A project's values replace options that are not given; a baseline is recorded into a file that a user names."""
 
+import shutil
 from pathlib import Path
 
 import pytest
 
 from analytic.description.loading import read
 from analytic.errors import LinkproofError, UnknownNameError
-from reports.requests.campaign import request
+from reports.requests.campaign import files, request
 from reports.requests.campaign_options import BenchOptions, CompareOptions, RunLimits, StandardOptions, StressOptions
 from reports.requests.options import command_line
 from reports.requests.standard import baseline_file, complete_request, complete_study
@@ -58,6 +59,21 @@ def test_words_go_before_the_project(folder):
     assert baseline_file(mine, project) == Path("mine.json")
 
 
+def test_a_swing_or_no_worker_processes_leave_out_what_would_contradict_them(folder):
+    swing = CompareOptions(from_angle=10.0, to_angle=40.0)
+    assert _in_project(swing)[0].regime == ()
+    none = RunLimits(jobs=0)
+    assert _in_project(limits=none)[1] == none
+
+
+def test_the_project_is_that_of_the_first_file(folder, monkeypatch):
+    monkeypatch.chdir("/")
+    shipped, own = "juki-mf7923d", str(folder / "b" / "press.toml")
+    assert _in_project(CompareOptions(mechanisms=(shipped,)))[2] is None
+    assert _in_project(CompareOptions(mechanisms=(shipped, own)))[2].folder == folder
+    assert _in_project()[0] == CompareOptions()
+
+
 def test_a_linkage_without_a_regime_of_the_project_is_not_run_in_it(folder):
     choice, *_, known = _in_project(CompareOptions(mechanisms=("b/press.toml",)))
     assert [motion.regime for motion in request(choice, known).motions] == ["run-up"]
@@ -73,6 +89,17 @@ def test_a_variant_takes_those_of_the_project_that_have_it(folder):
     assert _in_project(CompareOptions(variant="light"))[0].mechanisms == ("b/press.toml",)
 
 
+def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(folder):
+    for name in ("a", "b"):
+        shutil.copytree(folder / name, folder / name / "parts")
+    paths = ("a/press.toml", "a/parts/press.toml", "b/parts/press.toml")
+    assert [file.name for file in files(CompareOptions(mechanisms=paths))] == [
+        "a-press",
+        "a-parts-press",
+        "b-parts-press",
+    ]
+
+
 def test_recording_needs_a_file_of_the_users_own(folder, tmp_path):
     with pytest.raises(LinkproofError, match=r"--record-baseline: .* --baseline, or put a linkproof.toml"):
         baseline_file(StandardOptions(record_baseline=True), None)
@@ -83,6 +110,12 @@ def test_recording_needs_a_file_of_the_users_own(folder, tmp_path):
     ):
         with pytest.raises(LinkproofError, match=words):
             baseline_file(StandardOptions(baseline=place, record_baseline=True), None)
+
+
+def test_the_words_ask_for_the_same_standard(tmp_path):
+    mine = StandardOptions(limits=Path("my limits.toml"), baseline=Path("b.json"), allow_new=True, allow_missing=True)
+    words = "linkproof compare --limits 'my limits.toml' --baseline b.json --allow-new --allow-missing"
+    assert command_line("compare", CompareOptions(), mine) == words
 
 
 def test_an_unknown_engine_of_a_project_is_named_with_its_file(folder):

@@ -1,12 +1,14 @@
 """The motion of many designs is that of ``results``: a turn, a range, or from one angle to another, at one speed."""
 
 import json
+import math
 
 import numpy as np
 import pytest
 
 import linkproof as package
 from analytic.description.loading import load
+from analytic.errors import LinkproofError
 from reports.requests.case import steady_case
 from reports.requests.designs_options import SweepOptions
 from tests.analytic.drives import path_of
@@ -17,6 +19,15 @@ def steady(name="rimoldi-164", **options):
     return steady_case(load(name), SweepOptions(mechanism=name, **options))
 
 
+def test_a_crank_that_turns_is_sampled_over_a_turn_in_either_direction():
+    for options, sign in (({}, 1.0), ({"clockwise": True}, -1.0), ({"speed": -1000.0}, -1.0)):
+        found = steady(angles=90, **options)
+        np.testing.assert_allclose(found.motion.places, np.radians(np.arange(0.0, 360.0, 4.0)), atol=1e-14)
+        assert found.motion.is_full_turn
+        assert found.motion.speed == pytest.approx(sign * 1000.0 * math.pi / 30.0)
+        assert found.conditions.endswith("gravity on, sampled at 90 crank angles")
+
+
 def test_the_ends_of_a_swing_are_sampled():
     found = steady(from_angle=40.0, to_angle=10.0, gravity=False, refine=True)
     np.testing.assert_allclose(np.degrees(found.motion.places[[0, -1]]), [10.0, 40.0])
@@ -24,6 +35,12 @@ def test_the_ends_of_a_swing_are_sampled():
     assert found.motion.speed < 0.0
     assert found.conditions.endswith("gravity off, refined between 180 crank angles")
     assert not any(found.mechanism.linkage.gravity)
+
+
+def test_a_drive_along_a_line_goes_over_its_range_in_a_second():
+    found = steady(path_of("linear-motor"))
+    assert found.motion.speed == pytest.approx(found.motion.places[-1] - found.motion.places[0])
+    assert "sampled at 180 places" in found.conditions
 
 
 MOTOR = path_of("linear-motor")
@@ -65,3 +82,8 @@ def test_another_motion_than_constant_speed_is_refused(words):
     sentence = "designs are compared at constant speed; leave it out, or see one design under that motion"
     for regime in ("run-up", "nonsense"):
         assert f"--regime {regime}: {sentence}" in refused(*words, "--regime", regime)
+
+
+def test_too_few_angles_are_refused():
+    with pytest.raises(LinkproofError, match="--angles: expected 8"):
+        steady(angles=2)

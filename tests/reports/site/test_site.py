@@ -10,7 +10,7 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.campaign.results import save
+from comparisons.campaign.results import COMPARE, save
 from comparisons.datasheet.building import usual_sheet
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.runs.files import write_text
@@ -99,6 +99,23 @@ def test_a_folder_with_one_study_has_its_page_and_an_index_and_that_of_a_linkage
     copy(saved / part, tmp_path / part)
     write_site(tmp_path, processes=0)
     assert len([name for name in files_of(tmp_path) if name.endswith(".html")]) == pages
+
+
+def test_a_folder_without_any_is_refused_and_an_older_report_too(saved, tmp_path):
+    with pytest.raises(LinkproofError, match="nothing to report in"):
+        write_site(tmp_path, processes=0)
+    shutil.copytree(saved / COMPARE, tmp_path / COMPARE)
+    with pytest.raises(LinkproofError, match="run compare with --out again"):
+        write_site(tmp_path, processes=0)
+
+
+def test_pages_are_written_where_no_process_can_be_started(saved, tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise LinkproofError("no process")
+
+    monkeypatch.setattr("reports.site.site.run_jobs", refuse)
+    shutil.copy(saved / SHEETS, tmp_path)
+    assert write_site(tmp_path).is_file()
 
 
 def test_two_commands_do_not_write_into_one_folder(tmp_path):

@@ -1,18 +1,22 @@
 """The stability maps, their page, tables and terminal: every cell with its verdict, reason and command."""
 
+import dataclasses
+import json
 import re
 
 import pytest
 
+from comparisons.judging.records import QuantityRecord
 from comparisons.stress.border import Border
 from comparisons.stress.cell_result import Cell, StressVerdict
 from comparisons.stress.cells import axes
 from reports.document import html
+from reports.document.parts import as_text
 from reports.document.terminal import rendered
-from reports.stress.maps import SIGNS, border_place, map_data
+from reports.stress.maps import SIGNS, axis_title, border_place, cell_facts, map_data
 from reports.stress.page import MOST_OPEN, OPEN, draw_map, page
-from reports.stress.tables import incident_table, printout, ranking, summary
-from tests.reports.made_up_stress import made_up_cell, made_up_stress
+from reports.stress.tables import MOST_ALONE, border_table, cell_details, incident_table, printout, ranking, summary
+from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
 
 STRESS = made_up_stress()
 PLACE = {"axis": "mass", "row": "four-bar, crank", "engine": "alpha", "usage": "tuned"}
@@ -46,6 +50,30 @@ def test_every_cell_of_an_axis_stands_on_its_map_once_at_its_value(axis):
                     assert cell["command"] == place.command
                     placed[place] = list(SIGNS)[cell["verdict"]]
     assert placed == {one.cell: one.verdict for one in STRESS.results if one.cell.axis == axis}
+
+
+def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
+    blank = made_up_cell(StressVerdict.WITHIN, value=1.0, **PLACE)
+    assert cell_facts(dataclasses.replace(blank, steps=0)) == {"Conditions": "linkage m"}
+    known = dataclasses.replace(
+        blank,
+        reason="why",
+        errors=(QuantityRecord("Jeq:needle_bar", error_max=2e-3, limit=1e-3),),
+        invariants=(QuantityRecord("force_balance", error_max=3e-4, limit=1e-2),),
+        differing={"mass_factor": 1e4, "link": "crank"},
+    )
+    found = cell_facts(known)
+    assert found["Reason"] == "why"
+    assert found["Worst deviation, over the peak"] == "Jeq of needle bar 2.0e-3, limit 1e-3"
+    assert found["Worst invariant"] == "force balance 3.0e-4, limit 1e-2"
+    assert found["Conditions"] == "mass factor 1e4; link crank"
+
+
+def test_faults_stand_apart_from_the_checks_messages():
+    blank = made_up_cell(StressVerdict.CAUGHT, value=1.0, **PLACE)
+    flagged = {"reason": "torque off. Flagged: a joint is open", "wrong": "torque off"}
+    found = cell_facts(dataclasses.replace(blank, **flagged))
+    assert (found["Wrong"], found["Flagged by the checks"]) == ("torque off", "a joint is open")
 
 
 @pytest.mark.parametrize("axis", STRESS.axes)
@@ -85,6 +113,25 @@ def test_engines_are_ranked_by_what_they_accept_at_the_tuned_setting():
     assert ranking(parts[3]).endswith("alpha 0 of 3.")
 
 
+def test_a_border_says_what_is_beyond_and_leaves_out_what_it_shares_with_the_one_before():
+    both = [border(1e-3, 7.234e-4, "over limit", **PLACE), border(1e4, 1.2e4, "missed", **PLACE)]
+    table = border_table(made_up_stress(borders=both), axis_title)
+    assert [(*row[:-1], row[-1].words) for row in table.rows] == [
+        (axis_title("mass"), *list(PLACE.values())[1:], "0.001, over limit at 7.23e-4"),
+        ("", "", "", "", "1e4, missed at 12000"),
+    ]
+
+
+def test_incidents_stand_alone_or_the_first_of_each_axis_and_engine_with_their_number():
+    few = cells_of([StressVerdict.CAUGHT] * 3)
+    assert [as_text(row[-1]) for row in incident_table(few.results).rows] == [one.cell.command for one in few.results]
+    many = cells_of([StressVerdict.CAUGHT] * (MOST_ALONE + 1))
+    ((engine, place, *_, command),) = incident_table(many.results).rows
+    assert engine == "alpha"
+    assert place.note == f"and {MOST_ALONE} more on this axis"
+    assert as_text(command) == many.results[0].cell.command
+
+
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     return html.write(page(STRESS), tmp_path_factory.mktemp("report"), [])
@@ -93,6 +140,17 @@ def written(tmp_path_factory):
 @pytest.fixture(scope="module")
 def text(written):
     return written.read_text(encoding="utf-8")
+
+
+def test_the_first_map_is_on_the_page_and_the_others_beside_it(written, text):
+    first, *others = STRESS.axes
+    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    assert json.loads(data)["map"]["axis"] == first
+    folder = written.parent / "data" / "stress"
+    assert {file.name for file in folder.iterdir()} == {f"maps.{axis}.js" for axis in others}
+    for axis in others:
+        call = (folder / f"maps.{axis}.js").read_text(encoding="utf-8")
+        assert call.startswith(f'linkproof.loaded("maps.{axis}",')
 
 
 def test_what_was_missed_raised_or_crashed_stands_open_with_its_reason_and_command(text):
@@ -120,3 +178,13 @@ def test_the_terminal_has_counts_borders_and_what_was_missed():
     assert "✗ missed" in text
     assert "last within, first beyond" in text
     assert "last within" not in told(made_up_stress(borders=[]))
+
+
+def test_the_details_of_one_cell_are_complete():
+    (caught, *_) = STRESS.of(StressVerdict.CAUGHT)
+    text = rendered(cell_details(caught))
+    assert text.startswith(f"{caught.cell.key}: caught")
+    assert caught.reason in text
+    assert "10 steps" in text
+    every = rendered(*printout(STRESS).details)
+    assert all(result.cell.key in every for result in STRESS.results)

@@ -88,3 +88,14 @@ def test_bad_input_is_refused_before_any_run(options, destination, kind, words, 
     monkeypatch.setattr(bench_command, "measure_all", lambda *_: pytest.fail("something was run"))
     with pytest.raises(kind, match=words):
         bench(options, Destination(**destination))
+
+
+def test_an_engine_that_finishes_no_point_fails(short, monkeypatch):
+    real = bench_command.measure_all
+
+    def failing(request, *rest):
+        measured = real(request, *rest)
+        return replace(measured, points=tuple(replace(point, outcome="diverged") for point in measured.points))
+
+    monkeypatch.setattr(bench_command, "measure_all", failing)
+    assert bench(OPTIONS, Destination(quiet=True)) == 1

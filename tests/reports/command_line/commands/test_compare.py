@@ -9,6 +9,8 @@ from xml.etree import ElementTree
 import pytest
 
 from analytic.description.loading import read
+from comparisons.campaign.results import load
+from reports.records.views import limit_table
 from tests.commands import linkproof
 from tests.comparisons.faults import announce
 
@@ -87,6 +89,21 @@ def test_a_changed_mass_is_red_by_its_figures_and_in_an_engine_by_its_rows(folde
     assert (done.returncode, _failed(folder / "red.xml")) == (1, {"baseline"})
     assert "b/press.toml is in the baseline and does not exist any more: " in done.stdout
     assert _compare(folder, "--quantity", "Jeq", "--allow-missing").returncode == 0
+
+
+def test_limits_of_a_file_are_saved_with_the_results(folder):
+    limits = folder / "tight.toml"
+    limits.write_text('[[limit]]\nquantities = ["Mkr"]\nvalue = 0.001\nreason = "my own"\n')
+    done = _compare(folder, "a/press.toml", "--limits", limits, "--quantity", "Mkr", "--json", "r.json", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    document = json.loads((folder / "r.json").read_text(encoding="utf-8"))
+    assert document["command"].endswith(f"--quantity Mkr --limits {limits} --out DIR")
+    assert document["limits"][0] == {
+        "quantities": ["Mkr"], "settings": [], "regimes": [], "mechanisms": [], "value": 0.001, "reason": "my own",
+    }  # fmt: skip
+    assert len(document["descriptions"][0]["checksum"]) == 16
+    assert limit_table(load(folder / "out")).rows[0][3:] == ("1e-3", "my own")
+    assert "my own" in (folder / "out" / "RESULTS.md").read_text(encoding="utf-8")
 
 
 def test_an_engine_that_prints_leaves_stdout_to_json(folder, monkeypatch):

@@ -54,7 +54,7 @@ def test_a_broken_compiler_is_exit_code_1_and_an_unreadable_project_has_its_reas
     def broken(_):
         raise OSError("no LLVM\nhere")
 
-    monkeypatch.setattr(compiling, "compiled", broken)
+    monkeypatch.setattr(compiling, "compile_source", broken)
     monkeypatch.setattr("reports.command_line.commands.doctor.engine_trials", list)
     (tmp_path / "linkproof.toml").write_text("engine = 'direct'\n")
     done = linkproof("doctor", cwd=tmp_path)

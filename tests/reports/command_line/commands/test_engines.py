@@ -2,6 +2,7 @@
 
 import ast
 import json
+import re
 
 import pytest
 
@@ -21,6 +22,12 @@ class AbsentEngine(Direct):
 
     def version(self):
         return None
+
+
+class ExcusedEngine(PrintingEngine):
+    """It prints, with a reason."""
+
+    expected_failures = {"silence": "its licence banner"}  # noqa: RUF012
 
 
 class UnsendableEngine(Direct):
@@ -53,6 +60,13 @@ def test_a_failed_check_has_a_sentence_and_exit_code_1(checked):
     assert "got 'stepping" in line
     assert "2 mutants" in out  # which share a line
     assert [each["check"] for each in found if each["finding"] == "failed"] == ["silence"]
+
+
+def test_an_expected_failure_has_its_reason_and_is_no_failure(checked):
+    code, out, _ = checked(ExcusedEngine())
+    assert code == 0
+    assert re.search(r"silence +expected failure +its licence banner \(expected silence", out)
+    assert "1 expected failure" in out.splitlines()[-1]
 
 
 @pytest.mark.parametrize(

@@ -8,11 +8,13 @@ import pytest
 from jsonschema import Draft4Validator
 
 from analytic.description.loading import load
-from analytic.errors import LinkproofError
+from analytic.errors import DescriptionError, LinkproofError, StructureError
 from analytic.kinematics.mechanism import Mechanism
 from reports.command_line.commands import files
 from reports.command_line.destination import Destination
 from tests.analytic.textbook import DOUBLE_ROCKER
+
+SLIP = DOUBLE_ROCKER.replace("C = [60, 0]", "c = [60, 0]")
 
 
 @pytest.fixture(autouse=True)
@@ -92,3 +94,25 @@ def test_a_swing_is_reported_with_its_limits_and_drawn(capsys):
     drawn = Path("scheme.svg").read_text(encoding="utf-8")
     assert drawn.lstrip().startswith("<?xml")
     assert drawn.rstrip().endswith("</svg>")
+
+
+def test_everything_up_to_the_first_fault_is_reported(capsys):
+    output, fault = checked(capsys, SLIP, svg=Path("scheme.svg"))
+    assert isinstance(fault, StructureError)
+    assert "mobility     3 = 3·3 links - 2·3 pins and slides" in output
+    assert "warning: points 'C' and 'c' are two" in output
+    assert not Path("scheme.svg").exists()
+    output, fault = checked(capsys, DOUBLE_ROCKER.replace('angle = "deg"', 'angle = "dag"'))
+    assert (output, type(fault)) == ("", DescriptionError)
+    output, fault = checked(capsys, SLIP, json="-")
+    assert json.loads(output)["fault"] == str(fault)
+
+
+def test_the_next_command_can_be_pasted_into_a_shell(capsys):
+    files.new("a b", Destination())
+    files.new("-x", Destination())
+    output = capsys.readouterr().out
+    assert "next: linkproof check 'a b.toml'\n" in output
+    assert "next: linkproof check ./-x.toml\n" in output
+    with pytest.raises(DescriptionError, match=r"unknown mechanism 'a b': did you mean the file 'a b\.toml'\?"):
+        load("a b")

@@ -1,13 +1,16 @@
 """``linkproof judge`` as a user meets it: verdict first, causes, corrections, exit codes, JSON, the mapping."""
 
 import json
+import re
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import crank_motion
+from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.loading import load
 from comparisons.faults.simulation import Simulation
+from tests.analytic.drives import path_of
 from tests.commands import linkproof, refused
 from tests.comparisons.imported.exported import samples
 from tests.comparisons.imported.layouts import Channel, csv
@@ -96,3 +99,38 @@ def test_the_page_begins_with_the_verdict_and_its_cause(folder):
     assert "Mkr of the file and of the closed form" in page
     assert "Mkr has the other sign" in (folder / "page" / "RESULTS.md").read_text(encoding="utf-8")
     assert (folder / "page" / "figures" / "index" / "judged-Mkr.svg").is_file()
+
+
+def test_the_picture_has_both_curves_the_rest_without_the_cause_and_the_worst_place(folder, curves):
+    done = judge("wrong.csv", *RUN_UP, "--svg", "curve.svg")
+    assert (done.returncode, "Likely cause" in done.stdout) == (1, True)
+    root = ElementTree.parse(folder / "curve.svg").getroot()
+    tag = root.tag.removesuffix("svg")
+    words = ["".join(text.itertext()) for text in root.iter(f"{tag}text")]
+    for part in ("juki-mf7923d (as-built) against wrong.csv", "Likely cause: Mkr has the other sign.", "closed form",
+                 "file", "without the cause", "Mkr", "N m", "difference, N m", "time, s"):  # fmt: skip
+        assert part in words
+    time, (torque, *_) = curves
+    (worst,) = [float(text.split()[2]) for text in words if text.startswith("worst at")]
+    assert worst == pytest.approx(time[np.argmax(np.abs(torque))])
+    paths = [path for path in root.iter(f"{tag}path") if len(re.findall("[ML]", path.get("d", ""))) > 1]
+    reference, file, without, difference, rest = [
+        np.array([float(y) for y in re.findall(r"[ML] \S+ (\S+)", path.get("d"))])
+        for path in paths
+        if re.search("#a9b3bf|#0072b2|#00855f", path.get("style", "")) and "M" in path.get("d")
+    ][:5]
+    assert np.corrcoef(reference, file)[0, 1] < -0.99
+    assert np.ptp(without) == pytest.approx(np.ptp(reference), rel=0.1)
+    assert np.ptp(rest) < 1e-3 * np.ptp(difference)
+    assert judge("wrong.csv", *RUN_UP, "--svg", "-").stdout.startswith("<?xml")
+
+
+def test_a_swing_of_a_cylinder_is_given_in_the_unit_of_its_file(tmp_path):
+    boom = path_of("boom")
+    time = np.linspace(0.0, 2.0, 101)  # a cycloidal law is twice as fast as its mean at most, which 1 s gives
+    simulation = Simulation(load(boom), swing("cycloidal", 0.42, 0.45, speed=0.03))
+    (force,) = simulation.predict([samples("Mkr", time)])
+    (tmp_path / "run.csv").write_text(csv([Channel("time", "s", time), Channel("Mkr", "N", force)]))
+    done = linkproof("judge", boom, tmp_path / "run.csv", "--regime", "cycloidal", "--from", "420", "--to", "450")
+    assert done.returncode == 0
+    assert "Right: the signal is within" in done.stdout

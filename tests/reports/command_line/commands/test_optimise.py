@@ -57,19 +57,20 @@ def test_the_speed_may_be_varied_and_is_printed_since_no_file_has_it(tmp_path):
     assert "--speed 800 --clockwise --no-gravity" in run(*words).stderr
 
 
+def test_a_number_that_a_kept_figure_determines_leaves_nothing_to_vary():
+    done = run(*PEAK, *ROD, "--keep", "stroke")
+    assert "Nothing is left to vary: stroke alone determines rod.B.x." in done.stdout
+    assert "Optimality" not in done.stdout
+    assert "improvement" not in done.stdout
+    (row,) = (line for line in done.stdout.splitlines() if line.startswith("rod.B.x"))
+    assert row.split()[-2:] == ["0.00", "%"]
+
+
 def test_quiet_is_one_line_of_the_outcome():
     done = run(*PEAK, "--over", "rod.B.x=170:173", "-q")
     assert done.stdout.splitlines() == ["least Mkr.peak: from 0.270411 to 0.250060 N*m at rod.B.x 172.074 mm"]
     done = run("rimoldi-164", "--maximise", "stroke", "--over", "rod.B.x=174:175", "-q")
     assert done.stdout.startswith("largest stroke: from 30.9866 to 30.9866 mm at rod.B.x 175.000 mm")
-
-
-def test_a_number_that_a_kept_figure_determines_leaves_nothing_to_vary():
-    done = run(*PEAK, *ROD, "--keep", "stroke")
-    assert "Nothing is left to vary: stroke alone determines rod.B.x." in done.stdout
-    assert "improvement" not in done.stdout
-    (row,) = (line for line in done.stdout.splitlines() if line.startswith("rod.B.x"))
-    assert row.split()[-2:] == ["0.00", "%"]
 
 
 def test_lengths_are_rounded_and_the_cost_is_printed(tmp_path):
@@ -86,6 +87,11 @@ def test_lengths_are_rounded_and_the_cost_is_printed(tmp_path):
     costs = f"Rounded: lengths are multiples of 0.1mm, which costs {100.0 * cost:+.2f} % of the aim; it misses"
     assert costs in done.stdout
     assert f"stroke by {missed:#.4g} mm." in done.stdout
+
+
+def test_a_mean_is_kept_by_a_mass_where_a_length_is_rounded():
+    words = ("--over", "rod.mass=0.1:0.2", "--keep", "joint_force:A.mean", "--round", "1")
+    assert "and the held figures stay within their ranges." in run(*PEAK, *ROD, *words).stdout
 
 
 @pytest.mark.parametrize(

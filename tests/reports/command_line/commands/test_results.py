@@ -8,6 +8,7 @@ import pytest
 from analytic.errors import LinkproofError
 from reports.command_line.commands.results import results
 from reports.requests.motion_options import ResultsFiles, ResultsOptions
+from tests.analytic.drives import path_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
 from tests.options import shared_out
@@ -56,6 +57,16 @@ def test_a_likely_mistake_is_a_warning_and_with_strict_an_error(engine):
         strict = linkproof(command, engine, "--strict")
         assert (strict.returncode, "--strict: gravity is 9810 m/s^2" in strict.stderr) == (2, True)
     assert "gravity is 9810" in json.loads(linkproof("results", engine, "--json", "-").stdout)["warnings"][0]
+
+
+def test_a_line_names_what_cannot_be_computed_or_is_numerical(tmp_path, engine):
+    text = "\n".join(line for line in engine.read_text().splitlines() if not line.startswith(("mass", "inertia")))
+    (tmp_path / "light.toml").write_text(text)
+    done = linkproof("results", tmp_path / "light.toml")
+    assert done.returncode == 0, done.stderr
+    assert "No torques and forces: no link has mass, and there are no loads." in done.stdout
+    assert "torque N" not in done.stdout
+    assert "the figures are a numerical reference" in linkproof("results", path_of("ternary-on-rods")).stdout
 
 
 FAULTS = [

@@ -18,6 +18,7 @@ from comparisons.folders.verification import verify
 from reports.command_line.commands.sweep import sweep
 from reports.command_line.destination import Destination
 from reports.requests.designs_options import SweepFiles, SweepOptions
+from tests.comparisons.faults import announce
 from tests.options import shared_out
 
 VARY = ("rod.B.x=160:18cm:5", "rod.mass=100g:0.2:3")
@@ -118,6 +119,16 @@ def test_designs_are_simulated_in_a_campaign_of_their_own(tmp_path, capsys):
     assert len({*rods}) == 4
     assert all(0.166 <= rod <= 0.178 and abs(1e3 * rod - round(1e3 * rod)) < 1e-9 for rod in rods)  # of the sweep
     assert (out / "simulated" / "index.html").is_file()
+
+
+def test_the_number_that_separates_failing_designs_is_named(tmp_path, monkeypatch, capsys):
+    announce(tmp_path, "flawed", {"short-sighted": "tests.comparisons.designs.engines_with_flaws:ShortSighted"})
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert swept(**QUICK, simulate=("short-sighted",), designs=13, quiet=False) == 1
+    text = capsys.readouterr().out
+    assert "short-sighted tuned: within limits on 7 of 12 designs judged\n" in text
+    assert "fails where rod.B.x is 171.0 mm or less: there lie 5 of 5 failing designs and 0 of 7 others" in text
+    assert "the rod is too short" in text
 
 
 def test_a_crank_that_makes_no_turn_is_simulated_over_its_range(tmp_path, capsys):

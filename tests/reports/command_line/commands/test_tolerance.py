@@ -9,7 +9,8 @@ import linkproof as package
 from analytic.errors import LinkproofError
 from reports.command_line.commands.tolerance import tolerance
 from reports.requests.designs_options import ToleranceFiles, ToleranceOptions
-from tests.commands import linkproof
+from tests.analytic.drives import path_of
+from tests.commands import linkproof, refused
 from tests.options import shared_out
 
 TEXT = """results = ["Mkr.peak", "stroke"]
@@ -70,6 +71,16 @@ def test_the_tables_the_files_and_python_have_the_same_numbers(tmp_path, file):
     assert float(found.deviation) == peak["random"]["standard deviation"]
 
 
+def test_a_drive_along_a_line_has_its_own_unit_of_speed(file):
+    motor = path_of("linear-motor")
+    name = next(iter(package.load(motor).links))
+    file.write_text(f'results = ["v.peak"]\nspeed = 12\n[tolerances]\n"{name}.mass" = 0.01\n', encoding="utf-8")
+    found = package.tolerance(motor, file, angles=12, samples=4)
+    assert "12 mm/s" in found.attrs["conditions"]
+    usual = package.tolerance(motor, {f"{name}.mass": 0.01}, "v.peak", angles=12, samples=4)
+    assert "φ from -9.97355 mm to 172.96 mm in 1 s" in usual.attrs["conditions"]
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -85,3 +96,7 @@ def test_bad_input_is_refused_before_anything_is_written(tmp_path, file, options
     with pytest.raises(LinkproofError, match=words):
         tolerance(*shared_out(given, ToleranceOptions, ToleranceFiles))
     assert not (tmp_path / "none.json").exists()
+
+
+def test_the_file_of_tolerances_is_not_overwritten(file):
+    assert "would take the place of the tolerances" in refused("tolerance", "rimoldi-164", file, "--json", file)

@@ -54,10 +54,14 @@ def state(place):
         ("GET", "", {"Host": "evil.example"}, 403),  # a name that leads here
         ("GET", "", {"Origin": "http://evil.example"}, 403),
         ("GET", "/", {}, 403),
+        ("GET", "state", {"Origin": "null"}, 403),  # a page from the disk, or in a frame
         ("GET", "/" + "0" * 32 + "/state", {}, 403),
         ("GET", "mine.toml", {}, 404),
         ("GET", "%2e%2e/%2e%2e/etc/passwd", {}, 404),
         ("OPTIONS", "save", {}, 501),  # what a browser would send before a request of another site
+        ("POST", "/save", {}, 403),
+        ("POST", "mine.toml", {}, 400),
+        ("POST", "save", {"Content-Length": None}, 400),
         ("POST", "save", {"Host": "evil.example"}, 403),
         ("POST", "save", {"Origin": "http://evil.example"}, 403),
         ("POST", "save", {"Origin": None}, 400),
@@ -96,6 +100,17 @@ def test_it_saves_over_the_file_that_it_shows_and_over_no_other(watched):
     code, _, text = answer(place, "POST", "save", state(place), "title = 'half")
     assert (code, "mine.toml:1: not valid TOML" in text) == (409, True)
     assert file.read_bytes() == heavier.replace("\n", "\r\n").encode()
+
+
+def test_a_fault_in_the_file_is_on_the_page_with_its_line(watched):
+    file, place = watched
+    file.write_text(STEADY.replace("# my own", '"<b>not" = 1'), encoding="utf-8")
+    text = answer(place)[2]
+    assert "mine.toml:1:" in text
+    assert "&lt;b&gt;not" in text
+    assert "<b>not" not in text
+    file.unlink()
+    assert "does not exist" in answer(place)[2]
 
 
 def test_what_cannot_be_watched_is_refused_in_a_sentence(tmp_path, monkeypatch):
