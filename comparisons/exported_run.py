@@ -45,7 +45,9 @@ def exported(case: Case, engine_name: str, setting: Setting, command: str) -> st
     Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
     """
     adapter, scene = _exportable_adapter(engine_name), case.scene(frozenset(Channel))
-    return _script(adapter, scene, case, _recipe(adapter, scene, setting), f"setting {setting}. Written by: {command}")
+    return _script(
+        adapter, scene, case, _recipe_of_setting(adapter, scene, setting), f"setting {setting}. Written by: {command}"
+    )
 
 
 def exported_cell(cell: Cell, command: str) -> str:
@@ -54,7 +56,7 @@ def exported_cell(cell: Cell, command: str) -> str:
     case = case_of(conditions)
     scene = scene_of(conditions, case)
     if cell.usage in SETTINGS:
-        recipe, usage = _recipe(adapter, scene, Setting(cell.usage)), f"setting {cell.usage}"
+        recipe, usage = _recipe_of_setting(adapter, scene, Setting(cell.usage)), f"setting {cell.usage}"
     else:
         method = next(method for method in adapter.methods(scene) if method.name == cell.usage)
         method = replace(method, effort=conditions.effort) if conditions.effort else method
@@ -73,7 +75,8 @@ def _exportable_adapter(engine_name: str) -> LoopEngine[Recipe]:
     )
 
 
-def _recipe(adapter: LoopEngine[Recipe], scene: Scene, setting: Setting) -> Recipe:
+def _recipe_of_setting(adapter: LoopEngine[Recipe], scene: Scene, setting: Setting) -> Recipe:
+    """The engine's recipe for a setting under the scene's drive; raises LinkproofError if the engine lacks it."""
     recipes = adapter.settings.get(type(scene.drive), {})
     if setting not in recipes:
         offered = ", ".join(recipes) or "none"
@@ -100,12 +103,12 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigu
     figures = []
     for channel in Channel:
         with suppress(LinkproofError):
-            figures += [_worst_figure(case, curves) for curves in _curves_by_kind(case, scene, history, channel)]
+            figures += [_worst_figure(case, curves) for curves in _curves_sharing_a_peak(case, scene, history, channel)]
     return figures
 
 
 class _Curve(NamedTuple):
-    """A figure without its instant; times, values and true values (n,), and the peak of its kind."""
+    """A component of a channel over time, the engine's and the true one (n,), and the peak it is judged by."""
 
     figure: ScriptFigure
     time: Array
@@ -128,7 +131,8 @@ def _worst_figure(case: Case, curves: list[_Curve]) -> ScriptFigure:
     return curve.figure._replace(time=values["time"], read=values["values"], true=values["true"])
 
 
-def _curves_by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
+def _curves_sharing_a_peak(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
+    """Curves of a channel in lists that share a peak: x and y of all bodies, their angles, the torque, the forces."""
     signal = None if channel is Channel.JOINT_FORCE else getattr(history, channel.value)
     if channel is Channel.JOINT_FORCE and history.joint_force:
         yield list(_force_curves(case, history))

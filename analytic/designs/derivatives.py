@@ -115,11 +115,10 @@ def figure_gradients(
     _check(mechanism, parameters)
     if not is_exact(mechanism):
         _check_moves(_sweep(mechanism, parameters, places))
-
         period = period_of(mechanism, places)
         request = FigureRequest(mechanism, tuple(figures), places, speed, period, refine)
 
-        # Of masses below zero as well, beside one of zero.
+        # Differences about a mass of zero need a mass just below zero, so nothing is checked here.
         def figures_of(numbers: Mapping[str, float]) -> Array:
             return request.values_for({name: np.array([value]) for name, value in numbers.items()})[:, 0]
 

@@ -25,7 +25,7 @@ from analytic.designs.sampled_signals import (
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.averages import SAME, averages
 from analytic.numerics.dual import Dual
-from analytic.numerics.refine import Tops, summits, tops
+from analytic.numerics.refine import Tops, highest_tops, tops
 from analytic.signals import OUTPUT_COORDINATE, is_angle
 
 Array = NDArray[np.float64]
@@ -296,7 +296,7 @@ class _Chunk:
             seen = self._signal_at(extreme.signal, result.curve[top], phi, near[top])
             return extreme.height(seen, sides[top, None])
 
-        highest = extreme.value(*summits(result, sides, heights, len(self.rows)))
+        highest = extreme.value(*highest_tops(result, sides, heights, len(self.rows)))
         return np.where(extreme.is_kink(highest), SQUARE, highest)
 
 

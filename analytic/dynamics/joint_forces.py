@@ -49,7 +49,7 @@ def group_wrenches(balance: LinkBalance, group: AnyGroup) -> list[tuple[GroupJoi
     if isinstance(group, Dyad):
         needs = balance.needs[group.first], balance.needs[group.second]
         return list(zip(group.joints, _DYADS[group.kind](balance, group, *needs), strict=True))
-    return _higher_wrenches(balance, group)
+    return _wrenches_by_one_system(balance, group)
 
 
 def _rrr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
@@ -137,8 +137,11 @@ class UnitReaction:
     near: Wrench
 
 
-def _higher_wrenches(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint, Wrench]]:
-    """The wrench of every joint on its far body, about that body's reference point (of a pin: at the pin)."""
+def _wrenches_by_one_system(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint, Wrench]]:
+    """As ``group_wrenches``, for a group of class III or higher: the equilibrium of all its links as one linear system.
+
+    A wrench acts on the joint's far body, about that body's reference point (of a pin: at the pin).
+    """
     units = [list(_unit_reactions(balance, joint)) for joint in group.joints]
     columns = [(joint, unit) for joint, both in zip(group.joints, units, strict=True) for unit in both]
     needs = [balance.needs[body] for body in group.links]

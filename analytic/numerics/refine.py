@@ -35,7 +35,7 @@ FINE: Final = 1.0 / 2000.0
 # further; one that stays above them then is a corner, whose highest point is taken. One that is above them by JUMP is
 # no top but the side of a jump.
 MISSED, SHARP, JUMP = 1e-13, 1e-3, 1e-6
-LOOKS: Final = 12
+LOOKS: Final = 12  # rounds of closing in on a top
 BESIDE: Final = 1e-3  # points so close beside each other, as either side of a jump, give a slope of rounding alone
 
 
@@ -101,34 +101,35 @@ def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
     return SampledTops(curve, best, np.clip(best, 1, heights.shape[1] - 2)[:, None] + np.array([-1, 0, 1]))
 
 
-def summits(outcome: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:
-    """The highest value of each of ``count`` curves, nan where it has no tops, and the sign of the top that has it.
+def highest_tops(sampled: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:
+    """The highest top of each of ``count`` curves, refined between its samples by ``heights``, and its sign.
 
-    Of tops that are equal but for rounding it is the first.
+    Both are (count,), nan for a curve without tops. ``signs`` (n,) are those of the sampled tops: of a magnitude, on
+    which side it is. Of tops that are equal but for rounding the first is taken.
     """
-    climbed, _ = climb(outcome, heights)
-    first, result = first_highest(outcome, climbed, count), np.full((2, count), np.nan)
-    result[:, outcome.curve[first]] = climbed[first], signs[first]
+    climbed, _ = climb(sampled, heights)
+    first, result = first_highest(sampled, climbed, count), np.full((2, count), np.nan)
+    result[:, sampled.curve[first]] = climbed[first], signs[first]
     return result[0], result[1]
 
 
-def first_highest(result: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
+def first_highest(sampled: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
     """For each of ``count`` curves with tops, the number of its highest top, the first of those that are equal.
 
     They are equal where they differ by the rounding of their height, or of a curve's size (count,).
     """
     most = np.full(count, -np.inf)
-    np.maximum.at(most, result.curve, climbed)
+    np.maximum.at(most, sampled.curve, climbed)
     least = most - ROUNDING * np.maximum(np.abs(most), sizes)
-    order = np.lexsort((result.places[:, 1], result.curve))
-    order = order[~(climbed[order] < least[result.curve[order]])]
-    return np.asarray(order[np.unique(result.curve[order], return_index=True)[1]])
+    order = np.lexsort((sampled.places[:, 1], sampled.curve))
+    order = order[~(climbed[order] < least[sampled.curve[order]])]
+    return np.asarray(order[np.unique(sampled.curve[order], return_index=True)[1]])
 
 
-def climb(outcome: Tops, heights: Heights) -> tuple[Array, Array]:
+def climb(sampled: Tops, heights: Heights) -> tuple[Array, Array]:
     """The height of each top, (n,), and a place where it is as high to ``MISSED``."""
-    result = np.empty((2, len(outcome.curve)))
-    x, y = outcome.places, outcome.heights
+    result = np.empty((2, len(sampled.curve)))
+    x, y = sampled.places, sampled.heights
     left: Integers = np.arange(len(x))
     low, high = _bounds(x, np.argmax(y, axis=1))
     fine = FINE * (high - low)

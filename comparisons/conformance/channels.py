@@ -57,13 +57,16 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
 def _channel_errors(
     channel: Channel, case: Case, scene: Scene, history: History
 ) -> Iterator[tuple[float, Reading, Reading]]:
-    """Every signal of a channel beside the true one: its error over the peak, of a body's over that of all bodies."""
+    """Errors of a channel's signals, each with the engine's reading and the true one.
+
+    An error is over the peak of all bodies; of a joint force it is over the peak of that force.
+    """
     pairs = zip(readings(scene, history), readings(scene, true_history(case, scene, history)), strict=True)
-    signals = [(wrong, right, _peak(right.values)) for wrong, right in pairs if wrong.channel is channel]
-    for wrong, right, size in signals:
-        peak = max(peak for other, _, peak in signals if other.columns == wrong.columns)
+    signals = [(read, true, _peak(true.values)) for read, true in pairs if read.channel is channel]
+    for read, true, size in signals:
+        peak = max(peak for other, _, peak in signals if other.columns == read.columns)
         scale = size if channel is Channel.JOINT_FORCE else peak
-        yield _peak(wrong.values - right.values) / (scale or 1.0), wrong, right
+        yield _peak(read.values - true.values) / (scale or 1.0), read, true
 
 
 def _peak(values: Array) -> float:

@@ -38,7 +38,7 @@ MOST_POINTS: Final = 60  # of a linkage whose distances are tried one by one
 
 
 def number_faults(linkage: Linkage) -> Iterator[Fault]:
-    """A fault for every number that acts: one alone has another value."""
+    """Faults of one number each: that number alone is wrong in the linkage; numbers without effect are left out."""
     every = named_numbers(linkage)
     for name, number in every.items():
         if number.place[0] == "sketch" or (not number.value and number.kind not in ("length", "acceleration")):

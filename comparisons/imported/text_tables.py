@@ -133,7 +133,7 @@ def read_tables(file: ResultText) -> Iterator[tuple[int, list[Column]]]:
         if numbers > MOST_NUMBERS:
             raise file.fail(part.line, f"expected at most {MOST_NUMBERS} numbers, got more; export a coarser step")
         yield header.line, [*_read_columns(file, part, layout, header)]
-    _refuse_rows(file, above[:1000], layout, width)
+    _refuse_spoilt_rows(file, above[:1000], layout, width)
     if not width:
         number, text, _ = above[-1] if above else _Part(1, "", False)
         raise file.fail(
@@ -166,7 +166,7 @@ def _find_header(file: ResultText, above: Sequence[_Part], layout: Layout, row: 
             if len(cells) == len(row) and not any(is_number(cell) or NOT_FINITE.fullmatch(cell) for cell in cells):
                 fitting.append(_Header(line, cells, [""] * len(row)))
                 break
-    _refuse_rows(file, [part for part in above if not fitting or part.line > fitting[-1].line], layout, len(row))
+    _refuse_spoilt_rows(file, [part for part in above if not fitting or part.line > fitting[-1].line], layout, len(row))
     if not fitting:
         raise file.fail(
             above[-1].line,
@@ -193,10 +193,8 @@ def _header_cells(line: str, layout: Layout) -> Iterator[list[str]]:
 
 def _read_columns(file: ResultText, rows: _Part, layout: Layout, header: _Header) -> Iterator[Column]:
     """The columns of a block of rows; one that is empty throughout, as between tables side by side, is left out."""
-    data, width = (
-        rows.text.replace("D", "e").replace("d", "e").encode(),
-        len(header.names),
-    )  # as Fortran writes exponents
+    data = rows.text.replace("D", "e").replace("d", "e").encode()  # Fortran writes exponents with a D
+    width = len(header.names)
     count = sum(not row.isspace() for row in io.BytesIO(data))
     lines = (row.decode() for row in io.BytesIO(data) if not row.isspace())
     printed = [layout.cells(row) for row in islice(lines, 0, None, max(1, count // RESOLUTION_ROWS))]
@@ -253,8 +251,11 @@ def resolution(values: Array, words: Sequence[str]) -> Array:
     return np.asarray(0.5 * 10.0 ** -np.clip(last, -300, 300))
 
 
-def _refuse_rows(file: ResultText, lines: Sequence[_Part], layout: Layout, width: int) -> None:
-    """Refuse a row in which a cell is no number, of a table of some width: it is no header, title or comment."""
+def _refuse_spoilt_rows(file: ResultText, lines: Sequence[_Part], layout: Layout, width: int) -> None:
+    """Raise LinkproofError for a line of text that is a row of numbers with one cell that is not a number.
+
+    It has a number in some cell and ``width`` cells or, with ``width`` 0 (no table yet), more than one; comments pass.
+    """
     for number, text, _ in lines:
         cells = layout.cells(text)
         known = any(is_number(cell) or NOT_FINITE.fullmatch(cell) for cell in cells)

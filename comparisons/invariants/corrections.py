@@ -175,16 +175,16 @@ class Findings:
 
 
 def findings(motion: ObservedMotion, groups: AssurGroups, time: Array, order: int) -> Findings:
-    """Look at a motion block by block."""
+    """The findings on a motion at the times (n,) up to an order, in blocks so that the memory stays small."""
     blocks = [
-        _looked_at(Corrected(motion, groups, time[start : start + BLOCK]), order)
+        _findings_of_block(Corrected(motion, groups, time[start : start + BLOCK]), order)
         for start in range(0, len(time), BLOCK)
     ]
     return Findings(time, *(np.concatenate(parts) for parts in zip(*blocks, strict=True)))
 
 
-def _looked_at(state: Corrected, order: int) -> tuple[Array, ...]:
-    """A block's findings, but its clock."""
+def _findings_of_block(state: Corrected, order: int) -> tuple[Array, ...]:
+    """The fields of ``Findings`` after ``time``, in their order, for one block of instants."""
     lacking, moving = (
         np.stack([largest_displacement(states(k)) for k in range(order + 1)], axis=1)
         for states in (state.correction, state.observed)

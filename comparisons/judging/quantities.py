@@ -25,7 +25,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.motion.thread_feed import feed, feed_of_length, reference_angle, reference_length
 from analytic.motion.unit_functions import top_of_turn
 from analytic.signals import SINGLE_SIGNALS, unit_of
-from comparisons.observation.interpolation import SHARP, peak, resample
+from comparisons.observation.interpolation import SHARP_POINTS, peak, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.reference.motion import zero_of_output
@@ -205,7 +205,7 @@ def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
         angle = motion.crank(Channel.POSITION, time)[turn]
         way = math.copysign(1.0, angle[-1] - angle[0])
         turned = way * (reference_angle(case.mechanism, path) - angle[-1]) % FULL_TURN + way * angle[-1] - FULL_TURN
-        start = float(resample(Signal(way * angle, length[turn]), np.array([turned]), min(SHARP, len(angle)))[0])
+        start = float(resample(Signal(way * angle, length[turn]), np.array([turned]), min(SHARP_POINTS, len(angle)))[0])
     return Signal(time, feed_of_length(path, length, start))
 
 

@@ -13,7 +13,7 @@ from engines.contract import Signal
 Array = NDArray[np.float64]
 
 POINTS = 6
-SHARP = 16  # points where a value between samples is itself the zero that all others are counted from
+SHARP_POINTS = 16  # samples beside a place whose value is the zero of all others, where more accuracy counts
 # Places between the neighbours of the largest value, and how often they are looked at: to a millionth of a sample.
 PEAK_PLACES, PEAK_ROUNDS = 65, 3
 
@@ -66,7 +66,7 @@ def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
     low, high = time[max(at - 1, 0)], time[min(at + 1, len(time) - 1)]
     for _ in range(PEAK_ROUNDS):
         places = np.linspace(low, high, PEAK_PLACES)
-        values = resample_piecewise(signal, places, breaks, min(SHARP, len(time)))
+        values = resample_piecewise(signal, places, breaks, min(SHARP_POINTS, len(time)))
         at = int(np.argmax(values))
         low, high = places[max(at - 1, 0)], places[min(at + 1, PEAK_PLACES - 1)]
     return float(values[at])

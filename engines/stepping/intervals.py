@@ -106,8 +106,8 @@ def whole_steps(duration: float, step: float, least: int) -> int:
 Array = NDArray[np.float64]
 
 GRADES = (0.5, 0.75)  # of the peak speed: where the step changes; no step is more than twice another's
-EVEN = 1.0 + 1e-9  # an even speed has one grade
-MANY = 20  # segments that have the least number of steps each; there and back by a law with dwells has as many
+EVEN = 1.0 + 1e-9  # so that rounding does not cut a constant speed
+MANY = 20  # more segments than this are the pieces of a table, which share the least number of steps
 SAMPLED = 64  # places of a segment at which its speed is looked at
 
 
@@ -169,10 +169,11 @@ def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
 
 
 def _cut_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: Pace) -> Iterator[Interval]:
-    """A segment in parts of about one speed, in steps of as many per turn of a part's fastest, cut every few turns.
+    """Intervals of a segment: cut where its speed passes a grade of the motion's peak, and after ``pace.turns`` turns.
 
-    Loads by inertia grow with the square of the speed, so a slow part's error is small beside the peak of a fast one.
-    Steps given in seconds stay what they are at any speed.
+    The step of an interval gives ``pace.steps_per_turn`` at the highest speed of its part, so slow parts have longer
+    steps: loads by inertia grow with the square of the speed, and a slow part's error is small beside the peak of a
+    fast one. A step given in seconds, ``pace.step``, is never exceeded.
     """
     time = np.linspace(segment.start, segment.end, SAMPLED + 1)
     speed = np.abs(segment.value(time, 1))

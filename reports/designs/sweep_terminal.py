@@ -106,11 +106,12 @@ class SweepSummary:
     def _ends(self, number: int) -> Iterator[tuple[str, float, list[float]]]:
         """Of a figure the least value, the file's own and the largest, with the parameters of each design."""
         least, largest = self.summary.least[number], self.summary.largest[number]
-        yield LEAST, least.value, self._design(least)
+        yield LEAST, least.value, self._parameter_values(least)
         yield "file's own", float(self.own[number]), [*self.own_parameters.values()]
-        yield "largest", largest.value, self._design(largest)
+        yield "largest", largest.value, self._parameter_values(largest)
 
-    def _design(self, extreme: RankedDesign) -> list[float]:
+    def _parameter_values(self, extreme: RankedDesign) -> list[float]:
+        """The parameters of a ranked design in the file's units; empty if no design has been ranked."""
         if extreme.design == NO_DESIGN:
             return []
         values: list[float] = self.request.space.file_values(extreme.design, extreme.design + 1)[:, 0].tolist()

@@ -83,10 +83,9 @@ def digits(value: float) -> float:
 
 
 def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
-    """The closed form and the runs of one quantity.
+    """JSON for the page's chart of one quantity: the closed form and the runs.
 
-    Of the closed form there are time, s, crank angle, rad, and value, of each run time, value and decade of the error;
-    ``ends`` are those of the scale of each.
+    The closed form has time (s), crank angle (rad) and value, a run its time, value and decade of the error.
     """
     longest = max(traces, key=lambda trace: len(trace.time))
     chosen = extreme_samples(longest.reference, EXTREMES)

@@ -78,7 +78,7 @@ def _name(name: Name) -> str:
 
 
 def moved_table(difference: FolderDifference) -> Table:
-    """A row for every record that has moved."""
+    """A row for every record whose outcome, error or peak is not the same in both folders."""
     head = ("mechanism", "regime", "engine", "quantity", "error before", "after", "factor", "peak", "")
     return Table("Errors over the peak, and peaks of the closed form over the samples.", head,
                  [tuple(_moved_cells(move)) for move in difference.moves], "llllrrrrl")  # fmt: skip
