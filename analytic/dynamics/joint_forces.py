@@ -49,7 +49,7 @@ def group_wrenches(balance: LinkBalance, group: AnyGroup) -> list[tuple[GroupJoi
     if isinstance(group, Dyad):
         needs = balance.needs[group.first], balance.needs[group.second]
         return list(zip(group.joints, _DYADS[group.kind](balance, group, *needs), strict=True))
-    return _wrenches_by_one_system(balance, group)
+    return _wrenches_by_equilibrium(balance, group)
 
 
 def _rrr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
@@ -137,7 +137,7 @@ class UnitReaction:
     near: Wrench
 
 
-def _wrenches_by_one_system(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint, Wrench]]:
+def _wrenches_by_equilibrium(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint, Wrench]]:
     """As ``group_wrenches``, for a group of class III or higher: the equilibrium of all its links as one linear system.
 
     A wrench acts on the joint's far body, about that body's reference point (of a pin: at the pin).
