@@ -23,8 +23,10 @@ def main() -> None:
 def _run() -> None:
     _start_fast()
     _open_closed_streams()
+    # Both add their commands to the app. ``from ... import`` would take old modules where a test runner dropped some.
+    import reports.command_line.designs_app
+    import reports.command_line.folders_app  # noqa: F401
     from analytic.errors import LinkproofError
-    from reports.command_line import designs_app, folders_app  # noqa: F401 - they add their commands
     from reports.command_line.app import app
     from reports.command_line.parameters import InterruptedRunError
     from reports.document.numbers import accept_any_text
