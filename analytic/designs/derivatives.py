@@ -116,13 +116,7 @@ def figure_gradients(
     if not is_exact(mechanism):
         _check_moves(_sweep(mechanism, parameters, places))
         period = period_of(mechanism, places)
-        request = FigureRequest(mechanism, tuple(figures), places, speed, period, refine)
-
-        # Differences about a mass of zero need a mass just below zero, so nothing is checked here.
-        def figures_of(numbers: Mapping[str, float]) -> Array:
-            return request.values_for({name: np.array([value]) for name, value in numbers.items()})[:, 0]
-
-        return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
+        return _figure_differences(FigureRequest(mechanism, tuple(figures), places, speed, period, refine), parameters)
     design = _Design(mechanism, parameters, speed)
     design.check(places)
     zero_of_s = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else 0.0
@@ -149,6 +143,16 @@ def figure_gradients(
         sign = -1.0 if figure.is_magnitude and value < 0.0 else 1.0
         values[number], gradients[number] = sign * value, sign * slopes
     return values, gradients
+
+
+def _figure_differences(request: FigureRequest, parameters: Mapping[str, float]) -> tuple[Array, Array]:
+    """Figures and their derivatives by numerical differences, where the closed form has no exact ones."""
+
+    # Differences about a mass of zero need a mass just below zero, so nothing is checked here.
+    def figures_of(numbers: Mapping[str, float]) -> Array:
+        return request.values_for({name: np.array([value]) for name, value in numbers.items()})[:, 0]
+
+    return differences(figures_of, parameters, _steps(request.mechanism, parameters))[:2]
 
 
 @dataclass(frozen=True)

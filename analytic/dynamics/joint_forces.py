@@ -29,6 +29,8 @@ from analytic.kinematics.frames import Pair, Scalar, cross, dot
 from analytic.kinematics.structure import AnyGroup, DrivenDistance, Dyad, Group, GroupJoint, Joint, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
 
+Array = NDArray[np.float64]
+
 # Force analysis of the Assur groups: from the wrenches that links need to the forces in the group's joints.
 #
 # A group is statically determinate: its equations of equilibrium have the unknowns of its joints, two to a pin or a
@@ -188,9 +190,6 @@ def _combined_wrench(joint: GroupJoint, shares: list[tuple[Scalar, UnitReaction]
     y = sum(size * unit.far[1] for size, unit in shares)
     moment = 0.0 if isinstance(joint, Revolute) else sum(size * unit.far[2] for size, unit in shares)
     return (x, y, moment)
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

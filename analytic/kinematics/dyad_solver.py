@@ -17,6 +17,9 @@ from analytic.kinematics.frames import Pose, Rate, Scalar
 from analytic.kinematics.groups.solver import GroupSolver
 from analytic.kinematics.structure import Dyad
 
+Array = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+
 FORMULAS: Final[Mapping[str, ModuleType]] = {"RRR": rrr, "RRP": rrp, "RPR": rpr, "RPP": rpp, "PRP": prp}
 
 
@@ -107,9 +110,6 @@ class DyadSolver:
 
 
 # Whether a dyad can be assembled at every given crank angle, and whether it can move there.
-
-Array = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
 
 
 def check_assembly(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array) -> None:

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.machine_code.tracing import CONSTANT, OperationList
 
+Array = NDArray[np.float64]
+
 # A list of operations as the source of one straight Python function, laid out for a processor's vector registers.
 #
 #     def straight(lanes, rows, results): ...
@@ -76,7 +78,7 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
     places = {line: f"given[{number * LANES} + d]" for number, line in enumerate([*lanes, *first])}
     outs = [f"out[{number * LANES} + d]" for number in range(len(results) + 1)]
     over_lanes = f"for d in range({LANES}):"
-    begun = [f"{out} = {_number(result.start)}" for out, result in zip(outs, results, strict=False)]
+    begun = [f"{out} = {_python_number(result.start)}" for out, result in zip(outs, results, strict=False)]
     if all(result.formula == LATEST for result in results):
         begun = []  # no result is of what it was
     for line in first:  # side by side, so that a sine and a cosine of one number are one call
@@ -106,7 +108,7 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
     for line in trace.lines_needed([result.line for result in results], names):
         operation = trace.operations[line]
         if operation.name == CONSTANT:
-            names[line] = _number(operation.value)
+            names[line] = _python_number(operation.value)
         elif line not in names:
             take(4, line, PYTHON_FORMS[operation.name].format(*(names[other] for other in operation.operands)))
     for number, result in enumerate(results):
@@ -115,7 +117,7 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
     return "\n".join(text) + "\n"
 
 
-def _number(value: float) -> str:
+def _python_number(value: float) -> str:
     return repr(value) if isfinite(value) else f"float('{value!r}')"
 
 
@@ -150,7 +152,7 @@ def javascript_source(trace: OperationList, given: Sequence[int], rows: Sequence
     for line in needed:
         operation = trace.operations[line]
         if operation.name == CONSTANT:
-            names[line] = _literal(operation.value)
+            names[line] = _javascript_number(operation.value)
         elif line not in names:
             names[line] = f"v{line}"
             expression = ALL_JAVASCRIPT_FORMS[operation.name].format(*(names[other] for other in operation.operands))
@@ -162,15 +164,13 @@ def javascript_source(trace: OperationList, given: Sequence[int], rows: Sequence
     return f"(given, rows, results, count) => {{\n{body}\n}}"
 
 
-def _literal(value: float) -> str:
+def _javascript_number(value: float) -> str:
     """A constant, in brackets where a minus might meet another."""
     if isnan(value):
         return "NaN"
     text = "Infinity" if isinf(value) else repr(abs(value))
     return f"(-{text})" if copysign(1.0, value) < 0.0 else text
 
-
-Array = NDArray[np.float64]
 
 PATHS: Final = ("auto", "numpy", "compiled")
 # s per operation of a list: what compiling it takes, above a second, and what NumPy takes for each lane and row.

@@ -20,6 +20,8 @@ from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
 
+Array = NDArray[np.float64]
+
 # Gauss collocation of φ̈ = ε(φ, φ̇) in windows of time: the scheme, and the motion that it makes.
 #
 # In a window the acceleration is a polynomial through its values at Gauss-Legendre nodes; speed and angle are its
@@ -96,7 +98,6 @@ class Windows:
         return np.asarray(legendre.legval(place, self.speed[:, window], tensor=False))
 
 
-Array = NDArray[np.float64]
 Acceleration = Callable[[Array, Array], Array]
 Push = Callable[[Array, Array], Array]
 Timed = Callable[[Array, Array, Array], Array]

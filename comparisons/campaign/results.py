@@ -31,6 +31,8 @@ from comparisons.runs.environment import environment
 from comparisons.runs.study_folder import has_study, load_study, save_study
 from engines.contract import ReadOut
 
+Array = NDArray[np.float64]
+
 # The form of a campaign's saved document, by which it is checked when it is read back.
 
 
@@ -84,7 +86,6 @@ FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedCampaign)
 
 # The results of a campaign: its runs, and all that a report needs besides; saved and read back.
 
-Array = NDArray[np.float64]
 
 COMPARE: Final = "compare"
 JUDGE: Final = "judge"  # another tool's results in an engine's place

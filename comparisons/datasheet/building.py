@@ -35,6 +35,8 @@ from comparisons.datasheet.released import describe_release, errata_motions
 from comparisons.datasheet.sheet import Positions, Sheet
 from comparisons.reference.case import Case, motion_of_file_regime
 
+Array = NDArray[np.float64]
+
 POSITIONS_SHOWN: Final = 121  # of a turn, a range or a motion
 TURN_ROUNDING: Final = 1e-9  # of a turn: what is missing of a whole one for rounding
 
@@ -72,7 +74,6 @@ def positions_at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bo
     return Positions("phi", angle, bodies, carriers, closed)
 
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 STEADY: Final = "constant-speed"

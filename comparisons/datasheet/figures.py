@@ -23,6 +23,8 @@ from analytic.numerics.refine import extremes
 from analytic.signals import MAGNITUDE, signal, unit
 from comparisons.datasheet.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
 
+Array = NDArray[np.float64]
+
 SHAKING: Final = "shaking force"
 SAME_SPEED: Final = 1e-9  # share of the largest speed within which an instant counts as one of the largest speed
 NEGLIGIBLE: Final = 1e-12  # share of the largest value of a kind below which a value is zero but for rounding
@@ -142,7 +144,6 @@ def _loaded_links(curves: Curves) -> dict[str, str]:
 # ``range.low .high`` ends, rad, of the range of a crank that cannot turn fully ``S.harmonic_deviation`` mean distance
 # of the unit function from a harmonic, likewise v and a
 
-Array = NDArray[np.float64]
 MechanismFigure = Callable[[Mechanism], float]
 
 

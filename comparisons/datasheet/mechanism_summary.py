@@ -22,6 +22,8 @@ from comparisons.datasheet.linkage_check import accuracy_facts, range_facts
 from comparisons.datasheet.sheet import ThreadSheet, UnitFunctionCurves
 from comparisons.reference.case import Case
 
+Array = NDArray[np.float64]
+
 
 def portrait(linkage: Linkage) -> dict[str, Any]:
     """Structure, inertia and accuracy of a linkage in SI units and degrees, ready for JSON.
@@ -114,7 +116,6 @@ def _link_facts(linkage: Linkage, name: str) -> dict[str, Any]:
 
 # Parts of a mechanism's page besides the signals of one motion: shares of Jeq, normalised motion, thread.
 
-Array = NDArray[np.float64]
 
 CURVE_STEPS: Final = 180  # steps of the normalised motion, which is smooth
 

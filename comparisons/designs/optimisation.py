@@ -27,6 +27,8 @@ from comparisons.designs.problem import (
 )
 from comparisons.designs.searches import ACTIVE, Announce, Descent, End, Search, independent, search
 
+Array = NDArray[np.float64]
+
 # An optimum whose lengths can be made: whole steps between their bounds, the other numbers searched for again.
 
 
@@ -93,7 +95,6 @@ def _search_others(
 
 # The best design of a linkage for a request, with further results for its designer.
 
-Array = NDArray[np.float64]
 
 REPORTED: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min")
 KINKED: Final = (Reduction.MAX, Reduction.RANGE)

@@ -30,6 +30,8 @@ from analytic.kinematics.sweep import Sweep
 from analytic.signals import unit
 from comparisons.datasheet.building import inset_ends
 
+Array = NDArray[np.float64]
+
 # The units of kinds that a file does not state.
 FIXED_UNITS: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
 LISTING: Final = "those that `linkproof list --numbers` shows"
@@ -187,7 +189,6 @@ def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigu
 
 # The motion under which designs are compared: the driver at constant speed over a turn, or over a range.
 
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 180
 FEWEST: Final = 8

@@ -23,6 +23,8 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import NamedFigure, SteadyMotion, mass_words, named_figures
 from comparisons.designs.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, Tornado, tolerances
 
+Array = NDArray[np.float64]
+
 # The request of a tolerance study: results of a linkage whose numbers deviate from nominal, under a motion.
 
 
@@ -135,8 +137,6 @@ def tolerance_request(
     request = ToleranceRequest(mechanism, result, figures, motion, samples, seed)
     return replace(request, conditions=conditions + mass_words(mechanism.linkage, request.names))
 
-
-Array = NDArray[np.float64]
 
 EXACT, DIFFERENCE = "exact", "difference"
 QUANTILES: Final = (0.00135, 0.99865)  # of the quantiles: three standard deviations of a normal distribution

@@ -20,6 +20,8 @@ from comparisons.judging.deviations import Deviation, near_jump, near_jumps
 from comparisons.judging.records import IMPORTED, Record, Verdict
 from comparisons.reference.motion import Motion
 
+Array = NDArray[np.float64]
+
 NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 
 
@@ -80,8 +82,6 @@ def jump_sizes(model: Simulation, signal: Samples) -> Array:
         sizes = np.where(larger, np.where(signal.time < jump, size, -size), sizes)
     return sizes
 
-
-Array = NDArray[np.float64]
 
 DEFAULT_LIMIT: Final = 0.01
 # A signal whose peak is below this share of its natural scale is judged by that share: a reaction that symmetry makes

@@ -48,6 +48,8 @@ from comparisons.reference.case import Case
 from engines.contract import Signal
 from engines.scene import Channel, Free, Prescribed
 
+Array = NDArray[np.float64]
+
 HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 
 
@@ -81,8 +83,6 @@ def _largest_gap(inspection: Inspection) -> float:
     turned = max(float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time))))) for time in clocks)
     return turned if turned > HALF_TURN * inspection.radian else 0.0
 
-
-Array = NDArray[np.float64]
 
 UNITS: Mapping[str, str] = {
     **dict.fromkeys(("closure", "assembly_mode", "force_balance"), ""),

@@ -16,6 +16,8 @@ from comparisons.reference.motion import Motion
 from engines.contract import Signal
 from engines.scene import Channel
 
+Array = NDArray[np.float64]
+
 # Which samples lie at a jump of the driver's acceleration: one rule for all who judge or draw them.
 
 
@@ -41,8 +43,6 @@ def near_jump(time: Array, motion: Motion, jump: float) -> NDArray[np.bool_]:
     half = WINDOW * float(np.min(pieces, initial=motion.duration))
     return np.asarray(np.abs(time - jump) <= half * (1.0 + ROUNDING))
 
-
-Array = NDArray[np.float64]
 
 UNBOUNDED = "joint forces have no bound where the linkage passes its change point at {angle}"
 

@@ -52,7 +52,7 @@ class Verdict(StrEnum):
 
 
 CONTROL = "control"  # the origin of the suite's second derivation, which is no engine
-IMPORTED = "imported"  # the origin of what another tool's files say
+IMPORTED = "imported"  # the origin of values read from another tool's files
 FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED, Verdict.ADAPTER_ERROR))
 
 

@@ -22,6 +22,8 @@ from comparisons.observation.interpolation import POINTS
 from engines.contract import Engine, History, Method, Origin, Outcome, Run, Setting, Signal, StudiedEngine
 from engines.scene import Channel, Drive, Prescribed, Scene
 
+Array = NDArray[np.float64]
+
 # Runs that gave no result: how each failed, whose fault it was, and where.
 #
 # Imports the standard library alone, as worker processes do at their start.
@@ -121,8 +123,6 @@ def _error_location(error: BaseException, packages: tuple[str, ...], otherwise: 
     path = Path(file)
     return f"{path.relative_to(_ROOT) if path.is_relative_to(_ROOT) else path}, line {line}"
 
-
-Array = NDArray[np.float64]
 
 _LONGEST_REASON: Final = 1000  # characters of a reason
 _LARGEST: Final = 1e100  # of a signal, in any unit: squares of values computed from it are still finite

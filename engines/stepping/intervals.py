@@ -18,6 +18,8 @@ from analytic.errors import LinkproofError
 from engines.contract import History, Outcome, Run
 from engines.stepping.richardson import labelled
 
+Array = NDArray[np.float64]
+
 # How a run ends, its cost, and in how many steps it is taken.
 
 
@@ -103,7 +105,6 @@ def whole_steps(duration: float, step: float, least: int) -> int:
 
 # A prescribed motion cut into intervals, each started anew, in a whole number of basic steps.
 
-Array = NDArray[np.float64]
 
 GRADES = (0.5, 0.75)  # of the peak speed: where the step changes; no step is more than twice another's
 EVEN = 1.0 + 1e-9  # so that rounding does not cut a constant speed

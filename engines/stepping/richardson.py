@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 
 from engines.contract import History, Origin, Signal, weakest
 
+Array = NDArray[np.float64]
+
 # Histories made of histories, signal by signal.
 
 
@@ -62,7 +64,6 @@ def labelled(history: History) -> Iterator[tuple[str, Signal]]:
 
 # Richardson extrapolation of whole histories, and an estimate of its error, from the changes of its last passes.
 
-Array = NDArray[np.float64]
 Weigh = Callable[[Sequence[float], Sequence[int]], Array]
 
 # Clocks of two runs may differ by rounding alone: this much of the whole duration.

@@ -23,6 +23,8 @@ from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
 
+Array = NDArray[np.float64]
+
 DIGITS: Final = 6
 ROUNDED: Final = 1e-8  # share of its size by which a constrained figure may be off
 SETTLED: Final = 1e-4  # a residual that a local optimum stays below
@@ -232,7 +234,6 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
 
 # Curves of a linkage before and after its numbers were changed, with their peaks.
 
-Array = NDArray[np.float64]
 
 FIRST: Final = ("Mkr",)
 PANEL, FRAME = 1.9, 0.6  # in, height of a panel, of the words below the last

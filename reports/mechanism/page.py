@@ -39,6 +39,8 @@ from reports.mechanism.published import published_section
 from reports.mechanism.shown import key_table, page_figure
 from reports.records.views import anchor, views
 
+Array = NDArray[np.float64]
+
 # Sections of a mechanism's page that some linkages have: the thread, and released cranks.
 
 
@@ -121,7 +123,6 @@ def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure,
 
 # A mechanism that moves on its page: its drawing, and what its signals are where it stands.
 
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 241
 READ_OUT: Final = ("S", "v", "a", "Mkr", "Peq", "Jeq")

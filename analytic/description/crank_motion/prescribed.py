@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.errors import LinkproofError, UnknownNameError
 
+Array = NDArray[np.float64]
+
 RPM = np.pi / 30.0
 
 
@@ -187,8 +189,6 @@ def crank_motion(
 
 JUMP: Final = 8.0  # times the speed of all other steps: what is faster is no motion but a jump
 LEAST_POINTS: Final = 4
-
-Array = NDArray[np.float64]
 
 
 def table_motion(regime: str, time: Sequence[float], angle: Sequence[float]) -> CrankMotion:
