@@ -51,7 +51,7 @@ def execute_tutorial() -> None:
 
     path = ROOT / "docs" / "tutorial.ipynb"
     notebook = nbformat.read(path, as_version=4)
-    NotebookClient(notebook, record_timing=False, timeout=None).execute()
+    NotebookClient(notebook, record_timing=False, timeout=None, coalesce_streams=True).execute()
     nbformat.write(notebook, path)
 
 

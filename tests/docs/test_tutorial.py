@@ -18,7 +18,9 @@ def printed_text(cell):
 def test_every_cell_prints_what_the_notebook_shows():
     nbformat, client = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     saved = nbformat.read(NOTEBOOK, as_version=4)
-    executed = client.NotebookClient(nbformat.read(NOTEBOOK, as_version=4), timeout=None).execute()
+    executed = client.NotebookClient(
+        nbformat.read(NOTEBOOK, as_version=4), timeout=None, coalesce_streams=True
+    ).execute()
     code = [cells for cells in zip(saved.cells, executed.cells, strict=True) if cells[0].cell_type == "code"]
     assert sum(bool(printed_text(before)) for before, _ in code) > 3
     for before, after in code:
