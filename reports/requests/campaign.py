@@ -22,7 +22,7 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.requests.campaign_options import CompareOptions, RunLimits, RunsOptions
-from reports.requests.motions import EVERYTHING, check_motion, own_regimes, prescribed_motions
+from reports.requests.motions import EVERYTHING, requested_motions
 
 DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of files
 
@@ -119,9 +119,8 @@ def request(
     Regimes that other ``known`` linkages define may be requested: those that do not define them are not run in them.
     ``engines``, installed or not, take the place of those of the options.
     """
-    check_motion(options)
     result = linkages(options)
-    motions, conditions = prescribed_motions(options, result)
+    motions, conditions, own_regimes = requested_motions(options, result, known)
     return CampaignRequest(
         linkages=result,
         motions=motions,
@@ -129,7 +128,7 @@ def request(
         engines=requested_engines(options.engine) if engines is None else tuple(engines),
         settings=_settings(options),
         quantities=tuple(dict.fromkeys(options.quantity)),
-        own_regimes=own_regimes(options, (*result, *known)),
+        own_regimes=own_regimes,
         own_settings=_own_settings(options),
         with_invariants=not options.quantity,
     )

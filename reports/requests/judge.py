@@ -13,10 +13,9 @@ from comparisons.imported.columns import ImportedResults
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judge import judge as judge_results
 from comparisons.imported.reading import read_results
-from comparisons.reference.case import case_of_file_regime
 from comparisons.reference.motion import Motion
 from reports.requests.motion_options import JudgeOptions
-from reports.requests.motions import check_motion, own_regimes, prescribed_motions
+from reports.requests.motions import check_motion, requested_motion
 
 
 def check_judgement(options: JudgeOptions) -> None:
@@ -45,14 +44,8 @@ def judge_files(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
 
 def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) -> Motion | None:
     """The motion of the regime; constant speed if all signals are over φ; None if the file's columns give it."""
-    if len(options.regime) > 1:
-        raise LinkproofError(f"--regime: expected one motion of the crank, got {', '.join(options.regime)}; name one")
-    names = own_regimes(options, [linkage])
-    if names:
-        regime = next(regime for regime in linkage.regimes if regime.name == names[0])
-        return case_of_file_regime(Mechanism(linkage), regime).motion
-    if options.regime or options.swings:
-        ((motion, *_), _) = prescribed_motions(options, [linkage])
+    motion = requested_motion(options, Mechanism(linkage))
+    if motion is not None:
         return motion
     if imported.signals and all(signal.axis == "phi" for signal in imported.signals):
         return crank_motion("constant-speed", speed=abs(options.rpm) * RPM, clockwise=options.turns_back)

@@ -1,5 +1,7 @@
 """The motions of ``MotionOptions``: prescribed ones and the regimes of a linkage; refusals of impossible ones.
 
+A campaign takes ``requested_motions``; a command about one motion takes ``requested_motion`` or ``requested_case``.
+
 Of a drive along a line ``--from``, ``--to`` and ``--speed`` are in the file's unit of length; without a speed its
 motion has the mean speed of one second, without ends it goes over the range of the drive.
 """
@@ -8,18 +10,113 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
-from analytic.description.crank_motion import LARGEST, LAWS, RAMPS, REGIMES, RPM, CrankMotion, crank_motion, swing
+from analytic.description.crank_motion import (
+    LARGEST,
+    LAWS,
+    RAMPS,
+    REGIMES,
+    RPM,
+    CrankMotion,
+    Segment,
+    crank_motion,
+    swing,
+)
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import inset_ends
+from comparisons.datasheet.building import STEADY, inset_ends, range_motion
+from comparisons.reference.case import Case, case_of_file_regime
+from comparisons.reference.motion import Motion
 from reports.requests.motion_options import TIMED, MotionOptions
 
 EVERYTHING = "all"
 OWN = "own"  # every regime that a linkage defines for itself
-TURNING, SWINGING = "run-up", "constant-speed"  # the regime where none is named
+TURNING, SWINGING = "run-up", STEADY  # the regime where none is named
+
+
+class RequestedMotions(NamedTuple):
+    """Prescribed motions, their conditions in words, and the names of regimes that linkages define themselves."""
+
+    prescribed: tuple[CrankMotion, ...]
+    conditions: str
+    own_regimes: tuple[str, ...]
+
+
+def requested_motions(
+    options: MotionOptions, linkages: Sequence[Linkage], known: Sequence[Linkage] = ()
+) -> RequestedMotions:
+    """The motions of a campaign of ``linkages``; the regimes of other ``known`` linkages may be named too.
+
+    Raises LinkproofError for motions that are impossible or unknown.
+    """
+    check_motion(options)
+    motions, conditions = _prescribed_motions(options, linkages)
+    return RequestedMotions(motions, conditions, _own_regimes(options, (*linkages, *known)))
+
+
+def requested_motion(options: MotionOptions, mechanism: Mechanism) -> Motion | None:
+    """The one motion that is requested; None if the options name none.
+
+    Raises LinkproofError for a motion that is impossible or unknown, and for several.
+    """
+    case = _named_case(options, mechanism)
+    return None if case is None else case.motion
+
+
+def requested_case(options: MotionOptions, mechanism: Mechanism) -> Case:
+    """The linkage under the one requested motion: by default a turn at constant speed, or the range of the crank.
+
+    Raises LinkproofError for a motion that is impossible or unknown, and for several.
+    """
+    case = _named_case(options, mechanism)
+    has_length = options.swings or _is_timed(options) or _own_regimes(options, [mechanism.linkage])
+    if case is None or (options.regime == (STEADY,) and not has_length):
+        return _default_case(options, mechanism)
+    return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
+
+
+def _named_case(options: MotionOptions, mechanism: Mechanism) -> Case | None:
+    """A case of the one motion that the options name; None if they name none."""
+    check_motion(options)
+    linkage = mechanism.linkage
+    regimes = _own_regimes(options, [linkage])
+    if len(options.regime) > 1 or {EVERYTHING, OWN} & {*options.regime}:
+        raise LinkproofError(f"expected one motion, got --regime {', '.join(options.regime)}: choose one of them")
+    if regimes:
+        return case_of_file_regime(mechanism, next(regime for regime in linkage.regimes if regime.name in regimes))
+    if options.regime or options.swings:
+        ((motion,), _) = _prescribed_motions(options, [linkage])
+        return Case(mechanism, motion)
+    if _is_timed(options):
+        raise LinkproofError(
+            "--ramp-time and --hold-time apply only to a motion over time: add --regime run-up, or leave them out"
+        )
+    return None
+
+
+def _is_timed(options: MotionOptions) -> bool:
+    """Whether the time of a motion was given."""
+    default = MotionOptions()
+    return (options.ramp_time, options.hold_time) != (default.ramp_time, default.hold_time)
+
+
+def _default_case(options: MotionOptions, mechanism: Mechanism) -> Case:
+    """Constant speed over a full turn, or over the range of a driver that makes none, short of its limits."""
+    if mechanism.linkage.is_linear:
+        ((motion,), _) = _prescribed_motions(options, [mechanism.linkage])
+        return Case(mechanism, motion)
+    start = math.radians(options.start_angle)
+    speed, backwards = abs(options.rpm) * RPM, options.turns_back
+    reach = mechanism.crank_range(start if options.start_angle else None)
+    if reach.is_full_turn:
+        motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
+        return Case(mechanism, motion)
+    return Case(mechanism, range_motion(reach, speed, backwards=backwards))
 
 
 def offered_regimes(options: MotionOptions) -> tuple[str, ...]:
@@ -116,7 +213,7 @@ def _motion(options: MotionOptions, name: str) -> CrankMotion:
     )
 
 
-def prescribed_motions(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
+def _prescribed_motions(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
     """The requested prescribed motions, without regimes of the linkages, and their conditions in words."""
     linear = [linkage for linkage in linkages if linkage.is_linear]
     if not linear:
@@ -153,7 +250,7 @@ def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:
     return inset_ends(Mechanism(linkage).crank_range(), backwards=options.turns_back)
 
 
-def own_regimes(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[str, ...]:
+def _own_regimes(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[str, ...]:
     """Requested regimes that the linkages define for themselves; ``own`` and ``all`` request all of them."""
     regimes = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
     known = [*offered_regimes(options), *regimes, OWN, EVERYTHING]

@@ -37,8 +37,9 @@ from reports.requests.campaign_options import (
     StandardOptions,
     StressOptions,
 )
+from reports.requests.motion_options import MotionOptions
 from reports.requests.motions import EVERYTHING, OWN, offered_regimes
-from reports.requests.options import changed_options, command_line
+from reports.requests.options import command_line
 
 Study = TypeVar("Study", CompareOptions, BenchOptions, StressOptions)
 INSTALLATIONS = {"site-packages", "dist-packages"}  # the next installation removes the files in them
@@ -139,7 +140,7 @@ def coverage_of(options: CompareOptions, standard: StandardOptions, project: Pro
 
     A named motion may be missing in the project's baseline, but not in a baseline that is named itself.
     """
-    names_motion = bool(changed_options(options.motion))
+    names_motion = options.motion != MotionOptions()
     return Coverage(
         every_linkage=not options.mechanisms and options.variant is None,
         every_motion=project is not None and not names_motion,

@@ -12,7 +12,7 @@ from comparisons.datasheet.building import MARGIN
 from reports.requests.campaign import request
 from reports.requests.campaign_options import CompareOptions
 from reports.requests.motion_options import MotionOptions
-from reports.requests.motions import own_regimes, prescribed_motions
+from reports.requests.motions import requested_motions
 from reports.requests.options import changed_options
 from tests.analytic.drives import driven, path_of
 
@@ -21,12 +21,12 @@ MOTOR = driven("linear-motor")
 
 
 def motions(**options):
-    return prescribed_motions(MotionOptions(**options), [])[0]
+    return requested_motions(MotionOptions(**options), []).prescribed
 
 
 def linear(**options):
     """The motion of a drive along a line, and its conditions."""
-    (motion,), conditions = prescribed_motions(MotionOptions(**options), [MOTOR.linkage])
+    (motion,), conditions, _ = requested_motions(MotionOptions(**options), [MOTOR.linkage])
     return motion, conditions
 
 
@@ -128,12 +128,12 @@ def test_options_of_a_turning_crank_are_refused_for_a_drive_along_a_line():
     with pytest.raises(LinkproofError, match=r"--start-angle turns a crank, but 'linear-motor' is driven along a line"):
         linear(start_angle=90.0)
     with pytest.raises(LinkproofError, match="cannot share a motion with other linkages"):
-        prescribed_motions(MotionOptions(), [load("juki-mf7923d"), MOTOR.linkage])
+        requested_motions(MotionOptions(), [load("juki-mf7923d"), MOTOR.linkage])
 
 
 def test_a_regime_of_a_file_is_requested_by_its_name_or_with_all_of_them():
     linkages = [load("slotted-takeup")]
-    assert own_regimes(MotionOptions(regime=("free",)), linkages) == ("free",)
-    assert own_regimes(MotionOptions(regime=("own",)), linkages) == ("driven", "free")
+    assert requested_motions(MotionOptions(regime=("free",)), linkages).own_regimes == ("free",)
+    assert requested_motions(MotionOptions(regime=("own",)), linkages).own_regimes == ("driven", "free")
     with pytest.raises(LinkproofError, match="unknown regime 'fre'"):
-        own_regimes(MotionOptions(regime=("fre",)), linkages)
+        requested_motions(MotionOptions(regime=("fre",)), linkages)

@@ -79,7 +79,9 @@ def test_json_on_stdout_is_one_object(folder):
     [
         (("--limit", "0"), "--limit: expected a positive share"),
         ((), "say how the crank moves with --regime"),
-        ((*RUN_UP, "--regime", "run-up-cubic"), "expected one motion of the crank"),
+        ((*RUN_UP, "--regime", "run-up-cubic"), "expected one motion, got --regime run-up, run-up-cubic"),
+        (("--regime", "all"), "expected one motion, got --regime all"),
+        (("--hold-time", "2"), "--ramp-time and --hold-time apply only to a motion over time"),
     ],
 )
 def test_bad_input_is_one_sentence(folder, words, sentence):
