@@ -58,7 +58,7 @@ def chosen_families(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantit
 def point_record(
     case: Case,
     adapter: Engine,
-    way: Setting | Method | None,
+    usage: Setting | Method | None,
     steps_per_turn: float | None,
     *,
     outcome: str = "",
@@ -66,7 +66,7 @@ def point_record(
     host: str = "",
 ) -> PointRecord:
     """The record of a case in an engine by a setting, or by a method at a step, before it is measured."""
-    linkage, method = case.mechanism.linkage, way if isinstance(way, Method) else None
+    linkage, method = case.mechanism.linkage, usage if isinstance(usage, Method) else None
     return PointRecord(
         mechanism=linkage.name,
         variant=linkage.variant,
@@ -77,7 +77,7 @@ def point_record(
         is_control=adapter.is_control,
         work_unit=adapter.work_unit if isinstance(adapter, StudiedEngine) else "",
         kind=METHOD if method else SETTING,
-        setting=method.name if method else str(way or ""),
+        setting=method.name if method else str(usage or ""),
         effort=method.effort if method else None,
         effort_unit=method.effort_unit if method else "",
         step=None if steps_per_turn is None else longest_step(case, steps_per_turn),
@@ -91,7 +91,7 @@ def point_record(
 def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     pickled: bytes,
     name: str,
-    way: Setting | Method,
+    usage: Setting | Method,
     steps_per_turn: float | None,
     quantities: Sequence[str],
     with_errors: bool,
@@ -107,12 +107,12 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     )
     scene = case.scene(channels)
     with blamed_on(adapter):
-        if isinstance(way, Method) and isinstance(adapter, StudiedEngine):
+        if isinstance(usage, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
         first_use = _warm_up(adapter, scene, longest_step(case, WARM_UP_STEPS))
-        blank = point_record(case, adapter, way, steps_per_turn, host=host())
+        blank = point_record(case, adapter, usage, steps_per_turn, host=host())
         steady = calibrate()
-        run, wall = timed(lambda: started(adapter, scene, way, blank.step))
+        run, wall = timed(lambda: started(adapter, scene, usage, blank.step))
         run = checked(run, scene, name)
     measured = replace(_with_run(blank, run, wall), details={CALIBRATION: steady, FIRST_USE: first_use})
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:

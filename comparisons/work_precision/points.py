@@ -70,7 +70,7 @@ class Point:
     steps_per_turn: float | None = None
 
     @property
-    def way(self) -> Setting | Method | None:
+    def usage(self) -> Setting | Method | None:
         """The setting or method to run; None if the engine is not installed."""
         return self.setting or self.method
 

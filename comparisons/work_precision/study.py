@@ -65,7 +65,7 @@ class Rounds:
 
     def run(self, number: int, points: Sequence[Point]) -> None:
         """Measure points in a round, as long as there is time."""
-        tasks = [self._task(number, point) for point in points if point.way]
+        tasks = [self._task(number, point) for point in points if point.usage]
         self.study.expect(tasks)
         bounds = Bounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
         with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
@@ -74,7 +74,7 @@ class Rounds:
 
     def measurement(self, number: int, point: Point) -> PointRecord | None:
         """The measurement of a point in a round; None if it was not measured."""
-        if not point.way:
+        if not point.usage:
             return self._unmeasured(point, Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
         key = _task_key(number, point)
         return self.study.result(key) if self.study.has(key) else None
@@ -112,25 +112,32 @@ class Rounds:
 
     def _unmeasured(self, point: Point, outcome: str, detail: str) -> PointRecord:
         case, adapter = self.cases[point.case], engine(point.engine)
-        return point_record(case, adapter, point.way, point.steps_per_turn, outcome=outcome, detail=detail)
+        return point_record(case, adapter, point.usage, point.steps_per_turn, outcome=outcome, detail=detail)
 
     def _task(self, number: int, point: Point) -> Task:
         case = self.cases[point.case]
         place = f"{case.mechanism.linkage.name}, {case.motion.regime}"
         return Task(
             key=_task_key(number, point),
-            job=(self.pickled[point.case], point.engine, point.way, point.steps_per_turn, self.quantities, number == 0),
+            job=(
+                self.pickled[point.case],
+                point.engine,
+                point.usage,
+                point.steps_per_turn,
+                self.quantities,
+                number == 0,
+            ),
             label=f"round {number + 1}: {place}, {point.engine} {point.words}",
         )
 
     def _lost_point(
-        self, lost: Lost, pickled: bytes, engine_name: str, way: Setting | Method, steps: float | None, *_: object
+        self, lost: Lost, pickled: bytes, engine_name: str, usage: Setting | Method, steps: float | None, *_: object
     ) -> PointRecord | None:
         """The record of a run without a result; None if our own deadline ended it, not a fault of the engine."""
         if self.seconds_left() <= 0.0:
             return None
         sentences = {"outcome": lost.outcome.value, "detail": lost.reason, "host": lost.host}
-        return point_record(unpickle_case(pickled), engine(engine_name), way, steps, **sentences)
+        return point_record(unpickle_case(pickled), engine(engine_name), usage, steps, **sentences)
 
     def seconds_left(self) -> float:
         """Time until the deadline, s."""

@@ -26,7 +26,7 @@ from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.python.campaign import Comparison, compare
 from reports.python.keywords import words
-from reports.requests.campaign import files, request, running
+from reports.requests.campaign import files, request, run_resources
 from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
 from reports.requests.options import command_line
 from reports.requests.standard import chosen_standard, complete_request, coverage_of
@@ -131,7 +131,7 @@ def file_campaign(path: Path, folder: Path) -> FileCampaign:
         engine(name)
     requested = request(completed.options, completed.known, names)
     options = replace(words, mechanisms=(_relative(path, folder),))
-    bounds = running(completed.limits).bounds
+    bounds = run_resources(completed.limits).bounds
     return FileCampaign(options, requested, chosen_standard(completed, usual), bounds)
 
 

@@ -142,7 +142,7 @@ def compare(
                 "limits and baselines belong to files"
             )
     wanted = campaign(replace(options, mechanisms=tuple(map(str, mechanisms))), standard, limits)
-    with wanted.running.pool() as pool:
+    with wanted.resources.pool() as pool:
         return Comparison(wanted.compared(pool), wanted)
 
 

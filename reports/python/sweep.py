@@ -35,7 +35,7 @@ from reports.requests.designs import (
     simulated_campaign,
 )
 from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
-from reports.requests.options import command_line, word
+from reports.requests.options import command_line, typed_word
 from reports.requests.standard import campaign
 
 Array = NDArray[np.float64]
@@ -95,7 +95,7 @@ def _add_engine_errors(dataset: xarray.Dataset, request: SweepRequest, options: 
     with TemporaryDirectory() as folder:
         designs, wanted, limits = simulated_campaign(request, options, Path(folder))
         runs = campaign(wanted, limits=limits)
-        with runs.running.pool() as pool:
+        with runs.resources.pool() as pool:
             judged = runs.compared(pool)
     shares = shares_of_limits(designs, judged.records, request.space.count)
     values = np.array([*shares.values()]).reshape(-1, *request.space.shape)
@@ -216,8 +216,8 @@ def _range_word(name: str, values: Range) -> str:
     if values is None:
         return name
     if isinstance(values, tuple):
-        return f"{name}={':'.join('' if end is None else word(float(end)) for end in values)}"
-    return f"{name}={values if isinstance(values, str) else word(float(values))}"
+        return f"{name}={':'.join('' if end is None else typed_word(float(end)) for end in values)}"
+    return f"{name}={values if isinstance(values, str) else typed_word(float(values))}"
 
 
 # ``linkproof.tolerance``: the change of each result with each toleranced number of a linkage.

@@ -138,7 +138,7 @@ def request(
 
 
 @dataclass(frozen=True)
-class Running:
+class RunResources:
     """The ``bounds`` of each run, and the worker ``processes`` here, or the ``scheduler`` whose workers make them."""
 
     bounds: Bounds
@@ -150,7 +150,7 @@ class Running:
         return opened(self.scheduler, here or LocalPool(self.processes))
 
 
-def running(limits: RunLimits) -> Running:
+def run_resources(limits: RunLimits) -> RunResources:
     """The bounds and the place of runs; raises LinkproofError for bad input.
 
     By default there are as many worker processes as cores; a single run has a process of its own, too.
@@ -172,4 +172,4 @@ def running(limits: RunLimits) -> Running:
     check_scheduler(limits.scheduler)
     seconds = DEFAULT_BOUNDS.seconds if limits.time_limit is None else limits.time_limit
     memory = DEFAULT_BOUNDS.memory if limits.memory_limit is None else round(limits.memory_limit * GIB)
-    return Running(Bounds(seconds, memory), cores() if limits.jobs is None else limits.jobs, limits.scheduler)
+    return RunResources(Bounds(seconds, memory), cores() if limits.jobs is None else limits.jobs, limits.scheduler)

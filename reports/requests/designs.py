@@ -20,7 +20,7 @@ from comparisons.designs.sweep import SweepRequest, usual_figures
 from comparisons.designs.tolerance_study import ToleranceRequest, tolerance_request
 from comparisons.designs.tolerances import Tolerances
 from comparisons.runs.files import write_text
-from reports.requests.campaign import named, running
+from reports.requests.campaign import named, run_resources
 from reports.requests.campaign_options import CompareOptions, RunLimits
 from reports.requests.case import SteadyCase, steady_case
 from reports.requests.designs_options import DESIGNS, OptimiseOptions, SweepOptions, ToleranceOptions
@@ -46,7 +46,7 @@ def check_sweep(options: SweepOptions) -> None:
     named(options.simulate)
     if options.jobs is not None and options.jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more cores, got {options.jobs}; correct it")
-    running(RunLimits(jobs=options.jobs, scheduler=options.scheduler))
+    run_resources(RunLimits(jobs=options.jobs, scheduler=options.scheduler))
 
 
 def sweep_request(linkage: Linkage, options: SweepOptions) -> tuple[SweepRequest, str]:

@@ -67,7 +67,7 @@ def changed_options(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401
     for option in declared_options(type(options)):
         value = getattr(options, option.field.name)
         if isinstance(option.info, Option) and option.info.affects_results and value != option.field.default:
-            groups[option.name] = () if isinstance(value, bool) else tuple(map(word, _values_of(value)))
+            groups[option.name] = () if isinstance(value, bool) else tuple(map(typed_word, _values_of(value)))
             if member_type(option.kind) is float:
                 groups[option.name] = (",".join(groups[option.name]),)  # numbers are one word
     return groups
@@ -99,7 +99,7 @@ def _values_of(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
     return value if isinstance(value, tuple) else () if value is None else (value,)
 
 
-def word(value: Any) -> str:  # noqa: ANN401 - of any option
+def typed_word(value: Any) -> str:  # noqa: ANN401 - of any option
     """A value as it is typed: every digit of a number, a whole one without a point."""
     return repr(float(value)).removesuffix(".0") if isinstance(value, float | int) else str(value)
 

@@ -28,7 +28,7 @@ from comparisons.runs.study import Task
 from comparisons.runs.workers import Pool
 from engines.registry import engine_names
 from reports.records.origins import CONCURRENT_RUNS
-from reports.requests.campaign import Running, files, request, running, with_variant
+from reports.requests.campaign import RunResources, files, request, run_resources, with_variant
 from reports.requests.campaign_options import (
     BenchOptions,
     CompareOptions,
@@ -221,7 +221,7 @@ class Campaign:
 
     request: CampaignRequest
     standard: Standard
-    running: Running
+    resources: RunResources
     options: CompareOptions
     command: str
     saved_command: str
@@ -230,7 +230,7 @@ class Campaign:
 
     def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign
         """Make the runs in a pool and judge them; the errors are recorded as the baseline if they are to be."""
-        runs = run_campaign(self.request, bounds=self.running.bounds, pool=pool, todo=self.tasks, **how)
+        runs = run_campaign(self.request, bounds=self.resources.bounds, pool=pool, todo=self.tasks, **how)
         runs.make()
         return judged_campaign(self.request, runs, self.standard, self.recorded)
 
@@ -242,7 +242,7 @@ class Campaign:
     @property
     def environment(self) -> dict[str, str]:
         """How many runs are made side by side on this machine, where they are."""
-        count = min(self.running.processes, len(self.tasks)) if self.running.scheduler is None else 1
+        count = min(self.resources.processes, len(self.tasks)) if self.resources.scheduler is None else 1
         return {CONCURRENT_RUNS: str(count)} if count > 1 else {}
 
     def document(
@@ -263,7 +263,7 @@ def campaign(
     Raises LinkproofError for bad input, before any run.
     """
     completed = complete_request(options, limits, standard)
-    where = running(completed.limits)
+    where = run_resources(completed.limits)
     file = baseline_file(standard, completed.project)
     return Campaign(
         request(completed.options, completed.known),

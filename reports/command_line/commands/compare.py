@@ -46,7 +46,7 @@ def compare(
         destination.remark(missing_engines(request.engines))
     if out:
         _ = wanted.tasks  # a run that cannot be made is refused before the folder is touched
-    with wanted.running.pool() as pool, report_interruption(out) as counting:
+    with wanted.resources.pool() as pool, report_interruption(out) as counting:
         engines, linkages = request.engines, request.linkages
         records = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
         with destination.progress() as announce, destination.own_stdout():
@@ -55,16 +55,16 @@ def compare(
             # So that its runs serve for printed models too.
             has_speed = SPEED_QUANTITY in (request.quantities or (SPEED_QUANTITY,))
             known = records if has_speed else None
-            errata = list(judge_errata(of_errata, engines, bounds=wanted.running.bounds, pool=pool, journal=known))
+            errata = list(judge_errata(of_errata, engines, bounds=wanted.resources.bounds, pool=pool, journal=known))
         if destination.json or out:
             saved = wanted.document(judged, errata, is_saved=out is not None)
             saved["environment"] |= pool.place
             if destination.json:
                 destination.write_json(with_runs(saved, judged.runs))
         if out:
-            running = wanted.running
-            save(out, saved, judged.runs, sheets(request, bounds=running.bounds, processes=running.processes))
-            destination.write_pages(running.processes)
+            resources = wanted.resources
+            save(out, saved, judged.runs, sheets(request, bounds=resources.bounds, processes=resources.processes))
+            destination.write_pages(resources.processes)
     if wanted.recorded:
         destination.remark(f"baseline: {wanted.recorded}")
     destination.write_junit(judged.records, judged.figures, judged.departures)

@@ -13,7 +13,7 @@ from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import chosen_axes, find_cell
 from comparisons.stress.saved import KIND, save
 from reports.command_line.destination import Destination, journal, report_interruption
-from reports.requests.campaign import Running, missing_engines, requested_engines, running
+from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
 from reports.requests.campaign_options import RunLimits, StressOptions
 from reports.requests.exit_codes import stress_exit_code
 from reports.requests.options import command_line
@@ -32,7 +32,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
     if options.time_limit is not None and not 0.0 < options.time_limit < math.inf:
         raise LinkproofError(f"--time-limit: expected a positive finite number of s, got {options.time_limit:g}")
-    where = running(RunLimits(jobs=jobs, scheduler=scheduler))
+    where = run_resources(RunLimits(jobs=jobs, scheduler=scheduler))
     cells = [word for word in options.words if "/" in word]
     if cells:
         return _make_named_cells(options, cells, destination, where)
@@ -62,7 +62,9 @@ def _request(options: StressOptions) -> StressRequest:
     return StressRequest(axes, present, options.setting, options.quick, time_limit=options.time_limit, command=command)
 
 
-def _make_named_cells(options: StressOptions, cells: Sequence[str], destination: Destination, where: Running) -> int:
+def _make_named_cells(
+    options: StressOptions, cells: Sequence[str], destination: Destination, where: RunResources
+) -> int:
     """Make the named cells, each separately, and print all their details."""
     if len(cells) < len(options.words):
         raise LinkproofError("expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind")

@@ -16,7 +16,7 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.requests import campaign
-from reports.requests.campaign import Running, installed, linkages, missing_engines, request, running
+from reports.requests.campaign import RunResources, installed, linkages, missing_engines, request, run_resources
 from reports.requests.campaign_options import CompareOptions, RunLimits
 from reports.requests.options import changed_options, command_line
 from tests.counting import calls
@@ -91,9 +91,12 @@ def test_the_command_repeats_the_request(options, words):
 
 
 def test_limits_become_bounds_and_stay_with_the_command():
-    assert (running(RunLimits()), changed_options(RunLimits())) == (Running(DEFAULT_BOUNDS, cores(), None), {})
-    assert running(RunLimits(time_limit=90.0, memory_limit=0.5)).bounds == Bounds(90.0, GIB // 2)
-    assert running(RunLimits(jobs=0)).processes == 0
+    assert (run_resources(RunLimits()), changed_options(RunLimits())) == (
+        RunResources(DEFAULT_BOUNDS, cores(), None),
+        {},
+    )
+    assert run_resources(RunLimits(time_limit=90.0, memory_limit=0.5)).bounds == Bounds(90.0, GIB // 2)
+    assert run_resources(RunLimits(jobs=0)).processes == 0
     limits = RunLimits(time_limit=90.0, memory_limit=0.5, jobs=0)
     assert changed_options(limits) == {"time-limit": ("90",), "memory-limit": ("0.5",)}
 
@@ -111,7 +114,7 @@ def test_limits_become_bounds_and_stay_with_the_command():
 )
 def test_impossible_limits_are_refused(limits, words):
     with pytest.raises(LinkproofError, match=words):
-        running(RunLimits(**limits))
+        run_resources(RunLimits(**limits))
 
 
 def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
