@@ -28,6 +28,7 @@ Load = Callable[[float], None]  # sets a load for the next step, which takes so 
 
 # Steps that have no good impulses to begin with, and how many times as many iterations they get.
 COLD_STEPS, COLD = 4, 10
+CLOCK_ROUNDING = 1e-6  # of a sample: passes of different step leave out the same samples at a kink
 MOTOR = "the motor"  # beside the names of joints
 STATE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE | batch.BodyFields.VELOCITY
 STATE |= batch.BodyFields.ANGULAR_VELOCITY
@@ -207,10 +208,10 @@ def follow(world: PymunkWorld, course: Data) -> Data:
     centred, samples = given["centred"], ratio * np.arange(part["samples"] + 1)
     step = part["end"] / int(samples[-1])
     middles, loaded = samples[1:-1] + (ratio - 1) // 2, samples[given["lead"] :]
-    for time, apart in given["kinks"] if centred else ():  # a step across one is not smooth
-        middles, loaded = (
-            law_values[np.abs(step * law_values - time) > apart * ratio * step] for law_values in (middles, loaded)
-        )
+    half = 0.5 * step if centred else 0.0
+    if centred:
+        middles = middles[is_smooth(step * middles + half, given["kinks"], ratio * step)]
+        loaded = loaded[is_smooth(step * loaded, given["kinks"], ratio * step)]
     rates = driver_speeds(given["motion"], centred, step, samples[-1] + 1)
     set_start_velocities(world, float(rates[0]), step)
     read = {name: world.constraints[number] for name, number in given["joints"].items() if "joint_force" in channels}
@@ -226,7 +227,6 @@ def follow(world: PymunkWorld, course: Data) -> Data:
     if MOTOR in forces:
         times, torque = forces.pop(MOTOR)
         result["torque"] = times, given["offset"] - torque if centred else torque
-    half = 0.5 * step if centred else 0.0
 
     def state(steps: Any, ahead: float = 0.0, rates_of: Any = None) -> tuple[Array, Array]:  # noqa: ANN401
         of, rate = (np.searchsorted(looks, each) for each in (steps, steps if rates_of is None else rates_of))
@@ -242,6 +242,14 @@ def follow(world: PymunkWorld, course: Data) -> Data:
         change = state(loaded, half)[1] - state(loaded, -half, loaded - 1)[1]
         result["acceleration"] = step * loaded, change / step
     return result | {"joint_force": forces}
+
+
+def is_smooth(times: Array, kinks: list[tuple[float, float]], spacing: float) -> Any:  # noqa: ANN401 - booleans
+    """Which of the times (n,), s, are further from every kink than so many samples of a ``spacing``, s."""
+    smooth = np.ones(len(times), dtype=bool)
+    for kink, apart in kinks:
+        smooth &= np.abs(times - kink) > (apart + CLOCK_ROUNDING) * spacing
+    return smooth
 
 
 def take_steps(

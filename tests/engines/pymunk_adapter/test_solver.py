@@ -11,6 +11,8 @@ from engines.mechanics.states import pose_of, with_ground
 from engines.pymunk_adapter.adapter import TUNED, PymunkEngine, contraction, poses_of
 from engines.pymunk_adapter.layout import exact_layout
 from engines.scene import Channel, Prescribed
+from engines.stepping.intervals import Cost
+from engines.stepping.richardson import labelled
 from tests.analytic.linkages import MADE_UP, mechanism
 
 pytest.importorskip("pymunk")
@@ -57,3 +59,16 @@ def test_the_linkage_is_looked_at_along_its_motion_with_closed_joints(name):
         for pose in poses:
             opened = equations.openings(equations.residual(pose, equations.arms(pose)))
             assert np.abs(opened).max() < 1e-8
+
+
+@pytest.mark.parametrize("ramp_time", [0.051, 0.051102, 0.072])  # a kink on a sample, between two, beside one
+def test_passes_of_every_step_have_the_same_samples_wherever_the_motion_has_a_kink(ramp_time):
+    recipe = dataclasses.replace(TUNED, step=0.102 / 500, steps_per_turn=0.0, ratios=(3, 5, 7, 9))
+    given = _scene("juki-mf7923d", regime="run-up-quintic", ramp_time=ramp_time, hold_time=0.102 - ramp_time)
+    engine = PymunkEngine()
+    model, _, courses = engine.planned(given, recipe, Cost())
+    histories = [engine.follow(engine.build(model, recipe), course) for course in courses]
+    for signals in zip(*(labelled(history) for history in histories), strict=True):
+        clocks = [signal.time for _, signal in signals]
+        for clock in clocks[1:]:
+            np.testing.assert_allclose(clock, clocks[0], rtol=1e-9)
