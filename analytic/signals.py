@@ -8,7 +8,7 @@
 ``joint_force:A:x :y``          the force that a joint exerts on its first body, ground frame
 ``shaking_force:x :y``          the force of the linkage on its frame, ground frame
 ``shaking_moment``              its moment about the crank's pivot; about the origin where no crank turns
-``transmission_angle:GROUP``    of a group of two links, from 0 to π/2 (``analytic.kinematics.transmission``)
+``transmission_angle:GROUP``    of a group of two links, from 0 to π/2 (``analytic.kinematics.sweep``)
 ``Q half_slope damping``        generalised force of the loads, ½ dJeq/dφ and damping reduced to the crank: on request
 ``Jeq:coupler``                 a link's share of the reduced inertia: on request
 
@@ -33,8 +33,7 @@ from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.frames import Scalar
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.sweep import output_of
-from analytic.kinematics.transmission import transmission_angle
+from analytic.kinematics.sweep import output_of, transmission_angle
 from analytic.moving import LinkageInMotion
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
-from analytic.kinematics.transmission import transmission_angle
+from analytic.kinematics.sweep import transmission_angle
 from comparisons.reference.case import Case
 from comparisons.reference.motion import Motion
 

@@ -14,7 +14,7 @@ from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
-from analytic.kinematics.transmission import transmission_angle
+from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.refine import highest
 from analytic.numerics.roots import roots
 from comparisons.datasheet.linkage_warnings import warnings

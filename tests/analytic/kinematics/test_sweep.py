@@ -7,7 +7,7 @@ from mpmath import mp
 
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.transmission import transmission_angle
+from analytic.kinematics.sweep import transmission_angle
 from tests.analytic.fifty_digits import Exact, exact
 from tests.analytic.linkages import (
     EVERY,
