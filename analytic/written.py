@@ -19,7 +19,7 @@ def plain(values: NDArray[np.float64]) -> list[float | None]:
 
 
 def fixed(value: float, digits: int) -> str:
-    """A number to so many decimals, in words; never "-0"."""
+    """A number as text, with so many decimals; never "-0"."""
     return f"{value:z.{digits}f}"
 
 

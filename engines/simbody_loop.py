@@ -144,7 +144,7 @@ def components(law: Any) -> int:  # noqa: ANN401
 
 
 def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle or a travel: those of cubics between knots."""
+    """A load's components at an angle or a travel, by cubics that repeat or keep their end values."""
     knots, pieces, repeats = law
     angle = knots[0] + (angle - knots[0]) % (2.0 * math.pi) if repeats else min(max(angle, knots[0]), knots[-1])
     piece = min(bisect_right(knots, angle), len(pieces)) - 1

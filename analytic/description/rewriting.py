@@ -34,10 +34,10 @@ ROUNDING: Final = 4 * 2.0**-52  # relative; what a number may lose on its way th
 MOST_NAMED: Final = 12  # changed numbers in the first line
 
 
-def spelt_out(text: str, name: str, variant: str | None) -> str:
-    """The text of a linkage file whose own values are those of a variant, every number of a design written in it.
+def with_variant_written(text: str, name: str, variant: str | None) -> str:
+    """A linkage file's text with the numbers of a variant as its own values, defaults written in it too.
 
-    Raises as ``rewritten`` does.
+    Printed figures and errata, which belong to the file as it was, are left out. Raises as ``rewritten`` does.
     """
     linkage = loading.parse(text, name, name, variant)
     raw, _, source = loading.document(text, name, name, variant)

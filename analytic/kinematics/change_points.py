@@ -28,7 +28,7 @@ from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.passages import NODES, ChangePoints, Patch, Touch
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute, Structure
 from analytic.kinematics.sweep import FIXED, crank_motion
-from analytic.numerics.roots import lowest, may_touch_zero
+from analytic.numerics.roots import find_lowest, may_touch_zero
 
 GRID: Final = 720  # crank angles a turn at which a touch is looked for
 LOOK, LOOKS = 17, 14  # each look at a touch shrinks its bracket 8-fold, half a degree to the root of extended rounding
@@ -189,7 +189,7 @@ class _ChangePointSearch:
                     return touch
         step = np.longdouble(FULL_TURN / GRID)
         bracket = np.array([angle - step]), np.array([angle + step])
-        centre, height = lowest(
+        centre, height = find_lowest(
             lambda at: self._relative_margin(number, _Chain(self.pivot, at)),
             *bracket,
             LOOKS,

@@ -19,7 +19,7 @@ from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.groups.solver import DEAD, GroupSolver
 from analytic.kinematics.structure import AnyGroup, Structure
 from analytic.kinematics.sweep import Sweep, driver_poses, solver_of
-from analytic.numerics.roots import lowest, may_touch_zero, root
+from analytic.numerics.roots import find_lowest, may_touch_zero, root
 
 Array = NDArray[np.float64]
 
@@ -194,7 +194,7 @@ class _Margins:
             return seen
         each = np.arange(len(rows))
         brackets = offsets[columns], offsets[columns + 2]
-        spots, heights = lowest(lambda at: self.margins(at)[rows, each], *brackets, LOOKS, enough=least)
+        spots, heights = find_lowest(lambda at: self.margins(at)[rows, each], *brackets, LOOKS, enough=least)
         return np.concatenate([seen, spots[heights < least]])
 
     def _zero_of_margin(self, row: int, good: float, end: float) -> float:

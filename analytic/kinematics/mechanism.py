@@ -22,7 +22,7 @@ from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
 from analytic.kinematics.groups.equations import Motions
 from analytic.kinematics.groups.following import follow_branch
-from analytic.kinematics.groups.solver import configuration_at_sketch, problem_of
+from analytic.kinematics.groups.solver import configuration_at_sketch, group_problem
 from analytic.kinematics.sketch import named_places, nearest_to_sketch
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
 from analytic.kinematics.sweep import Array, Sweep, driver_poses, solver_of
@@ -162,7 +162,7 @@ def _with_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
         full = np.ones(angle.shape)
         return {body: tuple(tuple(p * full for p in part) for part in parts) for body, parts in motion.items()}  # type: ignore[misc]
 
-    problem = problem_of(group, linkage, hosts)
+    problem = group_problem(group, linkage, hosts)
     start = configuration_at_sketch(linkage, before, group, problem)
     return replace(group, branch=follow_branch(problem, start, linkage.sketch_angle))
 

@@ -127,7 +127,7 @@ class Sweep:
                 self._check_motion(solver)
             solved = (solver.poses, solver.rates, solver.accelerations)[order](known)
             if order == 0:
-                self._check_assembly(solver)  # before it counts as known: it fails every time
+                self._handle_assembly(solver)  # before it counts as known: it fails every time
             known.update(zip(group.links, solved, strict=True))
         return known[body]
 
@@ -138,7 +138,7 @@ class Sweep:
         assert isinstance(solver, DyadSolver)
         return solver.closure.determinant
 
-    def _check_assembly(self, solver: DyadSolver | GroupSolver) -> None:
+    def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
         """Raise AssemblyError where a group's links do not meet, or note it in ``faults``."""
         if self.faults is None:
             check_assembly(self.linkage, solver, self.angle)

@@ -116,7 +116,10 @@ class OperationList:
         return sorted(seen)
 
     def evaluate(self, outputs: Sequence[int], known: Mapping[int, Any]) -> list[Any]:
-        """Values of lines by NumPy, from the values of ``known`` lines, inputs among them: arrays that go together."""
+        """The values of the lines with these numbers, computed by NumPy, in the order of ``outputs``.
+
+        ``known`` has values by line, those of all needed inputs among them: arrays that broadcast together.
+        """
         needed = self.lines_needed(outputs, known)
         last = {other: line for line in needed if line not in known for other in self.operations[line].operands}
         values = {line: known[line] for line in needed if line in known}
@@ -198,11 +201,11 @@ class TracedSweep(Sweep):
 
     moves: Any = True
 
-    def _check_assembly(self, solver: DyadSolver | GroupSolver) -> None:
+    def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
         self.moves = solver.moves if self.moves is True else self.moves & solver.moves
 
     def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
-        """Nothing to check: ``_check_assembly`` has recorded where the group can move."""
+        """Nothing to check: ``_handle_assembly`` has recorded where the group can move."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -107,7 +107,10 @@ class FreeMotion:
         return float(np.max(np.abs(angle - control.angle_at(time))))
 
     def _closed_form_error(self, time: Array, angle: Array) -> float:
-        """Roundings of the moment may all have one sign; those of ½Jeq' are proportional to it, else they do work."""
+        """Largest change of φ, rad, by roundings of the closed form.
+
+        Those of the moment may all have one sign; those of ½Jeq' are proportional to it, else they would do work.
+        """
         seen = np.linspace(0.0, self.duration, SEEN)
         path = self.equation.mechanism.sweep(self.angle(seen))
         _, first, second = relative_bounds(path)

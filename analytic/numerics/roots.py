@@ -78,7 +78,7 @@ def may_touch_zero(values: Array, rounding: float) -> NDArray[np.bool_]:
         return np.asarray((here <= beside[0]) & (here < beside[1]) & (here >= -rounding) & (here <= rise))
 
 
-def lowest(
+def find_lowest(
     function: Callable[[Array], Array],
     left: Array,
     right: Array,

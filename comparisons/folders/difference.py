@@ -144,7 +144,8 @@ class FolderDifference:
 def difference(before: Results, after: Results) -> FolderDifference:
     """Compare two campaigns, run by run, under the same conditions.
 
-    Linkages of one name and variant are pairs, then one left of a name in another variant, then the one design left.
+    Linkages are pairs by name and variant; then by name, where each side has a single one of it left in any variant;
+    then the last linkage left on each side.
     Raises LinkproofError where no run is in both.
     """
     names = _linkage_pairs(_linkage_names(before), _linkage_names(after))

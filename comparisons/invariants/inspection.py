@@ -180,7 +180,7 @@ class Inspection:
         """
         result = np.abs(np.diff(self.motion.crank(Channel.POSITION, time))) > COARSE_ANGLE * self.radian
         result |= np.diff(time) * self.relaxation_rate(time)[1:] > MOST_RELAXATION
-        for start, end in self._sharp_passages(time):
+        for start, end in self._undersampled_intervals(time):
             result |= (time[:-1] <= end) & (time[1:] >= start)
         return np.asarray(result)
 
@@ -195,7 +195,12 @@ class Inspection:
             return np.zeros(len(time))
         return np.asarray(np.interp(time, time[moving], 0.5 * power[moving] / kinetic[moving]))
 
-    def _sharp_passages(self, time: Array) -> Iterator[tuple[float, float]]:
+    def _undersampled_intervals(self, time: Array) -> Iterator[tuple[float, float]]:
+        """Start and end, s, of intervals with too few samples.
+
+        Near dead positions a determinant changes too much from one sample to the next; pieces of the prescribed motion
+        may have too few instants of ``time``.
+        """
         result = self.on(Channel.POSITION)
         size = np.abs(result.determinants)
         sharp = np.abs(np.diff(result.determinants, axis=0)) > SHARP * np.minimum(size[1:], size[:-1])

@@ -149,12 +149,12 @@ class RunRecord(RunFacts):
 
     @property
     def checks(self) -> tuple[Record, ...]:
-        """The run in each of its invariants."""
+        """A record of each of the run's invariants."""
         return self._flat_records(self.invariants)
 
     @property
     def every(self) -> tuple[Record, ...]:
-        """The run in each of its quantities, then in each of its invariants."""
+        """A record of each of the run's quantities, then of each of its invariants."""
         return (*self.records, *self.checks)
 
     def _flat_records(self, errors: Iterable[QuantityRecord]) -> tuple[Record, ...]:

@@ -42,8 +42,8 @@ Array = NDArray[np.float64]
 WRONG = 1e-2
 
 
-def motion_faults(case: Case, motion: ObservedMotion) -> list[str]:
-    """The faults of a motion, in words; empty for a right one."""
+def wrong_signals(case: Case, motion: ObservedMotion) -> list[str]:
+    """A sentence for every signal further from the closed form than ``WRONG`` of its scale; empty if none is."""
     return [words for size, words in _motion_errors(case, motion) if not size <= WRONG]
 
 
@@ -149,7 +149,7 @@ def judged(blank: CellResult, case: Case, scene: Scene, run: Run, setting: str) 
         try:
             if case.is_prescribed:
                 case.check_motion()
-            nearest, wrong = _nearest_deviation(case, motion, rows), motion_faults(case, motion)
+            nearest, wrong = _nearest_deviation(case, motion, rows), wrong_signals(case, motion)
         except LinkproofError as error:
             nearest, wrong = None, [f"there is no one motion to find ({error})"]
     verdict, reason = _verdict(nearest, wrong, failed, alarms)
@@ -240,5 +240,5 @@ def _error_over_limit(record: Record) -> float:
 
 
 def _finite_number(value: float) -> float:
-    """A number that JSON can hold, however far off."""
+    """A magnitude that JSON can hold: ``LARGEST`` in place of nan and infinity."""
     return LARGEST if math.isnan(value) else min(value, LARGEST)

@@ -36,7 +36,7 @@ STOP_MARGIN = 1e-3  # rad or units before a position that the path cannot pass
 LEAST_STEPS = 8  # fewer intervals cannot be read between
 
 
-def motion(equations: Equations, spacing: float | None) -> tuple[History, int]:
+def integrate_motion(equations: Equations, spacing: float | None) -> tuple[History, int]:
     """History, and number of instants or time steps; raises UnsolvableError with the reason.
 
     ``spacing``, s, is the longest between samples; None takes as many as show the motion's every turn.
@@ -137,7 +137,8 @@ class DirectEngine:
         drivers=frozenset(DriverKind),
     )
 
-    def version(self) -> str | None:
+    def version(self) -> str:
+        """The version of the installed linkproof; "source" in a checkout."""
         return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed
 
     def run(self, scene: Scene, setting: Setting) -> Run:
@@ -172,7 +173,7 @@ def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
         equations = _checked_equations(scene)
     try:
         with cost.stepping(), np.errstate(all="ignore"):  # numbers that are not finite are named later
-            history, cost.steps = motion(equations, spacing)
+            history, cost.steps = integrate_motion(equations, spacing)
     finally:
         cost.solver_work = equations.solves
     return history

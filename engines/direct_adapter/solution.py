@@ -36,7 +36,10 @@ class Equations(JointEquations):
     solves = 0
 
     def solve(self, matrix: Reals, right: Reals) -> Reals:
-        """Solve G x = right, or with Gᵀ for the multipliers, (n, k); raises UnsolvableError where G is singular."""
+        """Solve ``matrix`` x = ``right``, (n, k, k) and (n, k), refined once; counted in ``solves``.
+
+        Raises UnsolvableError where a matrix is singular.
+        """
         self.solves += len(right)
         try:
             first = np.linalg.solve(matrix, right[..., None])

@@ -41,7 +41,7 @@ def polynomial(coefficients: Sequence[float], x: Any, order: int = 0) -> Any:  #
 
 
 def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle or a travel: those of cubics between knots."""
+    """A load's components at an angle or a travel, by cubics that repeat or keep their end values."""
     knots, pieces, repeats = law
     angle = knots[0] + (angle - knots[0]) % math.tau if repeats else min(max(angle, knots[0]), knots[-1])
     piece = min(bisect_right(knots, angle), len(pieces)) - 1
@@ -197,9 +197,9 @@ class ExudynWorld:
 
 
 def build(given: Data) -> ExudynWorld:
-    """The assembled system of a model.
+    """The assembled system of a model; raises ArithmeticError for what exudyn refuses and for redundant joints.
 
-    Redundant joints would make it singular, which exudyn reports only in the middle of a solve.
+    These would make it singular, which exudyn reports only in the middle of a solve.
     """
     world = ExudynWorld(given)
     try:

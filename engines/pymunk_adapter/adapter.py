@@ -46,7 +46,11 @@ LARGEST_REMAINDER = 0.3
 
 
 def iterations_for(layout: PartLayout, remaining: float) -> int:
-    """Iterations after which no more than ``remaining`` of an impulse's change over a step is left wrong."""
+    """Iterations a step, ``FEWEST`` to ``MOST``, for a remaining error of an impulse.
+
+    The error is a share of the impulse's change over the step, at the pose that converges slowest. Above ``ENOUGH``
+    iterations only ``LARGEST_REMAINDER`` is aimed at.
+    """
     with np.errstate(all="ignore"):
         worst = max(contraction(layout, pose) for pose in poses_of(layout.equations))
         enough, needed = np.log([remaining, LARGEST_REMAINDER]) / np.log(min(worst, 1.0 - 1e-12))

@@ -36,7 +36,7 @@ BUFFER = batch.Buffer()  # pymunk never frees one
 
 
 def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle or a travel: constants, or cubics between knots."""
+    """A load's components at an angle or a travel: constants, or cubics that repeat or keep their end values."""
     if isinstance(law, list):
         return law
     knots, pieces, repeats = law

@@ -16,7 +16,7 @@ from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from engines.contract import History, Outcome, Run
-from engines.stepping.richardson import labelled
+from engines.stepping.richardson import named_signals
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:
     """The run whose history a call makes, with its cost however it ends; a history of numbers alone is a motion."""
     try:
         result = history()
-        for name, signal in labelled(result):
+        for name, signal in named_signals(result):
             if not np.isfinite(signal.values).all():
                 raise DivergedError(f"the {name} is not finite everywhere")
         return cost.run(Outcome.FINISHED, history=result)

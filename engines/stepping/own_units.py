@@ -57,11 +57,11 @@ def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
 def scaled(scene: Scene, units: OwnUnits) -> Scene:
     """The same scene with every number in the units given."""
     result: Scene = _scaled(scene, "", units)
-    return result if scene.driver_kind is DriverKind.CRANK else _with_length(result, units)
+    return result if scene.driver_kind is DriverKind.CRANK else _scale_linear_driver(result, units)
 
 
-def _with_length(scene: Scene, units: OwnUnits) -> Scene:
-    """A scaled scene whose φ is a length: its motion and its laws are over that, and its drive is a force."""
+def _scale_linear_driver(scene: Scene, units: OwnUnits) -> Scene:
+    """A scene in own units with a φ that is a length: φ, the drive's force and the loads' laws over φ as well."""
     drive: Drive
     if isinstance(scene.drive, Prescribed):
         motion = scene.drive.motion

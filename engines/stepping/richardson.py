@@ -52,7 +52,7 @@ def join_histories(histories: Sequence[History]) -> History:
     return combine_histories(histories, end_to_end)
 
 
-def labelled(history: History) -> Iterator[tuple[str, Signal]]:
+def named_signals(history: History) -> Iterator[tuple[str, Signal]]:
     """Every signal of a history with a name for messages: its channel, or its joint."""
     for name in CHANNELS:
         signal = getattr(history, name)
@@ -157,6 +157,7 @@ def change(history: History, other: History) -> float:
 
 
 def _relative_change(signal: Signal, other: Signal) -> float:
+    """Largest difference of two signals over the peak of ``other``, each component by its own peak if it moves."""
     shape = (-1, other.values.shape[-1] if other.values.ndim > 1 else 1)
     peak = np.abs(other.values).reshape(shape).max(axis=0)
     difference = np.abs(signal.values - other.values).reshape(shape).max(axis=0)

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, NamedTuple
 from analytic.description import loading
 from analytic.description.changes import Number, Place, named_numbers
 from analytic.description.linkage import GROUND, Linkage
-from analytic.description.rewriting import WrittenNumbers, spelt_out, written_numbers
+from analytic.description.rewriting import WrittenNumbers, with_variant_written, written_numbers
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
@@ -41,7 +41,7 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
     own_variant = loading.document(text, name, name)[0].get("variant", "base")
     texts = [text] if linkage.variant == own_variant else []
     with suppress(LinkproofError):
-        texts.append(spelt_out(text, name, linkage.variant))
+        texts.append(with_variant_written(text, name, linkage.variant))
     return [_template(key, written_numbers(key, name, None).places, names) for key in texts]
 
 

@@ -62,6 +62,7 @@ class JudgedResults(PrintedResult, ImportedJudgement):
         return judgement_printout(self, f"{linkage.name} ({linkage.variant}) against {self.files}")
 
     def _rows(self) -> Sequence[Record]:
+        """A record of every verdict, with the likeliest cause of its error."""
         blank = blank_record_of(self, self.files)
         return [add_cause(verdict.record(blank), self) for verdict in self.verdicts]
 

@@ -17,7 +17,7 @@ from comparisons.reference.case import Truth
 from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
-from engines.stepping.richardson import labelled
+from engines.stepping.richardson import named_signals
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.swinging import double_rocker_text
 from tests.engines.closed_form import (
@@ -163,7 +163,7 @@ def test_every_method_gives_a_finite_history_in_steps_that_it_counts(name):
         assert 0 < coarse.steps < run.steps
         assert len(run.passes) == (0 if name == "direct" else method.runs)
         assert max(run.passes, default=0.0) <= STEP * (1.0 + 1e-9)
-        for label, signal in labelled(run.history):
+        for label, signal in named_signals(run.history):
             assert np.all(np.isfinite(signal.values)), label
             assert 0.0 < np.diff(signal.time).min() < np.diff(signal.time).max() < 4.5 * STEP  # none near a jump
             assert abs(signal.time[-1] - BRIEF.duration) < 2.0 * STEP

@@ -100,8 +100,8 @@ class GroupSolver:
         )
 
 
-def problem_of(group: Group, linkage: Linkage, hosts: Any) -> Problem:  # noqa: ANN401 - a function of φ
-    """A group of a linkage as a problem of its own."""
+def group_problem(group: Group, linkage: Linkage, hosts: Any) -> Problem:  # noqa: ANN401 - a function of φ
+    """The equations of a group of a linkage; ``hosts`` gives the motions of the bodies that it is joined to at φ."""
     return Problem(group.joints, group.links, hosts, linkage.extent(), linkage.is_linear)
 
 

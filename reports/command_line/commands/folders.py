@@ -58,10 +58,11 @@ def _refuse_merged(*folders: Path) -> None:
 
 def merge(saved: Sequence[Path], out: Path) -> None:
     """Join folders into one, and write its report."""
-    _write_machines(merging.merge(merging.folders_to_merge(saved), out), out)
+    _write_merged_report(merging.merge(merging.folders_to_merge(saved), out), out)
 
 
-def _write_machines(folders: Sequence[MergedFolder], out: Path) -> None:
+def _write_merged_report(folders: Sequence[MergedFolder], out: Path) -> None:
+    """Write the pages of merged folders and their index page, whose path is printed to stderr."""
     from reports.site.site import write_merged_site  # noqa: PLC0415  figures cost a second
 
     show(f"report: {write_merged_site(folders, out)}", stderr=True)
@@ -75,7 +76,7 @@ def report(
     if csv is None and merged:
         if out is not None or single is not None or opens or png:
             raise LinkproofError(f"'{saved}' is merged: leave the options out, or name one of the folders in it")
-        _write_machines([MergedFolder(path, path.name) for path in merged], saved)
+        _write_merged_report([MergedFolder(path, path.name) for path in merged], saved)
         return
     if csv is None:
         report_saved(saved, out, single, opens=opens, png=png)

@@ -17,7 +17,7 @@ from comparisons.stress import verdict
 from comparisons.stress.cell_result import StressVerdict, blank_result
 from comparisons.stress.scenes import Conditions
 from comparisons.stress.scenes import case as stress_case
-from comparisons.stress.verdict import WRONG, judged, motion_faults, true_states
+from comparisons.stress.verdict import WRONG, judged, true_states, wrong_signals
 from engines.contract import Outcome, Run, Signal
 from tests.comparisons.true_motions import CELL, EVERYTHING, cut, judgement, true_history, with_signal
 
@@ -28,7 +28,7 @@ def case(name="juki-mf7923d", regime="run-up-quintic"):
 
 
 def found(one, history):
-    return motion_faults(one, ObservedMotion(one.scene(EVERYTHING), history))
+    return wrong_signals(one, ObservedMotion(one.scene(EVERYTHING), history))
 
 
 @pytest.mark.parametrize(("name", "order"), [("juki-mf7923d", 0), ("slotted-takeup", 1)])

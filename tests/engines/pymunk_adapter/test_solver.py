@@ -12,7 +12,7 @@ from engines.pymunk_adapter.adapter import TUNED, PymunkEngine, contraction, pos
 from engines.pymunk_adapter.layout import exact_layout
 from engines.scene import Channel, Prescribed
 from engines.stepping.intervals import Cost
-from engines.stepping.richardson import labelled
+from engines.stepping.richardson import named_signals
 from tests.analytic.linkages import MADE_UP, mechanism
 
 pytest.importorskip("pymunk")
@@ -68,7 +68,7 @@ def test_passes_of_every_step_have_the_same_samples_wherever_the_motion_has_a_ki
     engine = PymunkEngine()
     model, _, courses = engine.planned(given, recipe, Cost())
     histories = [engine.follow(engine.build(model, recipe), course) for course in courses]
-    for signals in zip(*(labelled(history) for history in histories), strict=True):
+    for signals in zip(*(named_signals(history) for history in histories), strict=True):
         clocks = [signal.time for _, signal in signals]
         for clock in clocks[1:]:
             np.testing.assert_allclose(clock, clocks[0], rtol=1e-9)
