@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
+from comparisons.designs.parameters import NamedFigure, Parameter
 from comparisons.designs.space import ONE_BY_ONE
 from comparisons.designs.sweep import SweepRequest
 from comparisons.runs.study import FOLDER, HEADER, Journal
@@ -149,12 +149,27 @@ class SavedSweep:
         self._journal.clear()
 
     def _write(self, path: Path) -> None:
-        """Write the dataset as netCDF; nan is a design that does not assemble, no value that is filled in."""
-        dataset = self.dataset()
-        names = {str(name): str(name).replace("/", SLASH) for name in dataset.variables}
-        plain = {name: {"_FillValue": None} for name in names.values()}
-        with warnings.catch_warnings(action="ignore"):  # a column of a list whose name has a blank is plain data there
-            dataset.rename(names).to_netcdf(path, engine="h5netcdf", encoding=plain)
+        """Write the dataset as netCDF; not by xarray, which takes a second to import where Dask is installed."""
+        import h5netcdf  # noqa: PLC0415 - needed for files alone
+
+        space = self.request.space
+        over = space.dimensions
+        beside = [number.name for number in space.parameters if number.name not in over]
+        with h5netcdf.File(path, "w") as file:
+            file.attrs.update(self.about)
+            file.dimensions = dict(zip(over, space.shape, strict=True))
+
+            def add(entry: Parameter | NamedFigure, dimensions: tuple[str, ...], values: Array) -> h5netcdf.Variable:
+                variable = file.create_variable(entry.name.replace("/", SLASH), dimensions, float, data=values)
+                variable.attrs["units"] = entry.unit.name
+                return variable
+
+            for parameter, column in zip(space.parameters, space.columns, strict=True):
+                add(parameter, (parameter.name,) if parameter.name in over else (ONE_BY_ONE,), column)
+            for figure, row in zip(self.request.figures, self._figures(), strict=True):
+                variable = add(figure, over, row.reshape(space.shape))
+                if beside and not any(" " in name for name in beside):  # a list of names is parted by blanks
+                    variable.attrs["coordinates"] = " ".join(name.replace("/", SLASH) for name in beside)
 
     def forget(self) -> None:
         """Leave the folder as it was."""
