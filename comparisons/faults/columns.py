@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -97,8 +98,7 @@ def column_faults(evidence: Evidence, simulation: Simulation, names: Sequence[st
     if name == "Mkr":
         yield friction_fault(simulation.motion, evidence.scale)
     yield _delay_fault(evidence)
-    for kind, widths, smooth in filters.filter_kinds(len(evidence.time)):
-        yield _filter_fault(evidence, kind, widths, smooth)
+    yield from _filter_faults(evidence)
     strides = tuple(filters.strides_and_phases(len(evidence.time)))  # none of a short curve
     for kind, fill in filters.FILLINGS.items() if strides else ():
         yield _sample_rate_fault(evidence, kind, fill, strides)
@@ -211,18 +211,24 @@ def _delay_fault(evidence: Evidence) -> Fault:
     )  # fmt: skip
 
 
-def _filter_fault(evidence: Evidence, kind: str, widths: Sequence[float], smooth: filters.Smooth) -> Fault:
-    """Smoothed over several samples: of some filters over a whole odd number of them."""
+def _filter_faults(evidence: Evidence) -> Iterator[Fault]:
+    """Smoothed over several samples: by their mean, or by a filter of the first order."""
     name, step = evidence.name, float(np.median(np.diff(evidence.time)))
-    tried, whole = tuple((width,) for width in widths), kind in filters.ODD_WIDTH_FILTERS
+    odd, spread = (tuple((width,) for width in widths) for widths in filters.filter_widths(len(evidence.time)))
 
-    def words(w: Array) -> str:
-        return f"{name} is smoothed: a {kind} over {w[0]:.3g} samples ({w[0] * step:.3g} s)"
+    def words(kind: str, width: Array) -> str:
+        return f"{name} is smoothed: a {kind} over {width[0]:.3g} samples ({width[0] * step:.3g} s)"
 
-    return column_fault(
-        f"smoothed by {kind}:{name}", Kind.NUMBER, (name,), lambda _, y, w: smooth(y, float(w[0])), words,
-        () if whole else (0.0,), () if whole else (1.0,), guesses=() if whole else tried, usual=tried if whole else (),
-    )  # fmt: skip
+    if odd:
+        yield column_fault(
+            f"smoothed by moving average:{name}", Kind.NUMBER, (name,),
+            lambda _, y, w: filters.moving_average(y, float(w[0])), partial(words, "moving average"), usual=odd,
+        )  # fmt: skip
+        yield column_fault(
+            f"smoothed by low-pass filter:{name}", Kind.NUMBER, (name,),
+            lambda _, y, w: filters.low_pass(y, float(w[0])), partial(words, "low-pass filter"), (0.0,), (1.0,),
+            guesses=spread,
+        )  # fmt: skip
 
 
 def _sample_rate_fault(evidence: Evidence, kind: str, fill: Fill, strides: tuple[tuple[float, float], ...]) -> Fault:
@@ -251,28 +257,16 @@ def _clipping_faults(evidence: Evidence) -> Iterator[Fault]:
 
 
 def _single_sample_faults(evidence: Evidence) -> Iterator[Fault]:
-    """Single samples with the other sign, or else off in any way."""
-    name, values, truth, open_ = evidence.name, evidence.values, evidence.truth, evidence.tolerance
-    flipped = (np.abs(values + truth) <= open_ + 0.01 * np.abs(truth)) & (np.abs(values - truth) > open_)
-    stray = (np.abs(values - truth) > 5.0 * open_ + 1e-3 * evidence.scale) & evidence.counted | evidence.over
-    if _is_few(flipped) and not np.any(stray & ~flipped):
-        yield column_fault(
-            f"flipped samples:{name}", Kind.COLUMN, (name,),
-            lambda t, y, at: np.where(np.isin(t, at), -y, y),
-            lambda at: f"{name} has the other sign in {_sample_words(at)}", usual=(tuple(evidence.time[flipped]),),
-        )  # fmt: skip
-    elif _is_few(stray):
-        instants = evidence.time
+    """Single samples that are off, in any way."""
+    name, values, instants = evidence.name, evidence.values, evidence.time
+    apart = np.abs(values - evidence.truth)
+    stray = (apart > 5.0 * evidence.tolerance + 1e-3 * evidence.scale) & evidence.counted | evidence.over
+    if 0 < np.sum(stray) <= max(1.0, FEW_SAMPLES * len(stray)):
         yield column_fault(
             f"stray samples:{name}", Kind.SEVERAL, (name,),
             lambda t, y, at: np.where(np.isin(t, at), np.interp(t, instants, values), y),
-            lambda at: f"{name} is off in {_sample_words(at)}", usual=(tuple(evidence.time[stray]),),
+            lambda at: f"{name} is off in {_sample_words(at)}", usual=(tuple(instants[stray]),),
         )  # fmt: skip
-
-
-def _is_few(which: NDArray[np.bool_]) -> bool:
-    """Whether a mask (n,) marks single samples, and at least one."""
-    return bool(0 < np.sum(which) <= max(1.0, FEW_SAMPLES * len(which)))
 
 
 def _sample_words(times: Array) -> str:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
-from scipy.signal import lfilter, savgol_filter
+from scipy.signal import lfilter
 
 from analytic.errors import LinkproofError
 
 Array = NDArray[np.float64]
-Smooth = Callable[[Array, float], Array]  # values (n,), a width in samples
 
 WIDEST_SHARE: Final = 0.2  # of the samples: a filter
 NARROWEST: Final = 3  # samples
@@ -35,49 +33,21 @@ def moving_average(values: Array, width: float) -> Array:
 
 
 def low_pass(values: Array, width: float) -> Array:
-    """A first-order filter with a time constant of ``width`` samples."""
-    share = 1.0 - math.exp(-1.0 / _check_width(values, width))
+    """A first-order filter with a time constant of ``width`` samples; raises LinkproofError for another width."""
+    if not 0.05 < width < len(values):
+        raise LinkproofError(f"width of a filter: expected up to {len(values)} samples, got {width:g}")
+    share = 1.0 - math.exp(-1.0 / width)
     return np.asarray(lfilter([share], [1.0, share - 1.0], values, zi=[(1.0 - share) * values[0]])[0])
 
 
-def _savitzky_golay(values: Array, width: float) -> Array:
-    return _without_ends(savgol_filter(values, max(int(width), 5), 2), width)
-
-
-def _gaussian(values: Array, width: float) -> Array:
-    return _without_ends(gaussian_filter1d(values, _check_width(values, width) / 6.0), width)
-
-
-def _check_width(values: Array, width: float) -> float:
-    """A filter's width in samples that is neither of no sample nor of more than there are; raises LinkproofError."""
-    if not 0.05 < width < len(values):
-        raise LinkproofError(f"width of a filter: expected up to {len(values)} samples, got {width:g}")
-    return width
-
-
-def _without_ends(values: Array, width: float) -> Array:
-    """Smoothed values (n,) with nan at the ends, where filters differ."""
-    values = np.array(values, dtype=float)
-    half = max(int(width) // 2, 1)
-    values[:half] = values[-half:] = np.nan
-    return values
-
-
-ODD_WIDTH_FILTERS: Final[Mapping[str, Smooth]] = {
-    "moving average": moving_average,
-    "Savitzky-Golay filter": _savitzky_golay,
-}
-ANY_WIDTH_FILTERS: Final[Mapping[str, Smooth]] = {"Gaussian filter": _gaussian, "low-pass filter": low_pass}
-
-
-def filter_kinds(count: int) -> Iterator[tuple[str, list[float], Smooth]]:
-    """Name, first widths and function of every filter for a curve of ``count`` samples; nothing for a short curve."""
+def filter_widths(count: int) -> tuple[list[float], list[float]]:
+    """Odd and spread-out widths of filters of a curve of ``count`` samples; none of a short curve."""
+    if count < FEWEST:
+        return [], []
     widest = max(NARROWEST, int(WIDEST_SHARE * count))
     spread = {float(int(width) | 1) for width in np.geomspace(NARROWEST, widest, 24)}
-    odd = sorted(spread | {float(width) for width in range(NARROWEST, min(32, widest), 2)})
-    if count >= FEWEST:
-        yield from ((kind, odd, smooth) for kind, smooth in ODD_WIDTH_FILTERS.items())
-        yield from ((kind, [0.5, 1.0, 2.0, *sorted(spread)], smooth) for kind, smooth in ANY_WIDTH_FILTERS.items())
+    odd = spread | {float(width) for width in range(NARROWEST, min(32, widest), 2)}
+    return sorted(odd), [0.5, 1.0, 2.0, *sorted(spread)]
 
 
 def strides_and_phases(count: int) -> Iterator[tuple[float, float]]:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog, minimize_scalar
+from scipy.optimize import least_squares, linprog
 
 from analytic.description.crank_motion import LAWS, RAMPS, CrankMotion, Segment, crank_motion, swing
 
@@ -25,7 +25,7 @@ EVEN_OUT_BELOW: Final = 3.0  # roundings that the nearest motion by squares may 
 FEW_SAMPLES: Final = 200  # samples by which a family is ruled out
 MOST_SAMPLES: Final = 2000  # samples to which a motion is fitted; all are compared with it
 NO_DWELL: Final = 1e-9  # of the duration: no dwell
-TIME_STEP, NEWTON_STEPS = 1e-5, 3  # of the duration: a step of the time for its derivative; Newton steps
+TIME_STEP: Final = 1e-5  # of the duration: a step of the time for its derivative
 SHORTEST_TIME: Final = 0.02  # of the duration: the shortest time tried
 PARTS: Final = ("time", "values", "rounding")
 
@@ -119,29 +119,14 @@ class KnownColumn:
         """
         if self.family == CONSTANT:
             return self._fit_with_time(guess)
-        bounds = (
-            max(guess - self.duration / TRIED_TIMES, 0.5 * SHORTEST_TIME * self.duration),
-            guess + self.duration / TRIED_TIMES,
-        )
-        options = {"xatol": 1e-12 * self.duration}
-        place = float(minimize_scalar(self._cost, bounds=bounds, method="bounded", options=options).x)
-        fits = [self._newton_refined(place)]
-        if self._longest < bounds[1]:
-            fits.append(self._fit_with_time(self._longest))
+        near = self.duration / TRIED_TIMES
+        bounds = (max(guess - near, 0.5 * SHORTEST_TIME * self.duration), min(guess + near, self._longest))
+        place = least_squares(
+            lambda time: self._fit_with_time(float(time[0])).residual / self.rounding, guess,
+            bounds=[(bound,) for bound in bounds], x_scale=self.duration, xtol=1e-13, ftol=1e-15, gtol=None,
+        )  # fmt: skip
+        fits = [self._fit_with_time(time) for time in (float(place.x[0]), *bounds[1:])]
         return min(fits, key=lambda fit: fit.largest)
-
-    def _newton_refined(self, time: float) -> KnownFit:
-        """The fit refined by Newton steps: a minimum of a cost alone has half the digits."""
-        fit, step = self._fit_with_time(time), TIME_STEP * self.duration
-        for _ in range(NEWTON_STEPS):
-            slope = (self._fit_with_time(fit.time + step).residual - self._fit_with_time(fit.time - step).residual) / (
-                2.0 * step * self.rounding
-            )
-            change = float(slope @ (fit.residual / self.rounding)) / (float(slope @ slope) or 1.0)
-            if abs(change) > step:
-                break
-            fit = self._fit_with_time(fit.time - change)
-        return fit
 
     def _cost(self, time: float) -> float:
         """Sum of the squared residuals over the rounding, with this ramp or swing time, s."""

@@ -3,111 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from analytic.description import changes
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion
 from analytic.description.linkage import Linkage, ReleasedRegime, Vector
 from analytic.description.loading import catalogue, load
-from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_motion
 from analytic.dynamics.reduced import damping_coefficient, reduced_inertia
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case, case_of_file_regime, free_drive
+from comparisons.reference.case import Case, case_of_file_regime
 from engines.mechanics.joints import scene_size
 from engines.scene import Body, Channel, Scene
 
-# The motion of a released crank that its dampers hold back so hard that it forgets its speed at once.
-#
-# ``analytic.motion.released`` follows every relaxation time with a window of its own, which is exact and, here,
-# without end. Radau's method of order 5 does not have to; where both can be had they agree to 1e-11 of the peak.
-
-
-Array = NDArray[np.float64]
-
-RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-11, 1e-13  # tolerances of φ, rad, and ω, rad/s
-MOST_RELAXATIONS = 1e3  # of the time constant Jeq/b: up to here a window each is cheap
-
-
-@dataclass(frozen=True)
-class StiffMotion:
-    """φ(t) by Radau's method; ``state`` gives φ and ω, (2, n), at times (n,)."""
-
-    regime: str
-    duration: float
-    equation: EquationOfMotion
-    state: Callable[[Array], Array]
-    nodes: Array
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        return self._at(time, 0)
-
-    def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
-        return self._at(time, 1)
-
-    def acceleration(self, time: ArrayLike) -> Array:
-        """ε(t), rad/s², by the equation of motion."""
-        return self.equation.acceleration(self.angle(time), self.speed(time))
-
-    def _at(self, time: ArrayLike, part: int) -> Array:
-        clock = np.asarray(time, dtype=float)
-        return np.asarray(self.state(clock.reshape(-1))[part].reshape(clock.shape))
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """Times at which the acceleration jumps: none."""
-        return ()
-
-    @cached_property
-    def peak_speed(self) -> float:
-        """Largest |ω| at the method's own steps, rad/s."""
-        return float(np.max(np.abs(self.speed(self.nodes))))
-
-
-def relaxations(mechanism: Mechanism, duration: float) -> float:
-    """The duration of a damped crank's release over its shortest time constant Jeq/b."""
-    turn = mechanism.turn
-    return duration * float(np.max(damping_coefficient(turn) / reduced_inertia(turn)))
-
-
-def stiff_motion(mechanism: Mechanism, regime: ReleasedRegime) -> StiffMotion:
-    """A released crank's motion under strong damping; raises LinkproofError where Radau's method gives up."""
-    from scipy.integrate import solve_ivp  # noqa: PLC0415  only stiff cells pay for it
-
-    equation = equation_of_motion(mechanism, regime.torque).tabulated()
-
-    def rate(_: float, state: Array) -> tuple[float, float]:
-        return float(state[1]), float(equation.acceleration(state[0], state[1]))
-
-    start = (regime.start_angle, regime.start_speed)
-    solution = solve_ivp(
-        rate,
-        (0.0, regime.duration),
-        start,
-        method="Radau",
-        rtol=RELATIVE_TOLERANCE,
-        atol=ABSOLUTE_TOLERANCE,
-        dense_output=True,
-    )
-    if not solution.success or not math.isfinite(solution.y[0, -1]):
-        raise LinkproofError(
-            f"'{mechanism.linkage.name}': expected a motion to its end, got '{solution.message}'; damp less"
-        )
-    return StiffMotion(regime.name, regime.duration, equation, solution.sol, solution.t)
-
-
-# From the conditions of one cell of a stress map to a case and the scene an engine is given.
-
 LINKAGES = Path(__file__).with_name("linkages")
 RELEASED, REVERSAL = "released", "reversal"
+# Of the time constant Jeq/b that a released motion lasts: each takes the closed form a window of its own.
+MOST_RELAXATIONS = 1e4
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # directions that no two bodies share
 
 
@@ -241,9 +156,12 @@ def case(conditions: Conditions) -> Case:
         start_speed=conditions.rate if conditions.spinning else 0.0,
         duration=conditions.turns * turn,
     )
-    if relaxations(mechanism, released.duration) > MOST_RELAXATIONS:
-        stiff = stiff_motion(mechanism, released)
-        return Case(mechanism, stiff, free_drive(stiff, released))
+    lasts = released.duration * float(np.max(damping_coefficient(mechanism.turn) / reduced_inertia(mechanism.turn)))
+    if lasts > MOST_RELAXATIONS:
+        raise LinkproofError(
+            f"'{mechanism.linkage.name}': expected a released crank for {MOST_RELAXATIONS:.0e} times its time constant "
+            f"Jeq/b or less, got {lasts:.0e}; damp less"
+        )
     return case_of_file_regime(mechanism, released)
 
 

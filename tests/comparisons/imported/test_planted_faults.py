@@ -48,7 +48,7 @@ COLUMNS = {
     "smoothed by moving average": smoothed,
     "sample rate, each repeated until the next": lambda y: np.repeat(y[::8], 8)[: len(y)],
     "sample rate, joined by straight lines": lambda y: np.interp(TIME, TIME[::8], y[::8]),
-    "flipped samples": flipped,
+    "stray samples": flipped,
     "clipped": lambda y: np.clip(y, -0.08, 0.08),
     "friction": lambda y: y + 0.02 * (TIME > 0.0),
 }

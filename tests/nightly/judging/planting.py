@@ -309,7 +309,7 @@ def torque_faults(random, motion, judged, unit, *, one, torque):
         "smoothed": ((f"smoothed by moving average:{torque}",), of((torque,), smoothed(width))),
         "low-pass": ((f"smoothed by low-pass filter:{torque}",), of((torque,), filtered(width))),
         "limit": ((f"clipped:{torque}",), of((torque,), limited(limit))),
-        "flipped samples": ((f"flipped samples:{torque}", f"stray samples:{torque}"), of((torque,), single(few, -1.0))),
+        "flipped samples": ((f"stray samples:{torque}",), of((torque,), single(few, -1.0))),
         "zero samples": ((f"stray samples:{torque}",), of((torque,), single(few, 0.0))),
         "late column": ((f"delay:{one}",), late((one,), 1)),
         "sample rate": ((f"sample rate, joined by straight lines:{torque}",), sampled(torque, stride)),
