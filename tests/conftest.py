@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 
 from hypothesis import HealthCheck, settings
 
@@ -12,3 +13,7 @@ settings.load_profile("steady")
 
 # A shell starts background jobs with SIGINT ignored, which children inherit: tests of Ctrl-C would send it in vain.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Bytecode is written once for all processes, also by a shell that forbids it: hundreds of them import the same files.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
