@@ -12,20 +12,39 @@ from contextlib import chdir, contextmanager, nullcontext, redirect_stderr, redi
 from pathlib import Path
 from unittest.mock import patch
 
+from comparisons.runs.files import write_text
+from comparisons.runs.workers import run_jobs
 from reports.command_line.main import main
+from reports.document.html import Picture
 
 ROOT = Path(__file__).parents[1]
 COMMAND = (sys.executable, "-m", "reports.command_line.main")
 
 
-def linkproof(*words, cwd=None, stderr=None):
-    """Output and exit code of a command run in this process; ``stderr`` as in ``subprocess.run``."""
+def run_here(function, jobs, processes):
+    """The jobs of many workers run in this process, which has imported what they need; those of one worker stay."""
+    return run_jobs(function, jobs, processes=processes if processes == 1 else 0)
+
+
+def empty_picture(files, figure):
+    """The picture of a page with nothing in it, for tests of anything but the drawings, which take most of the time."""
+    name = f"figures/{Path(files.page.file).stem}/{figure.name}.svg"
+    write_text(files._file(name), '<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"/>')
+    return Picture(files.root + name, 9, 9, ())
+
+
+def linkproof(*words, cwd=None, stderr=None, draws=False):
+    """Output and exit code of a command run in this process; ``stderr`` as in ``subprocess.run``.
+
+    The figures of its pages are empty unless it ``draws``.
+    """
     argv, thresholds = ["linkproof", *map(str, words)], gc.get_threshold()
     out, code = io.StringIO(), 0
     err = out if stderr == subprocess.STDOUT else io.StringIO()
-    here = patch("reports.site.site.usual_processes", lambda _: 0)  # this process has imported what draws pages
+    here = patch("reports.site.site.run_jobs", run_here)
     place = nullcontext() if cwd is None else chdir(cwd)
-    with here, place, patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):
+    drawing = nullcontext() if draws else patch("reports.document.html._PageFiles.picture", empty_picture)
+    with here, drawing, place, patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):
         try:
             main()
         except SystemExit as end:

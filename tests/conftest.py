@@ -2,8 +2,12 @@
 
 import os
 import signal
+import sys
 
+import pytest
 from hypothesis import HealthCheck, settings
+
+from comparisons.runs.worker_process import start_server
 
 settings.register_profile(
     "steady", deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=bool(os.environ.get("CI"))
@@ -12,3 +16,13 @@ settings.load_profile("steady")
 
 # A shell starts background jobs with SIGINT ignored, which children inherit: tests of Ctrl-C would send it in vain.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Bytecode is written once for all processes, also by a shell that forbids it: hundreds of them import the same files.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _workers_are_forked_with_what_they_need():
+    """The server starts once, and the first test to use it would settle what every worker imports for itself."""
+    start_server(["comparisons.conformance.conformance", "engines.direct_adapter.adapter"])

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 
 from analytic.description.crank_motion import crank_motion
-from analytic.description.loading import load
+from analytic.description.loading import load, read
 from tests.analytic.swinging import DOUBLE_ROCKER
 from tests.comparisons.imported.exported import exported, with_link
 from tests.comparisons.imported.layouts import Channel, solidworks
@@ -35,10 +36,16 @@ def short() -> str:
     return (CATALOGUE / "juki-mf7923d.toml").read_text(encoding="utf-8").replace("54.5", "12")
 
 
+def brief() -> str:
+    """The take-up with released motions of half a second, for the short run of commands."""
+    return re.sub("(?m)^duration .*", "duration = 0.5", read("slotted-takeup").text)
+
+
 GIVEN = {
     "needle.csv": needle,
     "mapping.toml": lambda: MAPPING,
     "short.toml": short,
+    "brief.toml": brief,
     "path/to/mine.toml": lambda: (CATALOGUE / "juki-mf7923d.toml").read_text(encoding="utf-8"),
     "rocker.toml": lambda: DOUBLE_ROCKER.format(0, 1),
     "curve.csv": lambda: "phi_deg,feed_mm\n0,10\n90,20\n",

@@ -49,10 +49,12 @@ def words(command):
 
 
 def quick(command):
-    """A command of many engines, mechanisms or simulated designs, with one or a few of them."""
+    """A command of many engines, mechanisms, simulated designs or seconds of motion, with one or a few of them."""
     found, name = words(command)
     if name == "sweep":
-        return command.replace("--designs 6", "--designs 2")
+        return command.replace("--simulate exudyn --designs 6", "--simulate direct --designs 2")
+    if name in ("compare", "published"):
+        command = command.replace(" slotted-takeup", " brief.toml")
     if name in LONG or (name == "compare" and not {"--engine", "short.toml", "rocker.toml"} & set(found)):
         command += " --engine direct"
         return command.replace("compare --", "compare juki-mf7923d --").replace("speed start jump", "start")

@@ -86,7 +86,7 @@ class Look:
         """The violations that axe-core calls serious or critical."""
         from axe_playwright_python.sync_playwright import Axe
 
-        found = Axe().run(self.page, options={"preload": False}).response["violations"]
+        found = Axe().run(self.page, options={"preload": False, "resultTypes": ["violations"]}).response["violations"]
         return [
             f"{one['impact']}: {one['help']}: {one['nodes'][0]['html'][:120]} ({len(one['nodes'])})"
             for one in found
@@ -119,15 +119,27 @@ def started(name: str = "chromium") -> Iterator[Any]:
 
 @contextmanager
 def opened(
-    browser: Any, path: Path, width: int = 1400, theme: str = "light", *, scripts: bool = True, is_phone: bool = False
+    browser: Any,
+    path: Path,
+    width: int = 1400,
+    theme: str = "light",
+    *,
+    scripts: bool = True,
+    is_phone: bool = False,
+    fragment: str = "",
+    before: str = "",
 ) -> Iterator[Look]:
-    """A page of a report's folder, open and idle; on a phone it is touched."""
-    own = {"is_mobile": True, "has_touch": True, "device_scale_factor": 2} if is_phone else {}
+    """A page of a report's folder, open and idle; on a phone it is touched.
+
+    ``fragment`` ends its address, and ``before`` is a script that runs ahead of its own; no curves move.
+    """
+    own: dict[str, Any] = {"is_mobile": True, "has_touch": True, "device_scale_factor": 2} if is_phone else {}
     context = browser.new_context(
         viewport={"width": width, "height": HEIGHT},
         color_scheme=theme,
         java_script_enabled=scripts,
         offline=True,
+        reduced_motion="reduce",
         **own,
     )
     context.set_default_timeout(PATIENCE)
@@ -138,7 +150,8 @@ def opened(
         look.page.on("console", lambda one: _hear(look, one.type, one.text))
         look.page.on("requestfailed", lambda request: look.faults.append(f"failed: {request.url}"))
         look.page.on("request", lambda request: _note(look, request.url, folder))
-        look.page.goto(path.resolve().as_uri(), wait_until="load")
+        look.page.add_init_script(before)
+        look.page.goto(f"{path.resolve().as_uri()}#{fragment}", wait_until="load")
         look.page.wait_for_load_state("networkidle")
         yield look
     finally:

@@ -90,15 +90,9 @@ def page_of(tmp_path_factory):
 
 @contextmanager
 def at_work(browser, page, design=None, **look):
-    """A page with its script at work, its curves still; a design is given by the address."""
-    with opened(browser, page, **look) as seen:
-        seen.page.add_init_script(AT_HAND)
-        seen.page.evaluate("hash => { location.hash = hash; }", urlencode(design or {}))
-        seen.page.reload()
+    """A page with its script at work; a design is given by the address."""
+    with opened(browser, page, fragment=urlencode(design or {}), before=AT_HAND, **look) as seen:
         seen.page.locator(".live-scheme").wait_for()
-        pause = seen.page.get_by_role("button", name="Pause")
-        if pause.count():
-            pause.click()
         yield seen
 
 

@@ -2,9 +2,11 @@
 
 import pytest
 
+from tests.commands import run_here
+
 
 @pytest.fixture(autouse=True, scope="session")
 def _pages_here():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("reports.site.site.usual_processes", lambda _: 0)
+        patch.setattr("reports.site.site.run_jobs", run_here)
         yield

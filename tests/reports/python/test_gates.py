@@ -1,12 +1,14 @@
 """Changes of a user's repository, one at a time: red in `compare` and in pytest though the engine follows them."""
 
 import json
+import pickle
 import re
 import shutil
 
 import pytest
 
 import linkproof
+from engines.direct_adapter.adapter import DirectEngine
 from tests.reports.pytest_plugin.projects import run
 
 pytest_plugins = ["pytester"]
@@ -78,6 +80,22 @@ duration = 0.05
 """
 FAST = {"quantity": "Jeq", "jobs": 0}
 PATH, BASELINE = "linkages/press.toml", "linkproof-baseline.json"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _every_scene_once():
+    """A scene that no change has reached is not run again."""
+    run, known = DirectEngine.run, {}
+
+    def run_once(engine, scene, setting):
+        key = pickle.dumps((scene, setting))
+        if key not in known:
+            known[key] = run(engine, scene, setting)
+        return known[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(DirectEngine, "run", run_once)
+        yield
 
 
 @pytest.fixture(scope="module")
