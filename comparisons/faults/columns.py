@@ -257,15 +257,17 @@ def _clipping_faults(evidence: Evidence) -> Iterator[Fault]:
 
 
 def _single_sample_faults(evidence: Evidence) -> Iterator[Fault]:
-    """Single samples that are off, in any way."""
+    """Single samples that are off, by their sign or in any way."""
     name, values, instants = evidence.name, evidence.values, evidence.time
     apart = np.abs(values - evidence.truth)
     stray = (apart > 5.0 * evidence.tolerance + 1e-3 * evidence.scale) & evidence.counted | evidence.over
     if 0 < np.sum(stray) <= max(1.0, FEW_SAMPLES * len(stray)):
+        mirrored = np.abs(values + evidence.truth) <= evidence.tolerance + 0.01 * np.abs(evidence.truth)
+        how = "has the other sign" if np.all(mirrored[stray]) else "is off"
         yield column_fault(
             f"stray samples:{name}", Kind.SEVERAL, (name,),
             lambda t, y, at: np.where(np.isin(t, at), np.interp(t, instants, values), y),
-            lambda at: f"{name} is off in {_sample_words(at)}", usual=(tuple(instants[stray]),),
+            lambda at: f"{name} {how} in {_sample_words(at)}", usual=(tuple(instants[stray]),),
         )  # fmt: skip
 
 

@@ -66,6 +66,16 @@ def test_a_fault_of_a_column_is_the_likeliest_cause(kind):
     assert kinds(judge(JUKI, results, QUINTIC)) == [kind]
 
 
+@pytest.mark.parametrize(("change", "words"), [(-1.0, "has the other sign in 2 single samples"), (1.5, "is off in 2 single samples")])
+def test_single_samples_with_the_other_sign_are_called_so(change, words):
+    stray = np.isin(np.arange(len(TIME)), (50, 170))
+    results = exported(
+        JUKI, QUINTIC, ("Mkr",), TIME, change=lambda v, _: {"Mkr": np.where(stray, change, 1.0) * v["Mkr"]}
+    )
+    (finding,) = judge(JUKI, results, QUINTIC).explanation.findings
+    assert words in finding.likeliest.words
+
+
 def test_a_column_of_another_quantity_is_recognised():
     results = exported(JUKI, QUINTIC, ("Mkr", "Peq"), TIME, change=lambda v, _: {"Mkr": v["Peq"], "Peq": v["Peq"]})
     assert kinds(judge(JUKI, results, QUINTIC)) == ["is Peq"]
