@@ -18,7 +18,7 @@ from comparisons.judging.deviations import Deviation, NoSampleError, deviation
 from comparisons.judging.limits import judge
 from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, run_record
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, case_of_file_regime, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost, blamed_on, run_engine

@@ -30,8 +30,7 @@ from comparisons.datasheet.published import (
     record_fields,
     rename_signal,
 )
-from comparisons.observation.interpolation import resample
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion, resample
 from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Lost, run_engine

@@ -13,7 +13,7 @@ from comparisons.conformance.samples import case as sample_case
 from comparisons.conformance.trial import Check, EngineTrial, NotTestedError
 from comparisons.faults.misreadings import Reading, likeliest_misreading, readings, true_history
 from comparisons.judging.limits import limit
-from comparisons.observation.observed_motion import DENSE
+from comparisons.observed_motion import DENSE
 from comparisons.reference.case import Case
 from engines.contract import History, Setting
 from engines.scene import Channel, Prescribed, Scene

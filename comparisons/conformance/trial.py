@@ -13,7 +13,7 @@ from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.limits import judge
 from comparisons.judging.quantities import chosen_quantities
 from comparisons.judging.records import Record, Verdict, blank_record
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.runs.run_engine import AdapterError, blamed_on, run_engine
 from engines.contract import Engine, History, Outcome, Run, Setting

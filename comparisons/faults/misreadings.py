@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND, DriverKind
-from comparisons.observation.interpolation import resample
+from comparisons.observed_motion import resample
 from comparisons.reference.case import Case, channel_truth
 from engines.contract import History, Signal
 from engines.mechanics.states import point_acceleration, point_velocity

@@ -14,8 +14,7 @@ from typing import Final
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import KINDS
 from comparisons.datasheet.saved import FILE as SHEETS
-from comparisons.folders.studies import StudyFolder
-from comparisons.folders.tables import OTHER_CHARACTERS, numbered
+from comparisons.folders.studies import OTHER_CHARACTERS, StudyFolder, numbered
 from comparisons.runs.files import claim, write_file, write_text, writing
 from comparisons.runs.study_folder import has_study
 from comparisons.stress.saved import KIND as STRESS

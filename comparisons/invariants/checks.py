@@ -43,7 +43,7 @@ from comparisons.invariants.inspection import Inspection
 from comparisons.judging.deviations import UNBOUNDED, near_jumps
 from comparisons.judging.limits import judge
 from comparisons.judging.records import Record, Verdict
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from engines.contract import Signal
 from engines.scene import Channel, Free, Prescribed

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from comparisons.invariants.assur_groups import AssurGroups
-from comparisons.observation.interpolation import POINTS
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import POINTS, ObservedMotion
 from engines.mechanics.joints import Arms, JointEquations, applied_loads
 from engines.mechanics.states import Pose, Reals, pose_of
 from engines.scene import Channel, Prescribed

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from comparisons.invariants.corrections import speed_errors, undissipated_error
 from comparisons.invariants.inspection import Inspection
-from comparisons.observation.interpolation import error_bound, error_estimate, integral
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion, error_bound, error_estimate, integral
 from engines.contract import History, Signal
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed

@@ -14,8 +14,7 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from comparisons.invariants.assur_groups import AssurGroups
 from comparisons.invariants.corrections import LEVELS, Findings, findings
-from comparisons.observation.interpolation import POINTS, resample
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import POINTS, ObservedMotion, resample
 from engines.contract import Signal
 from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, scene_size

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, Segment, degrees
 from comparisons.judging.quantities import Quantity
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.reference.motion import Motion
 from engines.contract import Signal

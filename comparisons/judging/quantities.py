@@ -25,8 +25,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.motion.thread_feed import feed, feed_of_length, reference_angle, reference_length
 from analytic.motion.unit_functions import top_of_turn
 from analytic.signals import SINGLE_SIGNALS, unit_of
-from comparisons.observation.interpolation import SHARP_POINTS, peak, resample
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import SHARP_POINTS, ObservedMotion, peak, resample
 from comparisons.reference.case import Case
 from comparisons.reference.motion import zero_of_output
 from engines.contract import Origin, Signal

@@ -30,9 +30,8 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, fixed_step, free_motion
 from analytic.moving import LinkageInMotion
-from comparisons.observation.interpolation import resample
-from comparisons.reference.motion import INSTANTS, Motion, Spin, zero_of_output
-from comparisons.reference.start_state import scene
+from comparisons.observed_motion import resample
+from comparisons.reference.motion import INSTANTS, Motion, Spin, scene, zero_of_output
 from engines.contract import Signal
 from engines.scene import Channel, Drive, Free, Prescribed, Scene
 

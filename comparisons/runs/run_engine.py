@@ -18,7 +18,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from comparisons.observation.interpolation import POINTS
+from comparisons.observed_motion import POINTS
 from engines.contract import Engine, History, Method, Origin, Outcome, Run, Setting, Signal, StudiedEngine
 from engines.scene import Channel, Drive, Prescribed, Scene
 

@@ -22,7 +22,7 @@ from comparisons.judging.deviations import NoSampleError, deviation, near_jumps
 from comparisons.judging.limits import OWN, limit
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record, Verdict, blank_record, run_record
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, channel_truth
 from comparisons.stress.cell_result import CellResult, StressVerdict
 from engines.contract import Origin, Outcome, Run, Signal

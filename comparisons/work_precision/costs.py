@@ -16,7 +16,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.quantities import QUANTITIES
-from comparisons.reference.start_state import scene
+from comparisons.reference.motion import scene
 from comparisons.runs.run_engine import AdapterError, run_engine
 from comparisons.work_precision.measure import timed
 from comparisons.work_precision.records import MeasuredCost

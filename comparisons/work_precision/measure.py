@@ -15,7 +15,7 @@ import numpy as np
 from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
 from comparisons.judging.records import QuantityRecord, Verdict
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import blamed_on, checked, started

@@ -15,7 +15,7 @@ from analytic.evaluation import evaluate
 from comparisons.invariants.checks import checks
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, channel_truth
 from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine

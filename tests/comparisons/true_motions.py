@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import reactions
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.stress.cell_result import Cell, blank_result
 from comparisons.stress.verdict import judged

@@ -12,7 +12,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
 from comparisons.judging.deviations import near_jumps
 from comparisons.reference.case import Truth
-from comparisons.reference.start_state import scene
+from comparisons.reference.motion import scene
 from engines.contract import Engine, History, Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel, Free, Prescribed, Scene

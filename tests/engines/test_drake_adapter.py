@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.case import Truth
-from comparisons.reference.start_state import scene
+from comparisons.reference.motion import scene
 from engines.contract import Origin, Outcome, Setting
 from engines.drake_adapter import DrakeEngine
 from engines.scene import Channel, PinJoint, Prescribed

@@ -11,8 +11,7 @@ from comparisons.campaign.results import is_saved, load
 from comparisons.folders import merging
 from comparisons.folders.difference import difference
 from comparisons.folders.merging import MergedFolder
-from comparisons.folders.studies import StudyFolder, study_differences
-from comparisons.folders.tables import write_tables
+from comparisons.folders.studies import StudyFolder, study_differences, write_tables
 from comparisons.folders.verification import verify as verify_folder
 from reports.command_line.commands.compare import report as report_saved
 from reports.command_line.destination import Destination

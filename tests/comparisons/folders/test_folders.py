@@ -12,7 +12,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load as load_results
 from comparisons.folders.merging import folders_to_merge, merge
-from comparisons.folders.tables import COLUMNS, write_tables
+from comparisons.folders.studies import COLUMNS, write_tables
 from comparisons.folders.verification import verify
 from comparisons.judging.limits import with_rows
 from comparisons.judging.records import CURVE, Record

@@ -66,7 +66,9 @@ def test_a_fault_of_a_column_is_the_likeliest_cause(kind):
     assert kinds(judge(JUKI, results, QUINTIC)) == [kind]
 
 
-@pytest.mark.parametrize(("change", "words"), [(-1.0, "has the other sign in 2 single samples"), (1.5, "is off in 2 single samples")])
+@pytest.mark.parametrize(
+    ("change", "words"), [(-1.0, "has the other sign in 2 single samples"), (1.5, "is off in 2 single samples")]
+)
 def test_single_samples_with_the_other_sign_are_called_so(change, words):
     stray = np.isin(np.arange(len(TIME)), (50, 170))
     results = exported(

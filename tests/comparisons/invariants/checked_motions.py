@@ -11,7 +11,7 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.checks import checks
 from comparisons.judging.records import blank_record
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, case_of_file_regime
 from tests.comparisons.true_motions import EVERYTHING
 

@@ -24,7 +24,7 @@ from comparisons.invariants.corrections import (
     undissipated_error,
 )
 from comparisons.judging.limits import limit
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from engines.contract import Signal
 from engines.mechanics.joints import JointEquations

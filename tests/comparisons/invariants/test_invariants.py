@@ -15,7 +15,7 @@ from comparisons.invariants.checks import _judge_signal, joint_gaps
 from comparisons.invariants.energy_account import energy_balance
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.records import Verdict, blank_record
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.scenes import Conditions, case, reversal

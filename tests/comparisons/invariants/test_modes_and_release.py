@@ -13,7 +13,7 @@ from comparisons.invariants.checks import checks, closure, crank_phase, joint_ga
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import limit
 from comparisons.judging.records import Verdict, blank_record
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.stress.cell_result import StressVerdict
 from comparisons.stress.scenes import Conditions, case

@@ -16,7 +16,7 @@ from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.limits import judge
 from comparisons.judging.quantities import QUANTITIES, all_quantities, chosen_quantities
 from comparisons.judging.records import Verdict, blank_record
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from engines.contract import Signal
 from tests.comparisons.true_motions import perfect_motion

@@ -10,9 +10,9 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.records import Verdict
-from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, case_of_file_regime
-from comparisons.reference.start_state import start_state
+from comparisons.reference.motion import start_state
 from comparisons.stress import verdict
 from comparisons.stress.cell_result import StressVerdict, blank_result
 from comparisons.stress.scenes import Conditions

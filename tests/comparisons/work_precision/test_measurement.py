@@ -11,7 +11,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, case_of_file_regime
-from comparisons.reference.start_state import scene
+from comparisons.reference.motion import scene
 from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import costs
 from comparisons.work_precision import measure as point

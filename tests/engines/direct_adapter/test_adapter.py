@@ -14,8 +14,8 @@ from analytic.description.linkage import GROUND
 from analytic.motion.released import free_motion
 from comparisons.invariants.checks import joint_gaps
 from comparisons.invariants.inspection import Inspection
-from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.start_state import scene
+from comparisons.observed_motion import ObservedMotion
+from comparisons.reference.motion import scene
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.direct_adapter.solution import Equations

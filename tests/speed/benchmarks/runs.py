@@ -43,7 +43,7 @@ class Judging:
 
     def setup(self, engine):
         adapter, setting, self.scene = _run(engine)
-        self.observed = lacking.module("comparisons.observation.observed_motion").ObservedMotion
+        self.observed = lacking.module("comparisons.observed_motion").ObservedMotion
         self.deviation = lacking.module("comparisons.judging.deviations").deviation
         self.quantities = lacking.module("comparisons.judging.quantities").chosen_quantities
         self.checks = lacking.module("comparisons.invariants.checks").checks

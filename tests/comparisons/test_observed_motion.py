@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from comparisons.observation.interpolation import error_bound, error_estimate, integral, resample
+from comparisons.observed_motion import error_bound, error_estimate, integral, resample
 from engines.contract import Signal
 
 

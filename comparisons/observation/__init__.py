@@ -1,1 +1,0 @@
-"""An engine's history read back: interpolated, integrated, as motions of bodies and powers of loads."""
