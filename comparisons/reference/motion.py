@@ -1,4 +1,4 @@
-"""Motions of the driver, the questions that a case and its truth put to one, and the start of a run under one."""
+"""Motions of the driver: what every motion offers, the zero of the output under it, the scene in its start state."""
 
 from __future__ import annotations
 
