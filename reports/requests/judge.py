@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from analytic.description.changes import without
-from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.crank_motion import REGIMES, RPM, crank_motion
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
@@ -46,7 +46,19 @@ def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) 
     """The motion of the regime; constant speed if all signals are over φ; None if the file's columns give it."""
     motion = requested_motion(options, Mechanism(linkage))
     if motion is not None:
+        if options.swings or motion.regime not in REGIMES:  # a crank that was brought to speed goes on turning
+            _check_end(motion, imported)
         return motion
     if imported.signals and all(signal.axis == "phi" for signal in imported.signals):
         return crank_motion("constant-speed", speed=abs(options.rpm) * RPM, clockwise=options.turns_back)
     return None
+
+
+def _check_end(motion: Motion, imported: ImportedResults) -> None:
+    """Raise LinkproofError for times of a file that are more than a sample after the end of the stated motion."""
+    for signal in imported.signals:
+        if signal.axis == "time" and len(signal.at) > 1 and float(signal.at[-2]) > motion.duration:
+            raise LinkproofError(
+                f"'{signal.column.header}' has times up to {signal.at[-1]:.4g} s, and the stated motion "
+                f"'{motion.regime}' ends at {motion.duration:.4g} s: correct the motion, or leave out the rows after it"
+            )

@@ -136,3 +136,5 @@ def test_a_swing_of_a_cylinder_is_given_in_the_unit_of_its_file(tmp_path):
     done = linkproof("judge", boom, tmp_path / "run.csv", "--regime", "cycloidal", "--from", "420", "--to", "450")
     assert done.returncode == 0
     assert "Right: the signal is within" in done.stdout
+    sentence = "has times up to 2 s, and the stated motion 'constant-speed' ends at 1 s: correct the motion"
+    assert sentence in refused("judge", boom, tmp_path / "run.csv", "--from", "420", "--to", "450")
