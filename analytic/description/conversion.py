@@ -94,7 +94,10 @@ def _check_eye(reader: Reader, eye: str, where: str) -> None:
 
 
 def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[doc.Erratum, ...]:
-    """Printed models; each names a regime of the file and, if it is one, a variant of it."""
+    """The errata of a file, checked; raises DescriptionError for a regime or variant that the file does not have.
+
+    Each is about a crank that is released under a constant torque.
+    """
     regimes = reader.document.regimes
     for number, table in enumerate(reader.document.errata):
         where = f"errata.{number}"

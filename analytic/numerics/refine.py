@@ -104,8 +104,8 @@ def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
 def highest_tops(sampled: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:
     """The highest top of each of ``count`` curves, refined between its samples by ``heights``, and its sign.
 
-    Both are (count,), nan for a curve without tops. ``signs`` (n,) are those of the sampled tops: of a magnitude, on
-    which side it is. Of tops that are equal but for rounding the first is taken.
+    Both are (count,), nan for a curve without tops. ``signs`` (n,) are those of the sampled tops: +1, or -1 where the
+    curve is a signal's magnitude and the signal is negative. Of tops that are equal but for rounding the first counts.
     """
     climbed, _ = climb(sampled, heights)
     first, result = first_highest(sampled, climbed, count), np.full((2, count), np.nan)

@@ -63,6 +63,7 @@ class Corrected:
 
     @cached_property
     def _observed_pose(self) -> tuple[Pose, Arms]:
+        """The bodies as the engine has them, before the correction, and the vectors of their joints."""
         pose = pose_of(self.observed(0))
         return pose, self.equations.arms(pose)
 

@@ -290,8 +290,8 @@ class PlaceFacts:
         facts = [EngineFacts(name, tuple(mine), self.default_efforts.get(name, ())) for name, mine in rows.items()]
         return sorted(facts, key=lambda entry: entry.is_control)
 
-    def ranked(self, quantity: str) -> list[BenchRecord]:
-        """The points for the front over all engines: all but the control's."""
+    def rankable_records(self, quantity: str) -> list[BenchRecord]:
+        """The points for the front over all engines, as measured: all but those of the reference's control."""
         return [record for record in self.records if record.quantity == quantity and not record.is_control]
 
 

@@ -145,7 +145,7 @@ def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Ch
 
 
 def transfer(equations: Equations, matrix: Reals) -> Reals:
-    """The derivatives q' = dq/dφ of all coordinates, (n, bodies, 3), in units and rad."""
+    """The derivatives q' = dq/dφ of all coordinates, (n, bodies, 3), in ``equations.unit`` and rad; ``matrix`` is G."""
     return equations.spread(equations.solve(matrix, equations.crank_unit(len(matrix))))
 
 

@@ -82,7 +82,7 @@ class ProjectTests(pytest.File):
     """A project: its set of files is that of its baseline."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """A test of the set of files, if a baseline is recorded."""
+        """A test that no linkage file is new or missing in the baseline; none without a recorded baseline."""
         self.add_marker("linkproof")
         try:
             departures = project_departures(read_project(self.path))

@@ -47,7 +47,7 @@ def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink]) -> Chart:
 
 def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
     """The front over all engines is a broad grey staircase."""
-    fronts = zip(_fronts(place.ranked(place.foremost)), LINES, strict=True)
+    fronts = zip(_fronts(place.rankable_records(place.foremost)), LINES, strict=True)
     curves = [
         Curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], ink="reference", line=line, width=5.0)
         for (x, y), line in fronts

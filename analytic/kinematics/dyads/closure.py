@@ -128,7 +128,7 @@ def dead_position_text(dyad: Dyad, closure: Closure) -> str:
 
 
 def assembly_fault(dyad: Dyad, k: Constants, host_poses: Poses, at: At, written: Written) -> Shortfall:
-    """Why the links do not meet, as a fault and a sentence: the lines are parallel."""
+    """Why the links of a dyad with two guides do not meet, as a fault and a sentence: the guides are parallel."""
     return UNDETERMINED, (
         f"the guides of '{dyad.first}' and '{dyad.second}' are parallel, so nothing holds the two in "
         "place; turn one of the guides"

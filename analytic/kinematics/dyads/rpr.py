@@ -130,7 +130,7 @@ def reach_margin(k: RPRConstants, host_poses: Poses, closure: Closure) -> tuple[
 
 
 def dead_position_text(dyad: Dyad, closure: Closure) -> str:
-    """The dead position in words: A at the foot of the perpendicular."""
+    """The dead position in words: the slide is square to the line through the outer pins."""
     return f"the slide square to the line of '{dyad.first_joint.name}' and '{dyad.second_joint.name}'"
 
 

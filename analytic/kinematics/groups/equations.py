@@ -165,7 +165,7 @@ class GroupSystem:
         self.rows = np.array([scale for joint in joints for scale in _scales(joint, unit)])
 
     def motions(self, *orders: Array) -> dict[str, Motion]:
-        """Of all bodies, the group's links by their coordinates and derivatives (n, links, 3); zero where not given."""
+        """Motions of all bodies by name: the hosts', and the links' by coordinates and derivatives (n, links, 3), else 0."""
         still = np.zeros((self.count, len(self.links), 3))
         rates = [rates_of(orders[k] if k < len(orders) else still) for k in (1, 2)]
         motion = zip(poses_of(orders[0]), *rates, strict=True)

@@ -105,7 +105,7 @@ def test_a_place_is_judged_by_the_torque_where_it_has_one():
 def test_the_control_is_last_and_no_part_of_the_front_over_all_engines():
     (place, *_) = places(made_up_bench(control="alpha"))
     assert [facts.engine for facts in place.engines("Mkr")] == ["beta", "alpha"]
-    assert {record.engine for record in place.ranked("Mkr")} == {"beta"}
+    assert {record.engine for record in place.rankable_records("Mkr")} == {"beta"}
 
 
 def _document():
