@@ -27,7 +27,7 @@ class PointRecord(RunRecord):
     """The run of a point, and what came of it; ``errors`` are empty where it did not finish.
 
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
-    s, it is requested. ``is_control``: the engine is the reference's control, never rankable_records. ``repeats`` are all wall
+    s, it is requested. ``is_control``: the engine is the reference's control, never ranked. ``repeats`` are all wall
     times of the stepping alone, s. ``detail`` says why, where it did not finish; ``used`` is what the adapter says of
     the run, ``ended`` why its sweep goes no further. ``orders`` are those of the point's whole sweep, by quantity;
     in the quantities of ``fronts`` no other point of the engine, single runs and extrapolated ones apart, is as cheap

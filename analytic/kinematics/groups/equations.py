@@ -165,7 +165,7 @@ class GroupSystem:
         self.rows = np.array([scale for joint in joints for scale in _scales(joint, unit)])
 
     def motions(self, *orders: Array) -> dict[str, Motion]:
-        """Motions of all bodies by name: the hosts', and the links' by coordinates and derivatives (n, links, 3), else 0."""
+        """Motions of all bodies by name: the hosts', and the links' by coordinates and derivatives, (n, links, 3)."""
         still = np.zeros((self.count, len(self.links), 3))
         rates = [rates_of(orders[k] if k < len(orders) else still) for k in (1, 2)]
         motion = zip(poses_of(orders[0]), *rates, strict=True)
