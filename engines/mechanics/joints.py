@@ -136,7 +136,7 @@ class JointEquations:
         return entries
 
     def arms(self, pose: Pose) -> Arms:
-        """Vectors of the joints in the ground frame: to their points on either body, gaps, guides, the driver's span."""
+        """Joint vectors in the ground frame: to their points on either body, gaps, guides, the driver's span."""
         body, host = pose.turned(self.body_anchor, self.body), pose.turned(self.host_anchor, self.host)
         gap = (pose.place[:, self.body] - pose.place[:, self.host]) + (body - host)
         return Arms(body, host, gap, pose.turned(self.along, self.host[self.pins :]), self.driver.span(pose))
