@@ -163,7 +163,7 @@ def _setting_words(trust: EngineRanking, setting: str) -> str:
 
 
 def _error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
-    """The worst deviation from the closed form; the checks without the closed form are in the other table."""
+    """Two cells: the worst deviation from the closed form, not of the checks without it, and the time of a run."""
     records = trust.records(engine, setting)
     own = EngineRecords(tuple(record for record in records if record.quantity not in trust.checks))
     if own.worst is None:

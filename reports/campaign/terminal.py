@@ -83,7 +83,7 @@ def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
     rows: list[Sequence[TableCell | Words]] = []
     for name in dict.fromkeys(family(record.quantity) for records in every for record in records):
         worst = [_worst(records, name) for records in every]
-        rows.append((name, _limits(worst), *map(_cell, worst)))
+        rows.append((name, _limits_text(worst), *map(_cell, worst)))
     rows.append(("figures of", "", *map(origin_words, every)))
     rows.append(("seconds, set-up", while_others, *(f"{run.setup_seconds:.3f}" for run in runs)))
     rows.append(("seconds, stepping", while_others, *(f"{run.seconds:.3f}" for run in runs)))
@@ -104,7 +104,8 @@ def _worst(records: Iterable[Record], row: str) -> Record | None:
     return max(candidates, key=lambda record: record.error_max or 0.0, default=None)
 
 
-def _limits(records: Sequence[Record | None]) -> str:
+def _limits_text(records: Sequence[Record | None]) -> str:
+    """The different limits of records, largest first: "1e-04, 1e-05"."""
     limits = sorted({r.limit for r in records if r is not None and r.limit is not None}, reverse=True)
     return ", ".join(f"{limit:.0e}" if float(f"{limit:.0e}") == limit else f"{limit:.3g}" for limit in limits)
 

@@ -68,7 +68,7 @@ class EngineRanking:
 
     @cached_property
     def by_engine(self) -> Mapping[tuple[str, str], Mapping[str, EngineRecords]]:
-        """By engine and setting, then by family, in the order of ``families``."""
+        """Records and invariants by engine and setting, then by family of quantities."""
         groups: dict[tuple[str, str], dict[str, list[Record]]] = {}
         for record in (*self.results.records, *self.results.invariants):
             families = groups.setdefault((record.engine, record.setting), {})

@@ -142,7 +142,9 @@ def _numbers(model: Model) -> dict[str, Any]:
         if name.startswith("sketch.") or is_of_table(number, linkage)
     }
     rows = [
-        _number(name, every[name], file, [template.literals[name] for template in files if name in template.literals])
+        _number_row(
+            name, every[name], file, [template.literals[name] for template in files if name in template.literals]
+        )
         | {"role": role, "load": load_of(every[name], linkage)}
         for name, role in roles.items()
     ]
@@ -162,8 +164,11 @@ def _numbers(model: Model) -> dict[str, Any]:
     }
 
 
-def _number(name: str, number: Number, file: WrittenNumbers, literals: list[str]) -> dict[str, Any]:
-    """A number in the file's unit; what is not the file's, as gravity that is off, cannot be offered."""
+def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[str]) -> dict[str, Any]:
+    """The row of a number: group, label, unit, and its value in the file's unit and in SI.
+
+    ``literals`` are its places in the file, as written: it is ``offered`` for change where the first is its value.
+    """
     kind, *rest = number.place
     size, unit = file.scale.get(number.kind, 1.0), UNITS.get(number.kind) or str(file.units.get(number.kind, ""))
     literal = literals[0] if literals else "nan"

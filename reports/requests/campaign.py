@@ -146,7 +146,7 @@ class RunResources:
     scheduler: object
 
     def pool(self, here: Pool | None = None) -> AbstractContextManager[Pool]:
-        """The pool of workers, on this machine ``here``; raises LinkproofError if it cannot be opened."""
+        """The workers: the scheduler's, else ``here``, else a new pool; raises LinkproofError if none opens."""
         return opened(self.scheduler, here or LocalPool(self.processes))
 
 

@@ -137,7 +137,7 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     for job, (file,) in enumerate(jobs):
         if job not in written:
             written[job] = write(file)
-    _remove_stale(folder, {name for names in written.values() for name in names})
+    _replace_file_list(folder, {name for names in written.values() for name in names})
     return folder / INDEX
 
 
@@ -158,8 +158,8 @@ def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: boo
         gc.enable()
 
 
-def _remove_stale(folder: Path, written: set[str]) -> None:
-    """Remove the files of the report before this one that it no longer has; no other file is touched."""
+def _replace_file_list(folder: Path, written: set[str]) -> None:
+    """List the written files, and delete those of the list before that are not ``written``, with emptied folders."""
     record = folder / WRITTEN
     before = set(record.read_text(encoding="utf-8").splitlines()) if record.is_file() else set()
     for name in before - written:

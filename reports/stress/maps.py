@@ -115,7 +115,7 @@ def border_place(border: Border, values: Sequence[float]) -> int:
 
 
 def cell_facts(result: CellResult) -> dict[str, str]:
-    """What there is to say of a cell's result, by heading: reason, deviation, invariant, work, conditions."""
+    """The facts of a cell by heading: why it is wrong, what the checks flag, deviation, invariant, work, conditions."""
     wrong, _, flagged = result.reason.partition(FLAGGED)
     parts = {
         "Wrong" if result.wrong else "Reason": wrong.rstrip(". "),
@@ -132,8 +132,8 @@ def _condition(value: object) -> str:
     return value_words(value) if isinstance(value, float) else str(value)
 
 
-def signs(stress: Stress) -> list[dict[str, Any]]:
-    """The sign of every verdict and whether it occurs; ``fixed`` ones look the same in the dark."""
+def verdict_symbols(stress: Stress) -> list[dict[str, Any]]:
+    """Symbol, colours and word of every verdict, whether it ``occurs``, and dark pages leave it ``fixed``."""
     seen = stress.count()
     return [
         {**sign._asdict(), "word": verdict.value, "fixed": sign.ink == WHITE, "occurs": bool(seen[verdict])}

@@ -22,7 +22,7 @@ from reports.document.parts import FigureGroup, Fold, Page, PageFigure, Paragrap
 from reports.document.templates import sentence
 from reports.records.origins import environment_facts
 from reports.stress import tables
-from reports.stress.maps import SIGNS, axis_title, map_data, signs
+from reports.stress.maps import SIGNS, axis_title, map_data, verdict_symbols
 
 # A stability map as a static figure: a panel to each row of its axis, as its script draws it.
 #
@@ -81,15 +81,15 @@ def _cells(panel: Axes, lines: list[Data]) -> None:
     shown = np.array([[-1 if entry is None else entry["verdict"] for entry in line["cells"]] for line in lines])
     for number, sign in enumerate(SIGNS.values()):
         y, x = np.nonzero(shown == number)
-        letter = _letter(sign.symbol)
+        letter = _character_outline(sign.symbol)
         wide = 2.0 * float(np.max(np.abs(np.asarray(letter.vertices))))
         for marker, size, ink in (("s", BOX, sign.fill), (letter, wide, sign.ink)) if len(x) else ():
             panel.plot(x + 0.5, y + 0.5, linestyle="", marker=marker, markersize=size, markeredgewidth=0.0, color=ink)
 
 
 @cache
-def _letter(symbol: str) -> Outline:
-    """A sign of nine points around the origin."""
+def _character_outline(symbol: str) -> Outline:
+    """The outline of a character, 9 points high, its middle in the origin: a mark of a plot."""
     path = TextPath((0.0, 0.0), symbol, size=9.0)
     corners = path.get_extents()
     return Outline(np.asarray(path.vertices) - 0.5 * (np.asarray(corners.min) + corners.max), path.codes)
@@ -131,7 +131,11 @@ def _maps(stress: Stress) -> Section:
     """The interactive map, every map as a figure, and the table of borders."""
     maps = {axis: map_data(stress, axis) for axis in stress.axes}
     first, *others = maps
-    data = {"axes": {axis: table["title"] for axis, table in maps.items()}, "signs": signs(stress), "map": maps[first]}
+    data = {
+        "axes": {axis: table["title"] for axis, table in maps.items()},
+        "signs": verdict_symbols(stress),
+        "map": maps[first],
+    }
     widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
     figures = FigureGroup(tuple(_figure(stress, table) for table in maps.values()))
     borders = tables.border_table(stress, axis_title)
