@@ -92,7 +92,7 @@ def _by_machine_code(trace: LinkageTrace, angle: Array, motion: Sequence[Array],
 
     The caller then takes ``_by_numpy``, which raises the error that says why.
     """
-    function = _machine_code(trace)
+    function = _compile_trace(trace)
     values = np.empty((len(trace.lines), angle.size))  # the last says where it moves
 
     def part(start: int) -> None:
@@ -111,6 +111,6 @@ def _traced(mechanism: Mechanism, names: tuple[str, ...], accelerates: bool) -> 
 
 
 @lru_cache(maxsize=8)
-def _machine_code(trace: LinkageTrace) -> StraightFunction:
+def _compile_trace(trace: LinkageTrace) -> StraightFunction:
     inputs = {*trace.trace.inputs.values()} & {*trace.trace.lines_needed(trace.lines)}
     return StraightFunction(trace.trace, sorted(inputs), (), [Result(line) for line in trace.lines])

@@ -22,8 +22,8 @@ def announced() -> dict[str, tuple[Path, str]]:
     Raises LinkproofError where a folder does not exist or is empty, and where two packages have files of one name.
     """
     files: dict[str, tuple[Path, str]] = {}
-    for entry in sorted(entry_points(group=GROUP), key=lambda entry: (_package(entry), entry.value)):
-        package = _package(entry)
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: (_package_name(entry), entry.value)):
+        package = _package_name(entry)
         for path in _linkage_files(entry, package):
             other, owner = files.setdefault(path.stem, (path, package))
             if other.resolve() != path.resolve():
@@ -34,7 +34,7 @@ def announced() -> dict[str, tuple[Path, str]]:
     return dict(sorted(files.items()))
 
 
-def _package(entry: EntryPoint) -> str:
+def _package_name(entry: EntryPoint) -> str:
     return entry.dist.name if entry.dist else entry.name
 
 

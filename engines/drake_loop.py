@@ -24,7 +24,7 @@ class World:
         self.plant = plant = builder.AddSystem(drake.MultibodyPlant(step))
         plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kSap)  # the others take no loops
         plant.SetUseSampledOutputPorts(not self.lead)  # as shipped ports have what was of the last step
-        plant.mutable_gravity_field().set_gravity_vector(_space(given["gravity"]))
+        plant.mutable_gravity_field().set_gravity_vector(_space_vector(given["gravity"]))
         # With a constraint at the world's own body Drake 1.51 ends the process: what is welded to it stands for it.
         self.bodies, self.forces = {"ground": self.body()}, dict[str, tuple[Any, float]]()
         plant.WeldFrames(plant.world_frame(), self.bodies["ground"].body_frame())
@@ -60,7 +60,7 @@ class World:
 
     def frame(self, body: Any, point: Point = (0.0, 0.0), angle: float = 0.0) -> Any:  # noqa: ANN401
         """A new frame on a body."""
-        pose = drake.RigidTransform(drake.RotationMatrix.MakeZRotation(angle), _space(point))
+        pose = drake.RigidTransform(drake.RotationMatrix.MakeZRotation(angle), _space_vector(point))
         return self.plant.AddFrame(drake.FixedOffsetFrame(f"frame {self.plant.num_frames()}", body, pose))
 
     def add_with_joints(self, body: tuple[Any, ...], given: Data) -> list[tuple[Any, Any]]:
@@ -68,7 +68,7 @@ class World:
         name, mass, inertia, place, angle = body
         guide, along = given["guides"].get(name, ("", None))
         damping = sum(coefficient for *ends, coefficient in given["dampers"] if name in ends)
-        axes = [_space(along)] if guide else [X, Y] if inertia is None else [X, Y, Z]
+        axes = [_space_vector(along)] if guide else [X, Y] if inertia is None else [X, Y, Z]
         own = self.bodies[name] = self.body(mass, mass if inertia is None else inertia)  # what cannot turn has any
         parent, chain = self.frame(self.bodies["ground"], place), []
         for axis in axes:
@@ -90,7 +90,7 @@ class World:
         (body, here), (host, there), probe = first, second, self.body()
         weld = drake.WeldJoint(name, self.frame(self.bodies[body], here), probe.body_frame(), drake.RigidTransform())
         self.forces[name] = self.plant.AddJoint(weld), -1.0
-        ends = probe, np.zeros(3), self.bodies[host], _space(there)
+        ends = probe, np.zeros(3), self.bodies[host], _space_vector(there)
         if far:
             self.plant.AddDistanceConstraint(*ends, far)
         else:
@@ -99,8 +99,8 @@ class World:
     def load(self, body: str, anchor: Point, force: Point) -> Any:  # noqa: ANN401
         """A constant force on a body."""
         load = drake.ExternallyAppliedSpatialForce()
-        load.body_index, load.p_BoBq_B = self.bodies[body].index(), _space(anchor)
-        load.F_Bq_W = drake.SpatialForce(tau=np.zeros(3), f=_space(force))
+        load.body_index, load.p_BoBq_B = self.bodies[body].index(), _space_vector(anchor)
+        load.F_Bq_W = drake.SpatialForce(tau=np.zeros(3), f=_space_vector(force))
         return load
 
     def read(self, time: float) -> Data:
@@ -121,7 +121,7 @@ class World:
         }
 
 
-def _space(vector: Point) -> Any:  # noqa: ANN401
+def _space_vector(vector: Point) -> Any:  # noqa: ANN401
     return np.array([*vector, 0.0])
 
 

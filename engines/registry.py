@@ -97,7 +97,7 @@ def engine_names() -> tuple[str, ...]:
 def plugins() -> dict[str, str]:
     """Engines whose adapters are not ours, each with the packages that announce it; nothing is imported."""
     return {
-        name: " and ".join(sorted(map(_package, points)))
+        name: " and ".join(sorted(map(_package_name, points)))
         for name, points in announced().items()
         if not all(_is_ours(each.value) for each in points)
     }
@@ -178,7 +178,7 @@ def check_adapter(adapter: Engine) -> None:
         raise PluginError("expected is_control as True or False and abilities of the contract's own types, got others")
 
 
-def _package(entry: EntryPoint) -> str:
+def _package_name(entry: EntryPoint) -> str:
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else entry.value
 
 
@@ -241,7 +241,7 @@ def why_absent(package: str, extra: str = "") -> str | None:
     except ModuleNotFoundError as error:
         if error.name != package:
             raise
-        return _not_installed(package, extra)
+        return _not_installed_sentence(package, extra)
     return None
 
 
@@ -252,13 +252,13 @@ def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
     """
     version = installed_version(package)
     if version is None:
-        return _not_installed(package, extra)
-    if _numbers(version) >= _numbers(oldest):
+        return _not_installed_sentence(package, extra)
+    if _version_numbers(version) >= _version_numbers(oldest):
         return None
     return f"{package} {version} is too old, {oldest} is the first that will do: {_how_to_install(package, extra)}"
 
 
-def _not_installed(package: str, extra: str) -> str:
+def _not_installed_sentence(package: str, extra: str) -> str:
     return f"{package} is not installed: {_how_to_install(package, extra)}"
 
 
@@ -266,7 +266,7 @@ def _how_to_install(package: str, extra: str) -> str:
     return f"pip install --upgrade 'linkproof[{extra or package}]' brings it"
 
 
-def _numbers(version: str) -> tuple[int, ...]:
+def _version_numbers(version: str) -> tuple[int, ...]:
     return tuple(int(number) for number in re.findall(r"\d+", version)[:3])
 
 

@@ -26,7 +26,13 @@ def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, chann
     """The whole input of an engine for a linkage; ``start`` holds every link as a body in its state."""
     merged = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
     pins = tuple(
-        PinJoint(name, link, pin.hub, _anchor(linkage, pin.point, link), _anchor(linkage, pin.point, pin.hub))
+        PinJoint(
+            name,
+            link,
+            pin.hub,
+            _anchor_of_point(linkage, pin.point, link),
+            _anchor_of_point(linkage, pin.point, pin.hub),
+        )
         for pin in linkage.pins
         for name, link in pin.joints.items()
     )
@@ -42,14 +48,14 @@ def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, chann
         gravity=linkage.gravity,
         drive=drive,
         channels=channels,
-        forces=tuple(AppliedForce(f.link, _anchor(linkage, f.point, f.link), f.force) for f in linkage.forces),
+        forces=tuple(AppliedForce(f.link, _anchor_of_point(linkage, f.point, f.link), f.force) for f in linkage.forces),
         torques=tuple(AppliedTorque(t.link, t.torque) for t in linkage.torques),
         springs=tuple(
             PointSpring(
                 first=s.links[0],
                 second=s.links[1],
-                first_anchor=_anchor(linkage, s.points[0], s.links[0]),
-                second_anchor=_anchor(linkage, s.points[1], s.links[1]),
+                first_anchor=_anchor_of_point(linkage, s.points[0], s.links[0]),
+                second_anchor=_anchor_of_point(linkage, s.points[1], s.links[1]),
                 stiffness=s.stiffness,
                 length=s.length,
                 damping=s.damping,
@@ -66,7 +72,9 @@ def _cylinder(linkage: Linkage) -> Cylinder | None:
     driver = linkage.cylinder
     if driver is None:
         return None
-    here, there = (_anchor(linkage, point, link) for point, link in zip(driver.points, driver.links, strict=True))
+    here, there = (
+        _anchor_of_point(linkage, point, link) for point, link in zip(driver.points, driver.links, strict=True)
+    )
     return Cylinder(*driver.links, here, there)
 
 
@@ -111,7 +119,7 @@ def _from_centre(linkage: Linkage, body: str, local: Vector) -> Vector:
     return (local[0] - centre[0], local[1] - centre[1])
 
 
-def _anchor(linkage: Linkage, point: str, body: str) -> Vector:
+def _anchor_of_point(linkage: Linkage, point: str, body: str) -> Vector:
     return _from_centre(linkage, body, linkage.local(point, body))
 
 
@@ -126,4 +134,4 @@ def _line(linkage: Linkage, joint: Slider | Slot, body: str) -> tuple[str, str, 
     """The fields of a scene's slider or slot whose point is on ``body``."""
     guide = joint.guide
     through = _from_centre(linkage, guide.host, guide.through)
-    return joint.name, body, _anchor(linkage, joint.point, body), guide.host, through, guide.along
+    return joint.name, body, _anchor_of_point(linkage, joint.point, body), guide.host, through, guide.along

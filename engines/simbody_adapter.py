@@ -173,7 +173,7 @@ class SimbodyModel:
         for number, branch in enumerate(self.tree.branches):
             guide = branch.joint if branch.body.name == self.linked.crank else None
             normal = (-guide.along[1], guide.along[0]) if isinstance(guide, SliderJoint) else None
-            forces[branch.name] = (False, number, _sign(branch), normal)
+            forces[branch.name] = (False, number, _sign_of_branch(branch), normal)
         forces |= {cut.name: (True, number, 1.0, None) for number, cut in enumerate(self.tree.cuts)}
         return {joint.name: forces[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
 
@@ -181,10 +181,10 @@ class SimbodyModel:
         """The driven body, the sign of its joint's force, and along what that is the drive's; None for a moment."""
         number = self.numbers[self.linked.crank]
         branch = self.tree.branches[number]
-        return number, _sign(branch), branch.joint.along if isinstance(branch.joint, SliderJoint) else None
+        return number, _sign_of_branch(branch), branch.joint.along if isinstance(branch.joint, SliderJoint) else None
 
 
-def _sign(branch: Branch) -> float:
+def _sign_of_branch(branch: Branch) -> float:
     return 1.0 if branch.reverse else -1.0
 
 

@@ -52,12 +52,12 @@ class LinkageFile:
 
 def catalogue() -> tuple[str, ...]:
     """Names of the sewing mechanisms that come with the suite, sorted; commands use them if no mechanism is named."""
-    return _names(CATALOGUE)
+    return _names_on_shelf(CATALOGUE)
 
 
 def literature() -> tuple[str, ...]:
     """Names of the linkages of others that come with the suite, sorted: taken where they are named."""
-    return _names(LITERATURE)
+    return _names_on_shelf(LITERATURE)
 
 
 def installed() -> tuple[str, ...]:
@@ -75,7 +75,7 @@ def installed() -> tuple[str, ...]:
     return tuple(announced())
 
 
-def _names(shelf: Path) -> tuple[str, ...]:
+def _names_on_shelf(shelf: Path) -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in shelf.glob("*.toml")))
 
 
@@ -196,24 +196,24 @@ def tables(text: str, origin: str) -> dict[str, Any]:
         )
     deepest = DEEPEST.search(text)
     if deepest:
-        raise _nested_too_deep(f"{origin}:{_line(text, deepest.start())}")
+        raise _nesting_error(f"{origin}:{_line_number(text, deepest.start())}")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise DescriptionError(_syntax_error(str(error), text, origin)) from error
     except ValueError as error:
         digits = MOST_DIGITS.search(text)
-        line = _line(text, digits.start()) if digits else 1
+        line = _line_number(text, digits.start()) if digits else 1
         raise DescriptionError(f"{origin}:{line}: expected a number, got one of too many digits; correct it") from error
     except RecursionError:
-        raise _nested_too_deep(f"{origin}:1") from None
+        raise _nesting_error(f"{origin}:1") from None
 
 
-def _line(text: str, position: int) -> int:
+def _line_number(text: str, position: int) -> int:
     return text.count("\n", 0, position) + 1
 
 
-def _nested_too_deep(place: str) -> DescriptionError:
+def _nesting_error(place: str) -> DescriptionError:
     return DescriptionError(f"{place}: expected tables and short lists, got very deep nesting; flatten it")
 
 
@@ -240,7 +240,7 @@ BARE_NAME: Final = re.compile(r"\s*\[*([^\]=\"'#]+)[\]=]")
 def _syntax_error(fault: str, text: str, origin: str) -> str:
     """A syntax error of the TOML parser, its place first."""
     place = PLACE.search(fault)
-    line, column = place.groups() if place and place[1] else (_line(text.rstrip(), len(text)), None)
+    line, column = place.groups() if place and place[1] else (_line_number(text.rstrip(), len(text)), None)
     slip = _known_slip(fault, text.split("\n")[int(line) - 1])
     where = f" in column {column}" if column else " at the end of the file"
     return f"{origin}:{line}: not valid TOML: {slip or PLACE.sub('', fault) + where + '; correct it'}"

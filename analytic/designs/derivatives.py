@@ -166,25 +166,25 @@ class _Design:
     @cached_property
     def plain(self) -> LinkageAndStructure:
         """The design's linkage and structure in plain numbers."""
-        return self._model(self.parameters)
+        return self._linkage_with_numbers(self.parameters)
 
     @cached_property
-    def _duals(self) -> dict[str, Dual]:
+    def _numbers_with_slopes(self) -> dict[str, Dual]:
         seeds = np.eye(len(self.parameters))
         return {n: Dual(v, seed) for (n, v), seed in zip(self.parameters.items(), seeds, strict=True)}
 
     @cached_property
     def _with_derivatives(self) -> LinkageAndStructure:
-        return self._model(self._duals)
+        return self._linkage_with_numbers(self._numbers_with_slopes)
 
-    def _model(self, numbers: Mapping[str, Any]) -> LinkageAndStructure:
+    def _linkage_with_numbers(self, numbers: Mapping[str, Any]) -> LinkageAndStructure:
         linkage = with_numbers(self.mechanism.linkage, numbers)
         signs = tuple(dyad.sign for dyad in self.mechanism.structure.dyads)
         return linkage, find_structure(linkage).with_signs(signs)
 
     def _moving(self, model: LinkageAndStructure, angle: Any, zero_of_s: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
         """The design in motion at crank angles, rad; S counts from the coordinate ``zero_of_s``, m."""
-        speed = speed_of(self._duals if model is self._with_derivatives else self.parameters, self.speed)
+        speed = speed_of(self._numbers_with_slopes if model is self._with_derivatives else self.parameters, self.speed)
         return MovingSweep(self.mechanism, Sweep(*model, angle), speed, np.asarray(0.0), zero_of_s)
 
     def check(self, places: Array) -> None:

@@ -81,7 +81,7 @@ class LoadedSweep:
 
     def _spring_loads(self, spring: Spring) -> tuple[Load, Load]:
         """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
-        (first, two), (near_end, far_end) = spring.links, self._ends(spring)
+        (first, two), (near_end, far_end) = spring.links, self._spring_ends(spring)
         span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((first, near_end), (two, far_end))))
         over_length = _inverse_length(span)
         per_length = spring.stiffness * (1.0 - spring.length * over_length)
@@ -93,7 +93,7 @@ class LoadedSweep:
         force = (per_length * span[0], per_length * span[1])
         return Load(first, near_end, (-force[0], -force[1])), Load(two, far_end, force)
 
-    def _ends(self, spring: Spring) -> tuple[Vector, Vector]:
+    def _spring_ends(self, spring: Spring) -> tuple[Vector, Vector]:
         near_end, far_end = (self.linkage.local(p, body) for p, body in zip(spring.points, spring.links, strict=True))
         return near_end, far_end
 

@@ -184,7 +184,7 @@ class _ChangePointSearch:
         """
         for near in self.centres:
             if abs(_within_half_turn(near.angle[0] - angle)) < FULL_TURN / GRID:
-                touch = self._touch(number, near)
+                touch = self._touch_of_chain(number, near)
                 if abs(touch.margin) <= TOUCHING * touch.lengths:
                     return touch
         step = np.longdouble(FULL_TURN / GRID)
@@ -199,14 +199,14 @@ class _ChangePointSearch:
         if abs(height[0]) > TOUCHING:
             return None
         self.centres.append(_Chain(self.pivot, centre))
-        return self._touch(number, self.centres[-1])
+        return self._touch_of_chain(number, self.centres[-1])
 
     def _relative_margin(self, number: int, chain: _Chain) -> Any:  # noqa: ANN401
         """A dyad's margin of reach over the lengths it comes from."""
         margin, lengths, _ = self._margin(number, chain)
         return margin / lengths
 
-    def _touch(self, number: int, chain: _Chain) -> Touch:
+    def _touch_of_chain(self, number: int, chain: _Chain) -> Touch:
         return Touch(chain.angle[0], *(part[0] for part in self._margin(number, chain)))
 
     def _patch(self, number: int, touch: Touch, apart: float) -> Patch:

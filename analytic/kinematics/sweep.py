@@ -235,24 +235,24 @@ def _parallel_when_dead(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:
         return _side_direction(sweep, first, inner), _side_direction(
             sweep, second, inner, rods=isinstance(first, Revolute)
         )
-    slide = _direction(sweep, inner)
+    slide = _slide_direction(sweep, inner)
     if isinstance(second, Prismatic):
-        return slide, _direction(sweep, second)
+        return slide, _slide_direction(sweep, second)
     assert isinstance(first, Revolute)
-    return frames.minus(_place(sweep, second), _place(sweep, first)), (-slide[1], slide[0])
+    return frames.minus(_pin_place(sweep, second), _pin_place(sweep, first)), (-slide[1], slide[0])
 
 
 def _side_direction(sweep: Sweep, outer: Joint, inner: Revolute, *, rods: bool = False) -> Pair:
     """The rod from the inner pin to the outer one; of a slide beside a rod (``rods``) its normal, else its line."""
     if isinstance(outer, Revolute):
-        return frames.minus(_place(sweep, outer), _place(sweep, inner))
-    x, y = _direction(sweep, outer)
+        return frames.minus(_pin_place(sweep, outer), _pin_place(sweep, inner))
+    x, y = _slide_direction(sweep, outer)
     return (-y, x) if rods else (x, y)
 
 
-def _place(sweep: Sweep, pin: Revolute) -> Pair:
+def _pin_place(sweep: Sweep, pin: Revolute) -> Pair:
     return sweep.local_point(pin.near, pin.near_local)
 
 
-def _direction(sweep: Sweep, slide: Prismatic) -> Pair:
+def _slide_direction(sweep: Sweep, slide: Prismatic) -> Pair:
     return frames.arm(sweep.poses(slide.near), slide.along)

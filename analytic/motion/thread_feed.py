@@ -118,10 +118,10 @@ def reference_length(mechanism: Mechanism, path: ThreadPath) -> float:
 
 def feed_of_length(path: ThreadPath, length: ArrayLike, start: float) -> Array:
     """Feed, m, of a contour of the given length, m, from its length ``start`` at the reference angle, m."""
-    return np.asarray(_sign(path) * (np.asarray(length) - start) + path.stretch)
+    return np.asarray(_feed_sign(path) * (np.asarray(length) - start) + path.stretch)
 
 
-def _sign(path: ThreadPath) -> float:
+def _feed_sign(path: ThreadPath) -> float:
     return -1.0 if path.feed == "shortening" else 1.0
 
 

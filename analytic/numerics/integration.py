@@ -82,19 +82,19 @@ class Windows:
     angle: Array
     speed: Array
 
-    def _place(self, time: Array) -> tuple[NDArray[np.intp], Array]:
+    def _window_and_place(self, time: Array) -> tuple[NDArray[np.intp], Array]:
         window = np.clip(np.searchsorted(self.starts, time, side="right") - 1, 0, len(self.base) - 1)
         left, right = self.starts[window], self.starts[window + 1]
         return window, ((time - left) - (right - time)) / (right - left)
 
     def angle_at(self, time: Array) -> Array:
         """φ, rad, at instants (any shape)."""
-        window, place = self._place(time)
+        window, place = self._window_and_place(time)
         return np.asarray(self.base[window] + legendre.legval(place, self.angle[:, window], tensor=False))
 
     def speed_at(self, time: Array) -> Array:
         """ω, rad/s, at instants (any shape)."""
-        window, place = self._place(time)
+        window, place = self._window_and_place(time)
         return np.asarray(legendre.legval(place, self.speed[:, window], tensor=False))
 
 

@@ -106,13 +106,13 @@ def each_case(request: CampaignRequest) -> Iterator[Case]:
         conditions = f"{request.conditions}, {gravity}"
         mechanism = Mechanism(linkage)
         for motion in request.motions:
-            yield _check_case(Case(mechanism, motion, conditions=conditions))
+            yield _checked_case(Case(mechanism, motion, conditions=conditions))
         for regime in linkage.regimes:
             if regime.name in request.own_regimes:
-                yield _check_case(case_of_file_regime(mechanism, regime))
+                yield _checked_case(case_of_file_regime(mechanism, regime))
 
 
-def _check_case(case: Case) -> Case:
+def _checked_case(case: Case) -> Case:
     case.check_motion()
     return case
 

@@ -70,44 +70,44 @@ def read_project(path: Path) -> Project:
     for name in table:
         if name not in KEYS:
             raise UnknownNameError(f"key of {path}", name, KEYS)
-    lists = {name: _word_list(table, name, path) for name in LISTS}
+    lists = {name: _read_words(table, name, path) for name in LISTS}
     folder = path.parent
     return Project(
         folder=folder,
-        baseline=_check_beneath(folder, _file_name(table, "baseline", BASELINE, path), "baseline", path),
+        baseline=_check_beneath(folder, _read_file_name(table, "baseline", BASELINE, path), "baseline", path),
         linkages=tuple(file for pattern in lists.pop("linkages") for file in _matching_files(folder, pattern, path)),
         limits=with_rows(table["limit"], str(path)) if "limit" in table else shipped_limits(),
-        time_limit=_positive_number(table, "time_limit", path),
-        memory_limit=_positive_number(table, "memory_limit", path),
+        time_limit=_read_positive_number(table, "time_limit", path),
+        memory_limit=_read_positive_number(table, "memory_limit", path),
         names_baseline="baseline" in table,
-        allow_new=_flag(table, "allow_new", path),
-        allow_missing=_flag(table, "allow_missing", path),
+        allow_new=_read_flag(table, "allow_new", path),
+        allow_missing=_read_flag(table, "allow_missing", path),
         **lists,
     )
 
 
-def _word_list(table: Mapping[str, Any], name: str, path: Path) -> tuple[str, ...]:
+def _read_words(table: Mapping[str, Any], name: str, path: Path) -> tuple[str, ...]:
     words = table.get(name, [])
     if not isinstance(words, list) or not all(isinstance(word, str) and word for word in words):
         raise LinkproofError(f"{path}: {name}: expected a list of words, got {words!r}; write it in brackets")
     return tuple(words)
 
 
-def _file_name(table: Mapping[str, Any], name: str, default: str, path: Path) -> str:
+def _read_file_name(table: Mapping[str, Any], name: str, default: str, path: Path) -> str:
     text = table.get(name, default)
     if not isinstance(text, str) or not text:
         raise LinkproofError(f"{path}: {name}: expected the name of a file, got {text!r}; write one")
     return text
 
 
-def _flag(table: Mapping[str, Any], name: str, path: Path) -> bool:
+def _read_flag(table: Mapping[str, Any], name: str, path: Path) -> bool:
     value = table.get(name, False)
     if not isinstance(value, bool):
         raise LinkproofError(f"{path}: {name}: expected true or false, got {value!r}; write one of them")
     return value
 
 
-def _positive_number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
+def _read_positive_number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
     value = table.get(name)
     if value is None:
         return None

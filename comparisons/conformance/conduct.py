@@ -157,7 +157,7 @@ def check_origins(trial: EngineTrial) -> None:
         assert not is_single or len(run.passes) <= 1, (
             f"setting '{setting}': expected one run of the engine, got {len(run.passes)}: extrapolate in 'best' alone"
         )
-        for words, origin in _origins(run):
+        for words, origin in _origins_by_channel(run):
             assert not is_single or origin is not Origin.EXTRAPOLATED, (
                 f"{words} in setting '{setting}': expected 'read' or 'computed', got '{origin}': nothing can be "
                 "extrapolated from one run"
@@ -168,7 +168,7 @@ def check_origins(trial: EngineTrial) -> None:
             )
 
 
-def _origins(run: Run) -> Iterator[tuple[str, Origin]]:
+def _origins_by_channel(run: Run) -> Iterator[tuple[str, Origin]]:
     if run.history is not None:
         yield from (
             (name, signal.origin) for name, signal in vars(run.history).items() if name != "joint_force" and signal

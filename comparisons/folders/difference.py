@@ -149,7 +149,10 @@ def difference(before: Results, after: Results) -> FolderDifference:
     Raises LinkproofError where no run is in both.
     """
     names = _linkage_pairs(_linkage_names(before), _linkage_names(after))
-    old, new = _records_by_key(_rename_linkages(_records(before), names)), _records_by_key(_records(after))
+    old, new = (
+        _records_by_key(_rename_linkages(_records_and_invariants(before), names)),
+        _records_by_key(_records_and_invariants(after)),
+    )
     both = [key for key in new if key in old]
     if not both:
         raise LinkproofError(
@@ -195,7 +198,7 @@ def _linkage_pairs(before: Sequence[Name], after: Sequence[Name]) -> dict[Name, 
     return matches
 
 
-def _records(results: Results) -> list[Record]:
+def _records_and_invariants(results: Results) -> list[Record]:
     return [*results.records, *results.invariants]
 
 

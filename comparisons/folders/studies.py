@@ -134,7 +134,8 @@ def _bench_faults(bench: Bench) -> Iterator[tuple[str, str]]:
         if saved.repeats and saved.seconds != min(saved.repeats):
             yield place, f"its time is {saved.seconds:.4g} s, the shortest repeat took {min(saved.repeats):.4g} s"
         if {*saved.fronts} != {*now.fronts}:
-            yield place, f"it is on the fronts of {_words(saved.fronts)}, its errors and times say {_words(now.fronts)}"
+            before, after = _names_text(saved.fronts), _names_text(now.fronts)
+            yield place, f"it is on the fronts of {before}, its errors and times say {after}"
         for name, order in saved.orders.items():
             if name not in now.orders or abs(order - now.orders[name]) > SAME_ORDER:
                 yield place, f"its order in {name} is {order:.3g}, that of its sweep is {now.orders.get(name)}"
@@ -153,7 +154,7 @@ def _stress_faults(stress: Stress) -> Iterator[tuple[str, str]]:
             yield f"stress {'/'.join(border.line)}", "its border does not lie between two cells of its line"
 
 
-def _words(names: Sequence[str]) -> str:
+def _names_text(names: Sequence[str]) -> str:
     return ", ".join(names) or "no quantity"
 
 
@@ -174,12 +175,12 @@ def write_tables(results: Results, folder: Path) -> tuple[Path, ...]:
     paths = []
     for run, name in zip(runs, _file_names(runs), strict=True):
         quantities = {quantity: unit for (of, quantity), unit in units.items() if of == run}
-        write_text(folder / name, _table(results, run, quantities))
+        write_text(folder / name, _curve_table(results, run, quantities))
         paths.append(folder / name)
     return tuple(paths)
 
 
-def _table(results: Results, run: Sequence[str], quantities: dict[str, str]) -> str:
+def _curve_table(results: Results, run: Sequence[str], quantities: dict[str, str]) -> str:
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)

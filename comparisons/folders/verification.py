@@ -97,7 +97,7 @@ def _verify_campaign(results: Results, folder: Path, limits: Path | None) -> Ver
         sum(record.error_max is not None for record in results.records),
         len(results.figures),
         len(results.linkages),
-        (sentence, *_notes(results, folder)),
+        (sentence, *_verification_notes(results, folder)),
         (
             *_text_findings(results),
             *(
@@ -125,7 +125,7 @@ def _limits_to_use(results: Results, file: Path | None) -> tuple[LimitTable, str
     return results.limits, words or "judged by the limits of this version, which are the folder's"
 
 
-def _notes(results: Results, folder: Path) -> Iterator[str]:
+def _verification_notes(results: Results, folder: Path) -> Iterator[str]:
     made, here = results.document["environment"], environment()
     changed = [f"{name} {made[name]} ({here[name]} here)" for name in ("linkproof", "numpy", "scipy")
                if name in made and made[name] != here.get(name, made[name])]  # fmt: skip

@@ -61,7 +61,7 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     if not requested:
         usages = ", ".join(request.usages) or "any setting"
         raise LinkproofError(f"no stability run matches {usages}: choose other axes or settings")
-    study = _study(announce, journal, request.pool)
+    study = _stress_study(announce, journal, request.pool)
     make = partial(_run_cells, study, request)
     grid = make(requested)
     rough = borders(grid)
@@ -81,10 +81,10 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
 
 def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Pool = EVERY_CORE) -> list[CellResult]:
     """These cells alone, each in a worker process of its own, in their order; ``time_limit`` as in a request."""
-    return _run_cells(_study(lambda *_: None, None, pool), StressRequest((), (), time_limit=time_limit), chosen)
+    return _run_cells(_stress_study(lambda *_: None, None, pool), StressRequest((), (), time_limit=time_limit), chosen)
 
 
-def _study(announce: Announce, journal: Journal | None, pool: Pool) -> Study[CellResult]:
+def _stress_study(announce: Announce, journal: Journal | None, pool: Pool) -> Study[CellResult]:
     return Study(run_cell, lost, CellResult.written, CellResult.from_row, journal, announce, pool)
 
 

@@ -90,7 +90,7 @@ class Axis:
 def axes() -> Mapping[str, Axis]:
     """Every axis by its name, in the table's order."""
     tables = tomllib.loads(TABLE.read_text(encoding="utf-8"))["axis"]
-    return {table["name"]: _axis(table) for table in tables}
+    return {table["name"]: _axis_of_table(table) for table in tables}
 
 
 def chosen_axes(names: Iterable[str]) -> list[Axis]:
@@ -102,13 +102,13 @@ def chosen_axes(names: Iterable[str]) -> list[Axis]:
     return [axis for axis in known.values() if not chosen or axis.name in chosen]
 
 
-def _axis(table: dict[str, Any]) -> Axis:
+def _axis_of_table(table: dict[str, Any]) -> Axis:
     common, rows = table.pop("common", {}), table.pop("rows")
     lists = {key: tuple(value) for key, value in table.items() if isinstance(value, list)}
-    return Axis(**{**table, **lists}, rows=tuple(_row(common, row) for row in rows))
+    return Axis(**{**table, **lists}, rows=tuple(_row_of_table(common, row) for row in rows))
 
 
-def _row(common: Mapping[str, Any], table: Mapping[str, Any]) -> Row:
+def _row_of_table(common: Mapping[str, Any], table: Mapping[str, Any]) -> Row:
     of_row = {field.name for field in fields(Row)} - {"conditions"}
     conditions: dict[str, Any] = {
         key: _tuple_for_list(value) for key, value in {**common, **table}.items() if key not in of_row

@@ -97,11 +97,11 @@ def _table_position(cell: Cell) -> tuple[object, ...]:
     axis = axes()[cell.axis]
     rows, usages = [row.label for row in axis.rows], (*axis.settings, *axis.methods)
     falling = axis.values[0] > axis.values[-1]
-    return (list(axes()).index(cell.axis), _rank(rows, cell.row), cell.engine, _rank(usages, cell.usage),
+    return (list(axes()).index(cell.axis), _place_among(rows, cell.row), cell.engine, _place_among(usages, cell.usage),
             -cell.value if falling else cell.value)  # fmt: skip
 
 
-def _rank(names: Sequence[str], name: str) -> int:
+def _place_among(names: Sequence[str], name: str) -> int:
     return names.index(name) if name in names else len(names)
 
 

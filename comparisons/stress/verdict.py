@@ -152,14 +152,14 @@ def judged(blank: CellResult, case: Case, scene: Scene, run: Run, setting: str) 
             nearest, wrong = _nearest_deviation(case, motion, rows), wrong_signals(case, motion)
         except LinkproofError as error:
             nearest, wrong = None, [f"there is no one motion to find ({error})"]
-    verdict, reason = _verdict(nearest, wrong, failed, alarms)
+    verdict, reason = _verdict_and_reason(nearest, wrong, failed, alarms)
     judged_run = run_record(blank, [nearest] if nearest else [], failed or checked[:1])
     words = "; ".join(wrong)
     errors, invariants = judged_run.errors, judged_run.invariants
     return replace(blank, errors=errors, invariants=invariants, verdict=verdict, reason=reason, wrong=words)
 
 
-def _verdict(
+def _verdict_and_reason(
     nearest: Record | None, wrong: Sequence[str], failed: Sequence[Record], alarms: str
 ) -> tuple[StressVerdict, str]:
     over = nearest is not None and nearest.outcome != Verdict.PASSED
@@ -181,7 +181,7 @@ def verdict_of(cell: CellResult) -> StressVerdict | None:
         return None
     nearest = next(iter(cell.records), None)
     failed = [check for check in cell.checks if check.outcome != Verdict.PASSED]
-    return _verdict(nearest, [cell.wrong] if cell.wrong else [], failed, "")[0]
+    return _verdict_and_reason(nearest, [cell.wrong] if cell.wrong else [], failed, "")[0]
 
 
 def _alarm_words(record: Record, motion: ObservedMotion) -> str:

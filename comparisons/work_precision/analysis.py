@@ -49,7 +49,7 @@ class MethodSweep:
         """Steps, largest errors over the peak and the solver's effort as bare numbers."""
         steps, finest = tuple(record.step or 0.0 for record in self.records), self.records[-1]
         work = finest.solver_work / finest.steps if finest.steps else 0.0
-        return StepSweep(steps, tuple(map(_error, self.records)), finest.effort, finest.effort_unit, work)
+        return StepSweep(steps, tuple(map(_largest_error, self.records)), finest.effort, finest.effort_unit, work)
 
     @cached_property
     def order(self) -> float | None:
@@ -101,14 +101,14 @@ def method_sweeps(records: Iterable[BenchRecord]) -> tuple[MethodSweep, ...]:
     sweeps = [MethodSweep(tuple(sorted(group, key=lambda record: -(record.step or 0.0)))) for group in groups.values()]
     methods: dict[tuple[object, ...], list[MethodSweep]] = {}
     for sweep in sweeps:
-        methods.setdefault(_method(sweep.first), []).append(sweep)
+        methods.setdefault(_method_key(sweep.first), []).append(sweep)
     return tuple(
-        replace(sweep, others=[other for other in methods[_method(sweep.first)] if other is not sweep])
+        replace(sweep, others=[other for other in methods[_method_key(sweep.first)] if other is not sweep])
         for sweep in sweeps
     )
 
 
-def _method(record: BenchRecord) -> tuple[object, ...]:
+def _method_key(record: BenchRecord) -> tuple[object, ...]:
     return (*record.place, record.engine, record.setting, record.quantity)
 
 
@@ -151,14 +151,14 @@ def split_by_runs(records: Iterable[BenchRecord]) -> tuple[list[BenchRecord], li
 def on_front(records: Iterable[BenchRecord]) -> list[BenchRecord]:
     """The records of one quantity that no other beats in both time and error, by time."""
     finished = [record for record in records if record.finished]
-    unbeaten = pareto([_seconds(record) for record in finished], [_error(record) for record in finished])
+    unbeaten = pareto([_seconds(record) for record in finished], [_largest_error(record) for record in finished])
     return sorted((record for record, keep in zip(finished, unbeaten, strict=True) if keep), key=_seconds)
 
 
 _seconds = attrgetter("total_seconds")
 
 
-def _error(record: BenchRecord) -> float:
+def _largest_error(record: BenchRecord) -> float:
     assert record.error_max is not None
     return record.error_max
 
@@ -171,7 +171,7 @@ def choices(records: Sequence[BenchRecord], limits: Sequence[float] = WANTED) ->
     finished = [record for record in records if record.finished]
     if not finished:
         return ()
-    closest = min(finished, key=lambda record: (_error(record), _seconds(record)))
+    closest = min(finished, key=lambda record: (_largest_error(record), _seconds(record)))
     return tuple(
         PointChoice(min(_points_reaching(finished, error), key=_seconds, default=None), closest) for error in limits
     )
@@ -179,7 +179,7 @@ def choices(records: Sequence[BenchRecord], limits: Sequence[float] = WANTED) ->
 
 def _points_reaching(records: Sequence[BenchRecord], limit: float) -> Iterator[BenchRecord]:
     """Settings at or below an error, and of every sweep its coarsest step that holds it."""
-    yield from (record for record in records if record.kind == SETTING and _error(record) <= limit)
+    yield from (record for record in records if record.kind == SETTING and _largest_error(record) <= limit)
     for sweep in method_sweeps(records):
         place = sustained(sweep.numbers.errors, limit)
         if place is not None:
@@ -193,13 +193,13 @@ def compare_settings(records: Sequence[BenchRecord]) -> tuple[SettingComparison,
     for record in records:
         if record.kind == SETTING and record.finished:
             rivals = [sweep for sweep in sweeps if record.setting == Setting.BEST or not sweep.first.is_extrapolated]
-            prices = [(price(sweep.seconds, sweep.numbers.errors, _error(record)), sweep) for sweep in rivals]
+            prices = [(price(sweep.seconds, sweep.numbers.errors, _largest_error(record)), sweep) for sweep in rivals]
             met = [(cost, sweep) for cost, sweep in prices if cost is not None]
             cheapest = min(met, key=lambda pair: pair[0], default=None)
             if cheapest is None:
                 results.append(SettingComparison(record, None, None))
             else:
-                place = sustained(cheapest[1].numbers.errors, _error(record))
+                place = sustained(cheapest[1].numbers.errors, _largest_error(record))
                 assert place is not None
                 results.append(SettingComparison(record, cheapest[1].records[place], cheapest[0]))
     return tuple(results)

@@ -83,10 +83,10 @@ def _jobs(linkage: Linkage, engines: Sequence[str]) -> Iterator[tuple[MeasuredCo
         adapter = engine(name)
         for part, model in models:
             cost = MeasuredCost(linkage.name, linkage.variant, name, part.name, part.about)
-            yield replace(cost, is_control=adapter.is_control), partial(_run, adapter, model)
+            yield replace(cost, is_control=adapter.is_control), partial(_run_once, adapter, model)
 
 
-def _run(adapter: Engine, model: Scene) -> Run:
+def _run_once(adapter: Engine, model: Scene) -> Run:
     try:
         return replace(run_engine(adapter, model, Setting.TUNED), history=None)
     except AdapterError as error:

@@ -65,7 +65,7 @@ class Rounds:
 
     def run(self, number: int, points: Sequence[Point]) -> None:
         """Measure points in a round, as long as there is time."""
-        tasks = [self._task(number, point) for point in points if point.usage]
+        tasks = [self._point_task(number, point) for point in points if point.usage]
         self.study.expect(tasks)
         bounds = Bounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
         with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
@@ -75,7 +75,9 @@ class Rounds:
     def measurement(self, number: int, point: Point) -> PointRecord | None:
         """The measurement of a point in a round; None if it was not measured."""
         if not point.usage:
-            return self._unmeasured(point, Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
+            return self._unmeasured_record(
+                point, Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or ""
+            )
         key = _task_key(number, point)
         return self.study.result(key) if self.study.has(key) else None
 
@@ -97,7 +99,9 @@ class Rounds:
     def records(self, sweep: PointSweep) -> Iterator[PointRecord]:
         """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
         if not sweep.measurements:
-            yield replace(self._unmeasured(sweep.points[0], Failure.TIMED_OUT.value, sweep.ended), ended=sweep.ended)
+            yield replace(
+                self._unmeasured_record(sweep.points[0], Failure.TIMED_OUT.value, sweep.ended), ended=sweep.ended
+            )
         for point, first in zip(sweep.points, sweep.measurements, strict=False):
             repeats = self.repeats(point, self.extent.repeats)
             yield replace(
@@ -110,11 +114,11 @@ class Rounds:
                 details={},
             )
 
-    def _unmeasured(self, point: Point, outcome: str, detail: str) -> PointRecord:
+    def _unmeasured_record(self, point: Point, outcome: str, detail: str) -> PointRecord:
         case, adapter = self.cases[point.case], engine(point.engine)
         return point_record(case, adapter, point.usage, point.steps_per_turn, outcome=outcome, detail=detail)
 
-    def _task(self, number: int, point: Point) -> Task:
+    def _point_task(self, number: int, point: Point) -> Task:
         case = self.cases[point.case]
         place = f"{case.mechanism.linkage.name}, {case.motion.regime}"
         return Task(

@@ -245,10 +245,10 @@ def follow(world: PymunkWorld, course: Data) -> Data:
 
 
 def is_smooth(times: Array, kinks: list[tuple[float, float]], spacing: float) -> Any:  # noqa: ANN401 - booleans
-    """Which of the times (n,), s, are further from every kink than so many samples of a ``spacing``, s."""
+    """Which of the times (n,), s, are at least so many samples of a ``spacing``, s, from every kink."""
     smooth = np.ones(len(times), dtype=bool)
     for kink, apart in kinks:
-        smooth &= np.abs(times - kink) > (apart + CLOCK_ROUNDING) * spacing
+        smooth &= np.abs(times - kink) >= (apart - CLOCK_ROUNDING) * spacing
     return smooth
 
 

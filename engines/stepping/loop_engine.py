@@ -59,8 +59,8 @@ class LoopEngine(SteppedEngine[Any, R]):
         finally:
             course.cost.solver_work += given["solver_work"]
             course.cost.details.update(given["details"])
-        forces = {name: _signal(pair) for name, pair in samples.pop(Channel.JOINT_FORCE.value, {}).items()}
-        return History(**{name: _signal(pair) for name, pair in samples.items()}, joint_force=forces)
+        forces = {name: _read_signal(pair) for name, pair in samples.pop(Channel.JOINT_FORCE.value, {}).items()}
+        return History(**{name: _read_signal(pair) for name, pair in samples.items()}, joint_force=forces)
 
 
 def _run_error(error: ArithmeticError, kind: type[Exception]) -> Exception:
@@ -68,7 +68,7 @@ def _run_error(error: ArithmeticError, kind: type[Exception]) -> Exception:
     return kind(str(error)) if type(error) is ArithmeticError else error  # a division by zero is an error of the loop
 
 
-def _signal(pair: tuple[Any, Any]) -> Signal:
+def _read_signal(pair: tuple[Any, Any]) -> Signal:
     time, values = pair
     return Signal(np.asarray(time), np.asarray(values))
 

@@ -54,10 +54,10 @@ def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
     engine = _worst_engine(sheet, trust) if trust is not None else ""
     rows = (*_key_figures(sheet), *((("worst error", engine),) if engine else ()))
-    return Card(PageLink(words, file_of(sheet)), (*_scheme(sheet), Facts(rows)))
+    return Card(PageLink(words, file_of(sheet)), (*_moving_scheme_part(sheet), Facts(rows)))
 
 
-def _scheme(sheet: Sheet) -> Iterator[Part]:
+def _moving_scheme_part(sheet: Sheet) -> Iterator[Part]:
     if sheet.positions is not None:
         markup = moving_scheme(
             sheet.linkage, sheet.positions, f"card {sheet.name} {sheet.variant}", size=SIZE, frames=FRAMES
@@ -98,7 +98,7 @@ def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words
     return Page(
         file=FILE,
         title=TITLE,
-        heading=_heading(results),
+        heading=_page_heading(results),
         subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
         parts=(*_verdict(results, trust), *((Bullets(studies),) if studies else ())),
         sections=(
@@ -109,7 +109,7 @@ def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words
     )
 
 
-def _heading(results: Results | None) -> str:
+def _page_heading(results: Results | None) -> str:
     if results is None:
         return "Planar linkages in closed form"
     words = results.document.get("judgement")
@@ -261,7 +261,7 @@ def _run_section(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ..
         Facts(_facts(results)),
         Section("limits", "Limits and their reasons", (limit_table(results),)),
         *((sources,) if readouts else ()),
-        Section("limitations", "Known limitations", (says, Bullets(_limitations(results, sheets)))),
+        Section("limitations", "Known limitations", (says, Bullets(_limitation_sentences(results, sheets)))),
         Section("repeat", "Repeat this report", repeat),
     )
     summary = "Machine, versions, regimes, limits and their reasons, known limitations, the command that repeats it"
@@ -284,7 +284,7 @@ def _facts(results: Results) -> tuple[tuple[str, str | Mono], ...]:
     )
 
 
-def _limitations(results: Results, sheets: Sequence[Sheet]) -> tuple[str, ...]:
+def _limitation_sentences(results: Results, sheets: Sequence[Sheet]) -> tuple[str, ...]:
     released = {regime for sheet in sheets for regime in sheet.released}
     return tuple(
         lines(

@@ -40,21 +40,21 @@ def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
     parts: tuple[Part, ...] = (
         Paragraph(words),
         Section("", "Verdict", (*map(Paragraph, lines), families_table(trust))),
-        *_section("Errors", _errors(results)),
-        *_section("Key figures", changed_figures(results.figures)),
-        *_section("Printed models", _printed_models(results)),
-        *_section("Published figures against ours", _published(sheets)),
+        *_section_with_parts("Errors", _error_sections(results)),
+        *_section_with_parts("Key figures", changed_figures(results.figures)),
+        *_section_with_parts("Printed models", _printed_models(results)),
+        *_section_with_parts("Published figures against ours", _published_sections(sheets)),
         Section("", "Limits", (limit_table(results),)),
     )
     return f"# {title}\n\n{written(parts)}\n"
 
 
-def _section(heading: str, parts: Iterable[Part]) -> tuple[Section, ...]:
+def _section_with_parts(heading: str, parts: Iterable[Part]) -> tuple[Section, ...]:
     entries = tuple(parts)
     return (Section("", heading, entries),) if entries else ()
 
 
-def _errors(results: Results) -> Iterator[Section]:
+def _error_sections(results: Results) -> Iterator[Section]:
     for view in views(results):
         for regime in view.regimes:
             title = f"{view.linkage.name} ({view.linkage.variant}), {regime.name}"
@@ -70,7 +70,7 @@ def _printed_models(results: Results) -> Iterator[Bullets]:
         yield Bullets(lines)
 
 
-def _published(sheets: Sequence[Sheet]) -> Iterator[Section]:
+def _published_sections(sheets: Sequence[Sheet]) -> Iterator[Section]:
     for name, rows in {sheet.name: sheet.published for sheet in sheets}.items():
         if rows:
             yield Section("", name, published_section(rows).parts)
@@ -91,23 +91,23 @@ def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = (), departur
     decides = {id(record) for record in deciding(records)}
     suites: dict[tuple[str, str, str], list[ElementTree.Element]] = {}
     for record in records:
-        suites.setdefault(record.run[:3], []).append(_record(record, decides=id(record) in decides))
+        suites.setdefault(record.run[:3], []).append(_record_case(record, decides=id(record) in decides))
     for figure in figures:
-        suites.setdefault((figure.mechanism, figure.variant, figure.regime), []).append(_figure(figure))
+        suites.setdefault((figure.mechanism, figure.variant, figure.regime), []).append(_figure_case(figure))
     if departures:
-        suites[BASELINE, "", ""] = [_departure(words) for words in departures]
-    counts = _counts([case for cases in suites.values() for case in cases])
+        suites[BASELINE, "", ""] = [_departure_case(words) for words in departures]
+    counts = _outcome_counts([case for cases in suites.values() for case in cases])
     root = ElementTree.Element("testsuites", {"name": "linkproof"} | counts)
     for place, cases in suites.items():
         seconds = {record.run: record.total_seconds for record in records if record.run[:3] == place}
         name = {"name": _legal("/".join(filter(None, place))), "time": f"{sum(seconds.values()):.6f}"}
-        ElementTree.SubElement(root, "testsuite", name | _counts(cases)).extend(cases)
+        ElementTree.SubElement(root, "testsuite", name | _outcome_counts(cases)).extend(cases)
     ElementTree.indent(root, " ")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
 
 
-def _record(record: Record, *, decides: bool) -> ElementTree.Element:
-    case = _case(record.key, record.quantity)
+def _record_case(record: Record, *, decides: bool) -> ElementTree.Element:
+    case = _test_case(record.key, record.quantity)
     verdict = Verdict(record.outcome)
     if verdict is Verdict.PASSED:
         return case
@@ -116,11 +116,11 @@ def _record(record: Record, *, decides: bool) -> ElementTree.Element:
         record.detail if decides or not verdict.failed else f"decides nothing beside other settings: {record.detail}"
     )
     element = ElementTree.SubElement(case, kind, message=_legal(words), type=record.outcome)
-    element.text = _legal("\n".join((f"{record.conditions}: {words}", *_numbers(record))))
+    element.text = _legal("\n".join((f"{record.conditions}: {words}", *_number_lines(record))))
     return case
 
 
-def _numbers(record: Record) -> Iterator[str]:
+def _number_lines(record: Record) -> Iterator[str]:
     if record.error_max is not None:
         yield f"error {record.error_max:.3e} of the peak, {record.peak or 0.0:.6g} {record.unit}".rstrip()
     if record.limit is not None:
@@ -129,8 +129,8 @@ def _numbers(record: Record) -> Iterator[str]:
         yield f"three times the recorded error {record.baseline:.3e}"
 
 
-def _figure(figure: KeyFigure) -> ElementTree.Element:
-    case = _case("/".join((figure.mechanism, figure.variant, figure.regime, FIGURES)), figure.figure)
+def _figure_case(figure: KeyFigure) -> ElementTree.Element:
+    case = _test_case("/".join((figure.mechanism, figure.variant, figure.regime, FIGURES)), figure.figure)
     if figure.changed:
         ElementTree.SubElement(
             case, "failure", message=_legal(figure.sentence), type="changed"
@@ -140,17 +140,17 @@ def _figure(figure: KeyFigure) -> ElementTree.Element:
     return case
 
 
-def _departure(words: str) -> ElementTree.Element:
-    case = _case(BASELINE, words)
+def _departure_case(words: str) -> ElementTree.Element:
+    case = _test_case(BASELINE, words)
     ElementTree.SubElement(case, "failure", message=_legal(words), type="departure")
     return case
 
 
-def _case(place: str, name: str) -> ElementTree.Element:
+def _test_case(place: str, name: str) -> ElementTree.Element:
     return ElementTree.Element("testcase", classname=_legal(place), name=_legal(name))
 
 
-def _counts(cases: Sequence[ElementTree.Element]) -> dict[str, str]:
+def _outcome_counts(cases: Sequence[ElementTree.Element]) -> dict[str, str]:
     kinds = {"failures": "failure", "errors": "error", "skipped": "skipped"}
     counts = {name: sum(case.find(tag) is not None for case in cases) for name, tag in kinds.items()}
     return {"tests": str(len(cases)), **{name: str(count) for name, count in counts.items()}}

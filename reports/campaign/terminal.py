@@ -38,12 +38,12 @@ def printout(
     line. ``environment`` says how many ran at a time.
     """
     closing = [*notes, *_reasons(runs), *_probable_faults(runs), *_changes(figures), _closing_line(runs)]
-    return Printout(_tables(runs, figures, concurrency_note(environment)), closing, _details(runs))
+    return Printout(_motion_tables(runs, figures, concurrency_note(environment)), closing, _detail_tables(runs))
 
 
-def _tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure], while_others: str) -> Iterator[Printed]:
+def _motion_tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure], while_others: str) -> Iterator[Printed]:
     for together in _by_motion(runs):
-        yield _heading(together[0])
+        yield _motion_heading(together[0])
         for start in range(0, len(together), ACROSS):
             beside = together[start : start + ACROSS]
             yield _mechanism_table(beside, while_others)
@@ -54,10 +54,10 @@ def _tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure], while_other
         yield ""
 
 
-def _details(runs: Iterable[RunRecord]) -> Iterator[Printed]:
+def _detail_tables(runs: Iterable[RunRecord]) -> Iterator[Printed]:
     for together in _by_motion(runs):
-        yield _heading(together[0])
-        yield Table("", DETAILS, [_detail(record) for run in together for record in run.every], "l")
+        yield _motion_heading(together[0])
+        yield Table("", DETAILS, [_detail_row(record) for run in together for record in run.every], "l")
         yield ""
 
 
@@ -74,7 +74,7 @@ def _changes(figures: Sequence[KeyFigure]) -> list[str]:
     return [f"{changed} of {len(known)} key figures are not as recorded"] if changed else []
 
 
-def _heading(run: RunRecord) -> Paragraph:
+def _motion_heading(run: RunRecord) -> Paragraph:
     return Paragraph(f"{run.mechanism} ({run.variant}), {run.regime}: {run.conditions}", colour="bold")
 
 
@@ -83,7 +83,7 @@ def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
     rows: list[Sequence[TableCell | Words]] = []
     for name in dict.fromkeys(family(record.quantity) for records in every for record in records):
         worst = [_worst(records, name) for records in every]
-        rows.append((name, _limits_text(worst), *map(_cell, worst)))
+        rows.append((name, _limits_text(worst), *map(_error_cell, worst)))
     rows.append(("figures of", "", *map(origin_words, every)))
     rows.append(("seconds, set-up", while_others, *(f"{run.setup_seconds:.3f}" for run in runs)))
     rows.append(("seconds, stepping", while_others, *(f"{run.seconds:.3f}" for run in runs)))
@@ -110,7 +110,7 @@ def _limits_text(records: Sequence[Record | None]) -> str:
     return ", ".join(f"{limit:.0e}" if float(f"{limit:.0e}") == limit else f"{limit:.3g}" for limit in limits)
 
 
-def _cell(record: Record | None) -> TableCell | str:
+def _error_cell(record: Record | None) -> TableCell | str:
     if record is None:
         return ""
     sign = RUNS[record.outcome]
@@ -118,7 +118,7 @@ def _cell(record: Record | None) -> TableCell | str:
     return TableCell(words, colour=sign.colour)
 
 
-def _detail(record: Record) -> tuple[TableCell | str, ...]:
+def _detail_row(record: Record) -> tuple[TableCell | str, ...]:
     time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
     return (
         record.engine, record.setting, record.quantity, record.origin,

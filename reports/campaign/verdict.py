@@ -72,7 +72,7 @@ class EngineRanking:
         groups: dict[tuple[str, str], dict[str, list[Record]]] = {}
         for record in (*self.results.records, *self.results.invariants):
             families = groups.setdefault((record.engine, record.setting), {})
-            families.setdefault(self._family(record), []).append(record)
+            families.setdefault(self._family_of_record(record), []).append(record)
         return {
             run: {name: EngineRecords(tuple(records)) for name, records in table.items()}
             for run, table in groups.items()
@@ -127,10 +127,10 @@ class EngineRanking:
         setup, stepping = (statistics.median(times) for times in zip(*runs.values(), strict=True))
         return setup, stepping
 
-    def _family(self, record: Record) -> str:
+    def _family_of_record(self, record: Record) -> str:
         if record.quantity in self.checks:
             return CHECKS
-        if (record.mechanism, record.variant, record.regime) in self._released:
+        if (record.mechanism, record.variant, record.regime) in self._released_regimes:
             return RELEASED
         return next((name for name, members in FAMILIES.items() if family(record.quantity) in members), OTHER)
 
@@ -140,7 +140,7 @@ class EngineRanking:
         return frozenset(record.quantity for record in self.results.invariants)
 
     @cached_property
-    def _released(self) -> frozenset[tuple[str, str, str]]:
+    def _released_regimes(self) -> frozenset[tuple[str, str, str]]:
         return frozenset(
             (linkage.name, linkage.variant, regime.name)
             for linkage in self.results.linkages

@@ -15,12 +15,12 @@ from reports.requests import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
 def main() -> None:
     """Run the command line."""
     try:
-        _run()
+        _run_app()
     except KeyboardInterrupt as interrupt:
-        _end(f"interrupted; {str(interrupt) or 'nothing was written'}", INTERRUPTED)
+        _end_with_sentence(f"interrupted; {str(interrupt) or 'nothing was written'}", INTERRUPTED)
 
 
-def _run() -> None:
+def _run_app() -> None:
     _start_fast()
     _open_closed_streams()
     # Both add their commands to the app. ``from ... import`` would take old modules where a test runner dropped some.
@@ -38,14 +38,14 @@ def _run() -> None:
         finally:
             sys.stdout.flush()
     except LinkproofError as error:
-        _end(str(error), BAD_INPUT)
+        _end_with_sentence(str(error), BAD_INPUT)
     except InterruptedRunError as interrupt:
         raise KeyboardInterrupt(str(interrupt)) from interrupt
     except BrokenPipeError:
         _discard_output()
         sys.exit(0)
     except MemoryError:
-        _end("expected more memory, got none that is free; give less at once, or allow more", FAILED)
+        _end_with_sentence("expected more memory, got none that is free; give less at once, or allow more", FAILED)
     except Exception as error:
         _end_badly(error)
 
@@ -55,14 +55,16 @@ def _end_badly(error: Exception) -> None:
     import errno
 
     if isinstance(error, FileNotFoundError) and error.filename is None:
-        _end("expected a working folder, got one that was deleted: change to another", BAD_INPUT)
+        _end_with_sentence("expected a working folder, got one that was deleted: change to another", BAD_INPUT)
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
         _discard_output()
-        _end(f"cannot write to stdout: {error.strerror}; free some space, or write to a file elsewhere", BAD_INPUT)
+        _end_with_sentence(
+            f"cannot write to stdout: {error.strerror}; free some space, or write to a file elsewhere", BAD_INPUT
+        )
     from comparisons.runs.run_engine import Failure, lost
 
     fault = lost(error, 0)
-    _end(fault.reason, SUITE_ERROR if fault.outcome is Failure.SUITE_ERROR else FAILED)
+    _end_with_sentence(fault.reason, SUITE_ERROR if fault.outcome is Failure.SUITE_ERROR else FAILED)
 
 
 def _start_fast() -> None:
@@ -90,7 +92,7 @@ def _discard_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _end(sentence: str, code: int) -> None:
+def _end_with_sentence(sentence: str, code: int) -> None:
     sys.stderr.write(f"linkproof: {sentence}\n")
     sys.exit(code)
 

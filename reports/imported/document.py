@@ -28,7 +28,7 @@ def document(judgement: ImportedJudgement, blank: Record, command: str, sentence
         "motion": judgement.motion_source,
         "records": [asdict(add_cause(verdict.record(blank), judgement)) for verdict in judgement.verdicts],
         "signals": [_signal(verdict) for verdict in judgement.verdicts],
-        "causes": [_finding(finding) for finding in judgement.explanation.findings],
+        "causes": [_finding_as_dict(finding) for finding in judgement.explanation.findings],
         "unexplained": list(judgement.explanation.unexplained),
         "corrections": {name: asdict(correction) for name, correction in judgement.proposals.items()},
         "agreed": {name: asdict(correction) for name, correction in judgement.imported.corrections.items()},
@@ -73,18 +73,18 @@ def _signal(verdict: SignalVerdict) -> dict[str, Any]:
     }
 
 
-def _finding(finding: FaultFinding) -> dict[str, Any]:
+def _finding_as_dict(finding: FaultFinding) -> dict[str, Any]:
     return {
         "signals": list(finding.signals),
-        "likeliest": _cause(finding.likeliest.fault.name, finding.likeliest.words),
-        "others": [_cause(other.fault.name, other.words) for other in finding.others],
+        "likeliest": _cause_as_dict(finding.likeliest.fault.name, finding.likeliest.words),
+        "others": [_cause_as_dict(other.fault.name, other.words) for other in finding.others],
         "left": finding.left,
         "within_rounding": finding.fully,
         "aligned": {name: asdict(correction) for name, correction in finding.aligned.items()},
     }
 
 
-def _cause(kind: str, words: str) -> dict[str, str]:
+def _cause_as_dict(kind: str, words: str) -> dict[str, str]:
     return {"kind": kind, "words": words}
 
 

@@ -61,7 +61,7 @@ class _Request(BaseHTTPRequestHandler):
         if name is not None:
             content = self.server.page().get(name or "index.html")
             status = HTTPStatus.NOT_FOUND if content is None else HTTPStatus.OK
-            self._send(status, content or b"", guess_type(name or "index.html")[0] or "text/plain")
+            self._send_response(status, content or b"", guess_type(name or "index.html")[0] or "text/plain")
 
     def do_POST(self) -> None:
         """The text that a click on the page saves."""
@@ -69,14 +69,14 @@ class _Request(BaseHTTPRequestHandler):
         if name is None:
             return
         if name != "save" or "Origin" not in self.headers or not length.isdecimal() or int(length) > MOST:
-            self._send(HTTPStatus.BAD_REQUEST)
+            self._send_response(HTTPStatus.BAD_REQUEST)
             return
         try:
             self.server.save(self.rfile.read(int(length)).decode(), self.headers.get("If-Match", ""))
         except (LinkproofError, UnicodeDecodeError) as error:
-            self._send(HTTPStatus.CONFLICT, str(error).encode())
+            self._send_response(HTTPStatus.CONFLICT, str(error).encode())
         else:
-            self._send(HTTPStatus.OK)
+            self._send_response(HTTPStatus.OK)
 
     def _name(self) -> str | None:
         """The file that is requested; None where the request is refused: it is not this page's, nor a reader's own."""
@@ -84,10 +84,10 @@ class _Request(BaseHTTPRequestHandler):
         is_known = secrets.compare_digest(self.path[: len(folder)].encode(), folder.encode())
         if is_known and (headers.get_all("Host"), headers.get("Origin", site)) == ([site[len("http://") :]], site):
             return self.path.partition("?")[0].removeprefix(folder)
-        self._send(HTTPStatus.FORBIDDEN)
+        self._send_response(HTTPStatus.FORBIDDEN)
         return None
 
-    def _send(self, status: HTTPStatus, content: bytes = b"", kind: str = "text/plain") -> None:
+    def _send_response(self, status: HTTPStatus, content: bytes = b"", kind: str = "text/plain") -> None:
         self.send_response(status)
         own = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content))}
         for name, value in (HEADERS | own).items():

@@ -42,10 +42,10 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
     texts = [text] if linkage.variant == own_variant else []
     with suppress(LinkproofError):
         texts.append(with_variant_written(text, name, linkage.variant))
-    return [_template(key, written_numbers(key, name, None).places, names) for key in texts]
+    return [_file_template(key, written_numbers(key, name, None).places, names) for key in texts]
 
 
-def _template(text: str, places: Mapping[str, Place], names: Iterable[str]) -> FileTemplate:
+def _file_template(text: str, places: Mapping[str, Place], names: Iterable[str]) -> FileTemplate:
     import tomlkit  # noqa: PLC0415 - only a page that can be pulled at pays for it
     from tomlkit.items import Float, Integer, Trivia  # noqa: PLC0415
 
@@ -151,7 +151,8 @@ def _numbers(model: Model) -> dict[str, Any]:
     for row in rows:
         row["offered"] &= row["role"] == "given" and row["load"] is None
     rows += [
-        _extra_number(f"load {n + 1}", f"{label}, times", "scale", 1.0, "") for n, label in enumerate(_loads(linkage))
+        _extra_number(f"load {n + 1}", f"{label}, times", "scale", 1.0, "")
+        for n, label in enumerate(_load_labels(linkage))
     ]
     if model.data["motion"]["speed"]:
         rows.append(_extra_number("speed", "speed", "speed", model.data["motion"]["speed"], "rpm"))
@@ -187,7 +188,7 @@ def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[
     }
 
 
-def _loads(linkage: Linkage) -> Iterator[str]:
+def _load_labels(linkage: Linkage) -> Iterator[str]:
     yield from (f"force on {force.point}" for force in linkage.forces)
     yield from (f"torque on {torque.link}" for torque in linkage.torques)
 

@@ -59,11 +59,11 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     ours = [report.longrepr for report in skipped if "linkproof" in report.keywords]
     if ours and not terminalreporter.hasopt("skipped"):
         terminalreporter.section("linkproof: skipped")
-        for reason, count in Counter(_reason(skip) for skip in ours).items():
+        for reason, count in Counter(_skip_reason(skip) for skip in ours).items():
             terminalreporter.line(f"{count} of: {reason}")
 
 
-def _reason(skip: Sequence[object]) -> str:
+def _skip_reason(skip: Sequence[object]) -> str:
     return str(skip[-1]).removeprefix("Skipped: ")
 
 

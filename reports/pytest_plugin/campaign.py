@@ -44,15 +44,15 @@ class FileCampaign:
     @property
     def runs(self) -> tuple[CampaignRun, ...]:
         """Every run; none if the linkage has none of the requested regimes."""
-        return tuple(CampaignRun(self, task) for task in tasks(self.request)) if self._moves else ()
+        return tuple(CampaignRun(self, task) for task in tasks(self.request)) if self._has_motions else ()
 
     def figures(self) -> list[KeyFigure]:
         """Every key figure with its recorded value, if there is a baseline."""
-        return compared(self._cases, self.standard.baseline) if self._moves else []
+        return compared(self._cases, self.standard.baseline) if self._has_motions else []
 
     def departures(self) -> tuple[Departure, ...]:
         """Motions of the file that are new or missing in the baseline."""
-        seen = (blank_record(case, "") for case in self._cases) if self._moves else ()
+        seen = (blank_record(case, "") for case in self._cases) if self._has_motions else ()
         return motion_departures(self.request.linkages, seen, self.standard.baseline)
 
     @cached_property
@@ -60,7 +60,7 @@ class FileCampaign:
         return list(compared_cases(self.request, self.standard.baseline))
 
     @property
-    def _moves(self) -> bool:
+    def _has_motions(self) -> bool:
         (linkage,) = self.request.linkages
         regimes = {regime.name for regime in linkage.regimes}
         return bool(self.request.motions or regimes & {*self.request.own_regimes})
@@ -130,12 +130,12 @@ def file_campaign(path: Path, folder: Path) -> FileCampaign:
     for name in names:
         engine(name)
     requested = request(completed.options, completed.known, names)
-    options = replace(words, mechanisms=(_relative(path, folder),))
+    options = replace(words, mechanisms=(_relative_path(path, folder),))
     bounds = run_resources(completed.limits).bounds
     return FileCampaign(options, requested, chosen_standard(completed, usual), bounds)
 
 
-def _relative(path: Path, folder: Path) -> str:
+def _relative_path(path: Path, folder: Path) -> str:
     try:
         return os.path.relpath(path, folder)
     except ValueError:  # another drive
@@ -153,10 +153,12 @@ def failure_text(record: Record, options: CompareOptions, notes: Iterable[str] =
     )
     run = (record.regime, f"{record.engine} {record.engine_version}".rstrip(), record.setting)
     place = f"{record.mechanism} ({record.variant}), {', '.join(run)}: {record.quantity}"
-    return "\n".join((place, record.detail, *_size(record), *notes, f"repeat it: {command_line('compare', again)}"))
+    return "\n".join(
+        (place, record.detail, *_error_size(record), *notes, f"repeat it: {command_line('compare', again)}")
+    )
 
 
-def _size(record: Record) -> tuple[str, ...]:
+def _error_size(record: Record) -> tuple[str, ...]:
     if record.error_max is None or record.peak is None:
         return ()
     at = "" if record.worst_time is None else f", worst at {record.worst_time:.4g} s"
@@ -207,7 +209,7 @@ class Assertion:
         texts = [
             failure_text(record, requested, comparison.notes)
             for record in deciding(comparison.records)
-            if _fails(record.outcome)
+            if _counts_as_failed(record.outcome)
         ]
         texts += [changed(figure, requested, comparison.notes) for figure in comparison.figures if figure.changed]
         texts += comparison.departures
@@ -218,5 +220,5 @@ class Assertion:
         return comparison
 
 
-def _fails(outcome: str) -> bool:
+def _counts_as_failed(outcome: str) -> bool:
     return Verdict(outcome).failed or outcome == Verdict.SUITE_ERROR

@@ -66,7 +66,8 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
         ]
         called.__signature__ = signature.replace(parameters=[*plain, *added])  # type: ignore[attr-defined]
         lines = [
-            textwrap.fill(f"{name}: {_help(option)}", 110, subsequent_indent="    ") for name, option in every.items()
+            textwrap.fill(f"{name}: {_keyword_help(option)}", 110, subsequent_indent="    ")
+            for name, option in every.items()
         ]
         called.__doc__ = "\n".join(
             [inspect.cleandoc(function.__doc__ or ""), "", "Keywords of the command:", "", *lines]
@@ -80,7 +81,7 @@ def _has_keyword(option: DeclaredOption, without: Sequence[str]) -> bool:
     return isinstance(option.info, Option) and option.field.name not in without
 
 
-def _help(option: DeclaredOption) -> str:
+def _keyword_help(option: DeclaredOption) -> str:
     text = option.info.help if isinstance(option.info, Option) else ""
     return f"with False: {text}" if option.field.default is True else text
 

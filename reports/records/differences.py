@@ -26,10 +26,15 @@ STEPS = "Steps; seconds are not compared, for the machines are not the same."
 def difference_printout(difference: FolderDifference) -> Printout:
     """Tables of the differences; the runs themselves are details."""
     tables: list[Printed] = []
-    for table in (_facts(difference), _linkages(difference), moved_table(difference), *_figures(difference)):
+    for table in (
+        _facts_table(difference),
+        _linkages_table(difference),
+        moved_table(difference),
+        *_figure_tables(difference),
+    ):
         if table.rows:
             tables += [table, ""]
-    details: list[Printed] = [_runs(difference), ""]
+    details: list[Printed] = [_runs_table(difference), ""]
     lacking = [
         *(f"only in the first folder: {words}" for words in difference.only_before),
         *(f"only in the second folder: {words}" for words in difference.only_after),
@@ -62,18 +67,18 @@ def closing_line(difference: FolderDifference) -> str:
     return f"{difference.compared} records in both folders: {moved}; {difference.beyond_count} beyond limits"
 
 
-def _facts(difference: FolderDifference) -> Table:
+def _facts_table(difference: FolderDifference) -> Table:
     return Table(
         "What the folders were made on, where it is not the same.", ("", "first", "second"), difference.facts, "l"
     )
 
 
-def _linkages(difference: FolderDifference) -> Table:
-    rows = [(_name(old), _name(new)) for old, new in difference.linkages if old != new]
+def _linkages_table(difference: FolderDifference) -> Table:
+    rows = [(_linkage_name_text(old), _linkage_name_text(new)) for old, new in difference.linkages if old != new]
     return Table("Linkages of other names or variants that are compared.", ("first", "second"), rows, "l")
 
 
-def _name(name: Name) -> str:
+def _linkage_name_text(name: Name) -> str:
     return f"{name[0]} ({name[1]})"
 
 
@@ -87,7 +92,7 @@ def moved_table(difference: FolderDifference) -> Table:
 def _moved_cells(move: MovedRecord) -> Iterator[TableCell | str]:
     """The cells of a record that has moved: its run, both errors, their factor, the change of the peak."""
     record = move.after
-    yield from (_name(record.run[:2]), record.regime, f"{record.engine} {record.setting}", record.quantity)
+    yield from (_linkage_name_text(record.run[:2]), record.regime, f"{record.engine} {record.setting}", record.quantity)
     for entry in (move.before, record):
         sign = RUNS[entry.outcome]
         words = sign.word if entry.error_max is None else f"{error_words(entry.error_max)} {sign.symbol}"
@@ -98,12 +103,12 @@ def _moved_cells(move: MovedRecord) -> Iterator[TableCell | str]:
     yield "beyond" if move.is_beyond else ""
 
 
-def _figures(difference: FolderDifference) -> Iterator[Table]:
+def _figure_tables(difference: FolderDifference) -> Iterator[Table]:
     for table in changed_figures(difference.figures):
         yield replace(table, caption=FIGURES)
 
 
-def _runs(difference: FolderDifference) -> Table:
+def _runs_table(difference: FolderDifference) -> Table:
     head = ("run", "version", "steps before", "after")
     times = ("seconds before", "after", "factor") if difference.same_machine else ()
     return Table(

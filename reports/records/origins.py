@@ -34,7 +34,7 @@ def origin_words(records: Sequence[Record]) -> str:
 def computed_or_shared(records: Sequence[Record]) -> str:
     """The quantities that the adapter computes or shares with the reference, in words; empty without any."""
     families = {
-        origin: _families(record.quantity for record in records if record.origin == origin)
+        origin: _family_titles(record.quantity for record in records if record.origin == origin)
         for origin in (Origin.COMPUTED, Origin.PARTLY)
     }
     shared = dict.fromkeys(f"{r.shared} of {r.quantity.replace('_', ' ')}" for r in records if r.shared)
@@ -42,7 +42,7 @@ def computed_or_shared(records: Sequence[Record]) -> str:
     return "; ".join([*words, *([f"shared with the reference: {', '.join(shared)}"] if shared else [])])
 
 
-def _families(quantities: Iterable[str]) -> str:
+def _family_titles(quantities: Iterable[str]) -> str:
     return ", ".join(dict.fromkeys(name.partition(":")[0] for name in quantities))
 
 

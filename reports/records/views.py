@@ -120,9 +120,9 @@ class View:
     def traces(self, regime: Regime, quantity: str) -> list[Trace]:
         """The curves of a quantity under a regime, of every run that gave one."""
         mine = self.of(regime) if (regime.name, quantity) in self.curved else ()
-        return [self._trace(regime, r) for r in mine if r.quantity == quantity and r.error_max is not None]
+        return [self._read_trace(regime, r) for r in mine if r.quantity == quantity and r.error_max is not None]
 
-    def _trace(self, regime: Regime, record: Record) -> Trace:
+    def _read_trace(self, regime: Regime, record: Record) -> Trace:
         time, angle, observed, reference = self.results.curve(record.run, record.quantity)
         error = np.abs(observed - reference) / (record.peak or 1.0)
         if regime.motion and holds_acceleration(record.quantity):

@@ -96,7 +96,7 @@ def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
     return named(names) or tuple(installed(engine_names()))
 
 
-def _settings(options: RunsOptions) -> tuple[Setting, ...]:
+def _requested_settings(options: RunsOptions) -> tuple[Setting, ...]:
     if EVERYTHING in options.setting:
         return tuple(Setting)
     for name in options.setting:
@@ -108,7 +108,7 @@ def _settings(options: RunsOptions) -> tuple[Setting, ...]:
 def _own_settings(options: RunsOptions) -> tuple[Setting, ...]:
     """Settings of the linkages' own regimes: those named; of all, tuned alone unless ``full``."""
     is_full = isinstance(options, CompareOptions) and options.full
-    return _settings(options) if is_full or EVERYTHING not in options.setting else (Setting.TUNED,)
+    return _requested_settings(options) if is_full or EVERYTHING not in options.setting else (Setting.TUNED,)
 
 
 def request(
@@ -126,7 +126,7 @@ def request(
         motions=motions,
         conditions=conditions,
         engines=requested_engines(options.engine) if engines is None else tuple(engines),
-        settings=_settings(options),
+        settings=_requested_settings(options),
         quantities=tuple(dict.fromkeys(options.quantity)),
         own_regimes=own_regimes,
         own_settings=_own_settings(options),

@@ -46,13 +46,13 @@ class SelfTest:
 def engine_trials() -> list[SelfTest]:
     """A short run of every engine, the run-up of one of the catalogue's linkages, in worker processes."""
     trial = request(CompareOptions(mechanisms=tuple(catalogue()[:1]), quantity=("Mkr",)))
-    tried = {record.engine: _trial(record) for run in compare(trial) for record in run.records}
+    tried = {record.engine: _trial_of_record(record) for run in compare(trial) for record in run.records}
     reasons = {adapter.name: why_unavailable(adapter) for adapter in engines(engine_names())}
     absent = {name: SelfTest(name, "", None, reason) for name, reason in reasons.items() if reason is not None}
     return [(absent | tried)[name] for name in engine_names()]
 
 
-def _trial(record: Record) -> SelfTest:
+def _trial_of_record(record: Record) -> SelfTest:
     if record.error_max is None:
         return SelfTest(record.engine, record.engine_version, False, f"{record.outcome}: {record.detail}")
     detail = f"simulates; error of the torque {record.error_max:.1e} of its peak, {record.total_seconds:.2g} s"
@@ -79,10 +79,10 @@ def optional_packages() -> list[SelfTest]:
     """Packages of the extras except engines, each with its version, or with the command that installs it."""
     matches = [match for each in metadata.requires("linkproof") or () if (match := OPTIONAL.match(each))]
     named = {package: extra for package, extra in (match.groups() for match in matches) if extra not in NOT_FOR_USERS}
-    return [_package(package, extra) for package, extra in named.items() if extra not in engine_names()]
+    return [_package_trial(package, extra) for package, extra in named.items() if extra not in engine_names()]
 
 
-def _package(package: str, extra: str) -> SelfTest:
+def _package_trial(package: str, extra: str) -> SelfTest:
     try:
         return SelfTest(package, metadata.version(package), True, f"extra '{extra}'")
     except metadata.PackageNotFoundError:

@@ -135,7 +135,7 @@ def check_motion(options: MotionOptions) -> None:
         raise LinkproofError(
             f"--speed: expected a finite number of rpm other than 0{bound}, got {options.rpm:g}; correct it"
         )
-    _check("--start-angle", options.start_angle, "degrees", -LARGEST)
+    _check_number("--start-angle", options.start_angle, "degrees", -LARGEST)
     if options.swings:
         _check_swing(options)
     else:
@@ -148,8 +148,8 @@ def _check_turning(options: MotionOptions) -> None:
         if name in LAWS and name not in REGIMES:
             raise LinkproofError(f"--regime {name} goes from one crank angle to another: add --from and --to")
     ramps = EVERYTHING in options.regime or not options.regime or {*options.regime} & {*RAMPS}
-    _check("--ramp-time", options.ramp_time, "s", 1.0 / LARGEST if ramps else 0.0)
-    _check("--hold-time", options.hold_time, "s", 0.0)
+    _check_number("--ramp-time", options.ramp_time, "s", 1.0 / LARGEST if ramps else 0.0)
+    _check_number("--hold-time", options.hold_time, "s", 0.0)
     if not ramps and "constant-speed" in options.regime and options.ramp_time + options.hold_time <= 0.0:
         raise LinkproofError("--hold-time: expected a positive number of s without a ramp time, got 0; correct it")
 
@@ -160,8 +160,8 @@ def _check_swing(options: MotionOptions) -> None:
     if start is None or end is None:
         given, lacking = ("--to", "--from") if start is None else ("--from", "--to")
         raise LinkproofError(f"expected both ends of a swing, got only {given}: add {lacking}")
-    _check("--from", start, "degrees", -LARGEST)
-    _check("--to", end, "degrees", -LARGEST)
+    _check_number("--from", start, "degrees", -LARGEST)
+    _check_number("--to", end, "degrees", -LARGEST)
     if start == end:
         raise LinkproofError(f"expected a swing between two crank angles, got {start:g}° twice: correct --to")
     if options.turns_back and end > start:
@@ -184,7 +184,7 @@ def _check_swing(options: MotionOptions) -> None:
             )
 
 
-def _check(option: str, value: float, unit: str, least: float) -> None:
+def _check_number(option: str, value: float, unit: str, least: float) -> None:
     if not least <= value <= LARGEST:  # written so that nan fails too
         kind = "positive finite" if least > 0.0 else "finite" if least else "finite, not negative"
         raise LinkproofError(f"{option}: expected a {kind} number of {unit}, got {value:g}; correct it")

@@ -123,7 +123,7 @@ def _inline_files(folder: Path, page: Page) -> str:
     text = (folder / page.file).read_text(encoding="utf-8")
     data = sorted((folder / "data").rglob("*.js"))
     scripts = [folder / name for name in SCRIPT.findall(text)]
-    codes = [f"\n{_code(path)}" for path in (*scripts, *data)]
+    codes = [f"\n{_script_text(path)}" for path in (*scripts, *data)]
     digests = (b64encode(sha256(code.encode()).digest()).decode() for code in codes)
     text = text.replace(FILES, " ".join(f"'sha256-{digest}'" for digest in digests), 1)
     code = "".join(f"<script>{code}</script>\n" for code in codes)
@@ -132,7 +132,7 @@ def _inline_files(folder: Path, page: Page) -> str:
     return text.replace("</body>", f"{code}</body>")
 
 
-def _code(path: Path) -> str:
+def _script_text(path: Path) -> str:
     return path.read_text(encoding="utf-8").replace("</script", r"<\/script")
 
 

@@ -123,12 +123,12 @@ def cell_facts(result: CellResult) -> dict[str, str]:
         "Worst deviation, over the peak": error_and_limit(result.nearest, worded),
         "Worst invariant": error_and_limit(result.worst_check, plain),
         "Work": f"{result.steps} steps in {seconds(result.seconds)}" if result.steps else "",
-        "Conditions": "; ".join(f"{plain(name)} {_condition(value)}" for name, value in result.differing.items()),
+        "Conditions": "; ".join(f"{plain(name)} {_condition_text(value)}" for name, value in result.differing.items()),
     }
     return {name: words for name, words in parts.items() if words}
 
 
-def _condition(value: object) -> str:
+def _condition_text(value: object) -> str:
     return value_words(value) if isinstance(value, float) else str(value)
 
 

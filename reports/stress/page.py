@@ -39,7 +39,7 @@ Data = Mapping[str, Any]
 def draw_map(data: Data) -> Figure:
     """The map that ``maps.map_data`` describes, its panels in two columns where it has several rows."""
     blocks, columns = data["blocks"], len(data["values"])
-    room = max(len(_name(line)) for block in blocks for line in block["lines"]) * LETTER + 0.2
+    room = max(len(_line_name(line)) for block in blocks for line in block["lines"]) * LETTER + 0.2
     across = min(len(blocks), 2)
     cell = min(WIDEST, (FULL_WIDTH / across - room - 0.1) / columns)
     wide, tall = room + cell * columns + 0.1, TITLE + VALUES + max(len(block["lines"]) for block in blocks) * LINE
@@ -56,7 +56,7 @@ def draw_map(data: Data) -> Figure:
     return drawn(FULL_WIDTH, height, draw, placed=False)
 
 
-def _name(line: Data) -> str:
+def _line_name(line: Data) -> str:
     return f"{line['engine']} {line['usage']}"
 
 
@@ -72,7 +72,7 @@ def _panel(panel: Axes, block: Data, values: list[str]) -> None:
         for bar in line["bars"]:
             panel.plot([bar, bar], [top, top + 1], **BAR)
     panel.set_xticks(np.arange(len(values)) + 0.5, values, rotation=90, fontsize=9.0)
-    panel.set_yticks(np.arange(len(lines)) + 0.5, [_name(line) for line in lines], fontsize=9.0)
+    panel.set_yticks(np.arange(len(lines)) + 0.5, [_line_name(line) for line in lines], fontsize=9.0)
     panel.tick_params(length=0.0, pad=2.5)
 
 
@@ -122,7 +122,7 @@ def page(stress: Stress) -> Page:
             Section("counts", "What the cells came to", (tables.verdict_facts(stress), by_axis)),
             _maps(stress),
             Section("incidents", "Incidents", (Paragraph(sentence("stress_incidents")), *_incidents(stress))),
-            _run(stress),
+            _run_section(stress),
         ),
     )
 
@@ -137,7 +137,7 @@ def _maps(stress: Stress) -> Section:
         "map": maps[first],
     }
     widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
-    figures = FigureGroup(tuple(_figure(stress, table) for table in maps.values()))
+    figures = FigureGroup(tuple(_map_figure(stress, table) for table in maps.values()))
     borders = tables.border_table(stress, axis_title)
     folds = (
         Fold(f"Every map as a figure ({len(maps)})", (figures,)),
@@ -146,7 +146,7 @@ def _maps(stress: Stress) -> Section:
     return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, *folds[: 2 if borders.rows else 1]))
 
 
-def _figure(stress: Stress, table: Mapping[str, Any]) -> PageFigure:
+def _map_figure(stress: Stress, table: Mapping[str, Any]) -> PageFigure:
     seen = stress.count(axis=table["axis"])
     shown = [(sign.symbol, verdict.value) for verdict, sign in SIGNS.items() if seen[verdict]]
     caption = sentence("stress_caption", title=table["title"], label=table["label"], easy=table["easy"], signs=shown)
@@ -168,7 +168,7 @@ def _incidents(stress: Stress) -> Iterator[parts.Part]:
         yield Paragraph(f"None: {', '.join(absent)}.")
 
 
-def _run(stress: Stress) -> Section:
+def _run_section(stress: Stress) -> Section:
     spent = sum(result.spent for result in stress.results)
     cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each a line of {KIND}/{RECORDS}")
     facts = parts.Facts((*environment_facts(stress.document["environment"]), cells))

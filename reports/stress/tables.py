@@ -98,11 +98,11 @@ def incident_table(results: Iterable[CellResult]) -> Table:
     groups = grouped(
         ((result.cell.engine, result.cell.axis) if is_long else result.cell, result) for result in cell_results
     )
-    rows = tuple(_incident(first, len(others)) for first, *others in groups.values())
+    rows = tuple(_incident_row(first, len(others)) for first, *others in groups.values())
     return Table("", INCIDENT, rows, align="llrl", style="incidents")
 
 
-def _incident(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
+def _incident_row(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
     cell = result.cell
     place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
     pair = (result.reason, Mono(result.cell.command))

@@ -57,15 +57,15 @@ def cost_section(costs: Sequence[MeasuredCost]) -> Section:
 def cost_table(costs: Sequence[MeasuredCost]) -> Table:
     """Least times, with their shares of the whole scene's: scenes down, engines across, the control last."""
     ordered = sorted(costs, key=lambda cost: cost.is_control)
-    solvers, scenes = dict.fromkeys(map(_label, ordered)), dict.fromkeys(cost.reduction for cost in costs)
-    whole = {_label(cost): min(cost.seconds) for cost in costs if cost.reduction == next(iter(scenes))}
-    cells = {(cost.reduction, _label(cost)): _cell(cost, whole[_label(cost)]) for cost in costs}
+    solvers, scenes = dict.fromkeys(map(_cost_label, ordered)), dict.fromkeys(cost.reduction for cost in costs)
+    whole = {_cost_label(cost): min(cost.seconds) for cost in costs if cost.reduction == next(iter(scenes))}
+    cells = {(cost.reduction, _cost_label(cost)): _cell(cost, whole[_cost_label(cost)]) for cost in costs}
     rows = tuple((scene, *(cells.get((scene, name), "") for name in solvers)) for scene in scenes)
     notes = sentence("cost_notes", costs=costs)
     return Table(sentence("cost_of_runs", first=costs[0]), ("scene", *solvers), rows, "lr", notes)
 
 
-def _label(cost: MeasuredCost) -> str:
+def _cost_label(cost: MeasuredCost) -> str:
     return engine_label(cost.solver, cost.is_control)
 
 
@@ -114,21 +114,21 @@ def place_data(place: PlaceFacts) -> dict[str, Any]:
     for facts in (entry for name in names for entry in place.engines(name)):
         for record in facts.records:
             if record.finished and (quantity_record := record.error):
-                point = _point(sweeps.setdefault(_sweep(record), _shared(facts, record)), record)
+                point = _point_as_dict(sweeps.setdefault(_sweep_key(record), _shared_facts(facts, record)), record)
                 errors = (drawn_error(record), quantity_record.error_max, quantity_record.error_rms)
                 point["errors"][record.quantity] = [*map(_digits, errors)]
                 peaks[record.quantity] = [quantity_record.unit, _digits(quantity_record.peak)]
         for sweep in facts.sweeps:
-            sweeps[_sweep(sweep.first)]["ends"][sweep.first.quantity] = [limit_words(sweep), _digits(sweep.order)]
+            sweeps[_sweep_key(sweep.first)]["ends"][sweep.first.quantity] = [limit_words(sweep), _digits(sweep.order)]
     tables = [{**sweep, "points": list(sweep["points"].values())} for sweep in sweeps.values()]
     return {"quantities": [[name, plain(name), *peaks[name]] for name in names], "sweeps": tables}
 
 
-def _sweep(record: BenchRecord) -> tuple[object, ...]:
+def _sweep_key(record: BenchRecord) -> tuple[object, ...]:
     return (record.engine, record.kind, record.setting, record.effort)
 
 
-def _shared(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
+def _shared_facts(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
     own, solver = (
         record.kind == SETTING or facts.is_default_effort(record),
         effort_words(record.effort, record.effort_unit),
@@ -137,7 +137,7 @@ def _shared(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
     return {**table, "way": method_words(facts, record), "own": own, "solver": solver, "ends": {}, "points": {}}
 
 
-def _point(sweep: dict[str, Any], record: BenchRecord) -> dict[str, Any]:
+def _point_as_dict(sweep: dict[str, Any], record: BenchRecord) -> dict[str, Any]:
     words = {name: _digits(getattr(record, name)) for name in OWN}
     table: dict[str, Any] = sweep["points"].setdefault(record.step, {**words, "errors": {}})
     return table

@@ -28,7 +28,7 @@ def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
     blocks: list[Printed] = []
     for place in places(bench):
         for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
-            blocks += _block(place, name, words.noise_share(bench))
+            blocks += _place_printout(place, name, words.noise_share(bench))
     if bench.costs:
         blocks += [cost_table(bench.costs), ""]
     return Printout(blocks, [words.noise_note(bench)], [_points(bench), ""])
@@ -49,7 +49,7 @@ def _points(bench: Bench) -> Table:
     return Table("", POINTS, tuple(rows), "l")
 
 
-def _block(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
+def _place_printout(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
     name, engines = f"{place.mechanism} ({place.variant}), {place.regime}", place.engines(quantity)
     measured = plain(quantity) if place.quantities else ""
     sentence = f"{measured}, largest error over the peak" if measured else "nothing finished"

@@ -248,11 +248,12 @@ def _check_steps(time: Array, angle: Array) -> None:
             if others.size and np.min(steps) > JUMP * np.max(others):
                 place = f"between {time[first]:g} s and {time[first + 1]:g} s (points {first + 1} and {first + 2})"
                 raise LinkproofError(
-                    f"expected a motion without a jump, got {_written(angle[first])} to {_written(angle[first + 1])} "
-                    f"{place}, more than {JUMP:g} times as fast as anywhere else; correct the point, or give more "
+                    f"expected a motion without a jump, got {_angle_text(angle[first])} to "
+                    f"{_angle_text(angle[first + 1])} {place}, more than {JUMP:g} times as fast as anywhere else; "
+                    "correct the point, or give more "
                     "points where it is fast"
                 )
 
 
-def _written(angle: float) -> str:
+def _angle_text(angle: float) -> str:
     return f"{np.degrees(angle):.6g}°"

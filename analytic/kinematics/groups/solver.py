@@ -128,7 +128,8 @@ def configuration_at_sketch(linkage: Linkage, structure: Structure, group: Group
     if not len(groups):
         raise AssemblyError(
             f"'{linkage.name}': {names} cannot be assembled at {linkage.place(at)} from the sketch; check the "
-            f"lengths, or place {', '.join(sorted(_names(points)))} under [sketch.points], nearer to where they belong"
+            f"lengths, or place {', '.join(sorted(_point_names(points)))} under [sketch.points], nearer to where "
+            "they belong"
         )
     nearest_root, telling = nearest_to_sketch(
         linkage, [named_places(points, poses_of(values[None])) for values in groups]
@@ -143,7 +144,7 @@ def configuration_at_sketch(linkage: Linkage, structure: Structure, group: Group
     return np.asarray(groups[nearest_root])
 
 
-def _names(points: Points) -> set[str]:
+def _point_names(points: Points) -> set[str]:
     return {f"'{point}'" for places in points.values() for point in places}
 
 

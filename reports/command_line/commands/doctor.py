@@ -34,9 +34,9 @@ def doctor(destination: Destination) -> int:
         ", ".join(f"{name} {facts[name]}" for name in ("linkproof", "python", "numpy", "scipy") if name in facts),
         f"{facts['machine']}; commit {facts['commit']}",
         "",
-        _table(trials, "engine"),
+        _trials_table(trials, "engine"),
         "",
-        _table(packages, "package"),
+        _trials_table(packages, "package"),
         "",
         *(f"{name}: {place}" for name, place in where.items()),
         "",
@@ -45,7 +45,7 @@ def doctor(destination: Destination) -> int:
     return FAILED if any(trial.works is False for trial in trials) else PASSED
 
 
-def _table(trials: Sequence[SelfTest], head: str) -> Table:
+def _trials_table(trials: Sequence[SelfTest], head: str) -> Table:
     marks = {True: TableCell("✓", colour="green"), False: TableCell("✗", colour="red"), None: TableCell("–")}
     rows = [(trial.name, trial.version or "–", marks[trial.works], trial.detail) for trial in trials]
     return Table("", (head, "version", "", ""), rows, "l")

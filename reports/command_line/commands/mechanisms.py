@@ -93,10 +93,10 @@ def list_mechanisms(destination: Destination) -> None:
     shelves = {shelf: [load(name) for name in shelf_names] for shelf, shelf_names in zip(SHELVES, names, strict=False)}
     shelves["project"] = [replace(load(path), name=printable(path)) for path in paths]
     destination.print(*terminal.catalogue({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()}))
-    destination.write_json({"records": [_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
+    destination.write_json({"records": [_linkage_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
 
 
-def _entry(linkage: Linkage, shelf: str) -> dict[str, object]:
+def _linkage_entry(linkage: Linkage, shelf: str) -> dict[str, object]:
     facts = {"title": linkage.title, "source": linkage.source, "variants": list(linkage.variants)}
     return {"mechanism": linkage.name, "shelf": shelf, **facts}
 

@@ -53,7 +53,7 @@ class _WatchedFile:
     def page(self) -> Mapping[str, bytes]:
         """The files of the page of the file as it is now, and its state."""
         with self._lock:
-            state = self._state()
+            state = self._file_digest()
             if state.encode() != self._files["state"]:
                 self._files = self._build_files(state)
             return self._files
@@ -61,7 +61,7 @@ class _WatchedFile:
     def save(self, text: str, state: str) -> None:
         """Replace the file that a page of ``state`` shows; its line ends stay. Raises LinkproofError."""
         with self._lock:
-            if self._state() != state:
+            if self._file_digest() != state:
                 raise LinkproofError(
                     f"{self.path.name} has changed since this page was built: nothing was written; copy what you "
                     "need, then reload the page"
@@ -70,7 +70,7 @@ class _WatchedFile:
             ends = "\r\n" if b"\r\n" in self.path.read_bytes() else "\n"
             write_bytes(self.path, text.replace("\n", ends).encode())
 
-    def _state(self) -> str:
+    def _file_digest(self) -> str:
         with suppress(OSError):
             return hashlib.sha256(self.path.read_bytes()).hexdigest()
         return "no file"
