@@ -82,8 +82,8 @@ def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Do
     if fault["type"] == "extra_forbidden":
         return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1], model))}"
     if fault["type"] == "missing" and not keys[-1].isdigit():
-        return f"{source.at(keys)}{WITHOUT}: expected {_expected_in_words(fault, keys)}; add it"
-    expected, value = _expected_in_words(fault, keys), fault["input"]
+        return f"{source.at(keys)}{WITHOUT}: expected {_expected_in_words(fault, keys, model)}; add it"
+    expected, value = _expected_in_words(fault, keys, model), fault["input"]
     is_comma = "[x, y]" in expected and isinstance(value, list) and len(value) > 2 and isinstance(value[-1], int)
     cure = "write decimals with a dot, 25.5 and not 25,5" if is_comma else "correct it"
     return f"{source.at(keys)}: expected {expected}, got {shown(value)}; {cure}"
@@ -106,8 +106,10 @@ def _keys(fault: ErrorDetails) -> list[str]:
     return [str(key) for key in fault["loc"] if key != "Polar" and not str(key).startswith(forms)]
 
 
-def _expected_in_words(fault: ErrorDetails, keys: Sequence[str]) -> str:
-    """The expected value in words: by the innermost key that has a phrase, else by the kind of value."""
+def _expected_in_words(fault: ErrorDetails, keys: Sequence[str], model: type[BaseModel]) -> str:
+    """The expected value in words: its field's own, by the innermost key that has a phrase, or by the kind of value."""
+    if keys[0] in model.model_fields and (words := model.model_fields[keys[0]].description):
+        return words
     names = [key for key in keys if not key.isdigit()]
     for depth in range(len(names), 0, -1):
         inside = ".*" if depth < len(names) else ""

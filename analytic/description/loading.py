@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
@@ -254,6 +254,32 @@ def _known_slip(fault: str, line: str) -> str:
     if name and not name[1].isascii():
         return f'a name with letters other than a to z; put it in quotes: "{name[1].strip().rpartition(".")[2]}"'
     return next((words for pattern, seen, words in SLIPS if pattern.search(fault) and seen.search(line)), "")
+
+
+M = TypeVar("M", bound=BaseModel)
+
+
+def read_document(path: Path, what: str, model: type[M]) -> M:
+    """A TOML file other than a linkage's, as its ``model`` has it; ``what`` is expected at its path, in words.
+
+    Raises LinkproofError with the path, or DescriptionError with file, line and key.
+    """
+    try:
+        return parse_document(Source(printable(str(path)), path.read_text(encoding="utf-8-sig")), model)
+    except OSError as error:
+        raise LinkproofError(f"expected {what} at '{path}', got '{error.strerror}'; check it") from error
+    except UnicodeDecodeError as error:
+        raise LinkproofError(f"expected {what} in UTF-8 at '{path}', got other bytes; save it so") from error
+
+
+def parse_document(source: Source, model: type[M]) -> M:
+    """A text in TOML as its ``model`` has it; raises DescriptionError with file, line and key."""
+    raw = tables(source.text, source.name) if source.text.strip() else {}
+    check_characters(raw, source)
+    try:
+        return model.model_validate(raw)
+    except ValidationError as error:
+        raise DescriptionError(sentence(error, source, model)) from None
 
 
 def check_characters(raw: Mapping[str, Any], source: Source) -> None:

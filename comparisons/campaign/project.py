@@ -3,28 +3,44 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import os
-import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
-from analytic.description.loading import LinkageFile, parse
-from analytic.errors import LinkproofError, UnknownNameError
+from pydantic import Field, StrictBool
+
+from analytic.description.loading import LinkageFile, parse, read_document
+from analytic.description.schema import Positive, Tables, TomlTable
+from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases, each_case
 from comparisons.campaign.key_figures import KeyFigure, compared, present_figures
 from comparisons.judging.baseline import Baseline, Coverage, Place, departures, read_baseline
-from comparisons.judging.limits import LimitTable, Standard, read_limits, shipped_limits, with_rows
+from comparisons.judging.limits import Limit, LimitTable, Standard, read_limits, shipped_limits, with_rows
 from comparisons.judging.records import Record, RunRecord, blank_record
 from comparisons.reference.case import Case
 
 FILE: Final = "linkproof.toml"
 BASELINE: Final = "linkproof-baseline.json"
-LISTS: Final = ("linkages", "engines", "settings", "regimes", "figures")
-KEYS: Final = (*LISTS, "time_limit", "memory_limit", "baseline", "allow_new", "allow_missing", "limit")
+Words = Annotated[tuple[str, ...], Field(description="a list of words in quotes")]
+
+
+class ProjectDocument(TomlTable):
+    """A ``linkproof.toml`` as it is written."""
+
+    linkages: Words = ()
+    engines: Words = ()
+    settings: Words = ()
+    regimes: Words = ()
+    figures: Words = ()
+    time_limit: Positive | None = None
+    memory_limit: Positive | None = None
+    baseline: Annotated[str | None, Field(min_length=1, description="the name of a file in quotes")] = None
+    allow_new: StrictBool = False
+    allow_missing: StrictBool = False
+    limit: Tables[Limit] = Field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -63,57 +79,15 @@ def find_project(start: Path) -> Project | None:
 
 def read_project(path: Path) -> Project:
     """A project from its file; raises LinkproofError for a wrong one."""
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise LinkproofError(f"{path}: expected TOML, got {error}; correct it") from error
-    for name in table:
-        if name not in KEYS:
-            raise UnknownNameError(f"key of {path}", name, KEYS)
-    lists = {name: _read_words(table, name, path) for name in LISTS}
-    folder = path.parent
+    document, folder = read_document(path, "a project's file", ProjectDocument), path.parent
     return Project(
         folder=folder,
-        baseline=_check_beneath(folder, _read_file_name(table, "baseline", BASELINE, path), "baseline", path),
-        linkages=tuple(file for pattern in lists.pop("linkages") for file in _matching_files(folder, pattern, path)),
-        limits=with_rows(table["limit"], str(path)) if "limit" in table else shipped_limits(),
-        time_limit=_read_positive_number(table, "time_limit", path),
-        memory_limit=_read_positive_number(table, "memory_limit", path),
-        names_baseline="baseline" in table,
-        allow_new=_read_flag(table, "allow_new", path),
-        allow_missing=_read_flag(table, "allow_missing", path),
-        **lists,
+        baseline=_check_beneath(folder, document.baseline or BASELINE, "baseline", path),
+        linkages=tuple(file for pattern in document.linkages for file in _matching_files(folder, pattern, path)),
+        limits=with_rows(document.limit, str(path)) if document.limit else shipped_limits(),
+        names_baseline=document.baseline is not None,
+        **document.model_dump(exclude={"baseline", "linkages", "limit"}),
     )
-
-
-def _read_words(table: Mapping[str, Any], name: str, path: Path) -> tuple[str, ...]:
-    words = table.get(name, [])
-    if not isinstance(words, list) or not all(isinstance(word, str) and word for word in words):
-        raise LinkproofError(f"{path}: {name}: expected a list of words, got {words!r}; write it in brackets")
-    return tuple(words)
-
-
-def _read_file_name(table: Mapping[str, Any], name: str, default: str, path: Path) -> str:
-    text = table.get(name, default)
-    if not isinstance(text, str) or not text:
-        raise LinkproofError(f"{path}: {name}: expected the name of a file, got {text!r}; write one")
-    return text
-
-
-def _read_flag(table: Mapping[str, Any], name: str, path: Path) -> bool:
-    value = table.get(name, False)
-    if not isinstance(value, bool):
-        raise LinkproofError(f"{path}: {name}: expected true or false, got {value!r}; write one of them")
-    return value
-
-
-def _read_positive_number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
-    value = table.get(name)
-    if value is None:
-        return None
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
-        raise LinkproofError(f"{path}: {name}: expected a positive finite number, got {value!r}; correct it")
-    return float(value)
 
 
 def _check_beneath(folder: Path, place: str, key: str, path: Path) -> Path:

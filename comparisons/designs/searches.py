@@ -67,8 +67,6 @@ class Descent:
             end = self.end(start)
         except AssemblyError:
             return None
-        if not end.is_feasible:
-            end = self._restore_constraints(end)
         radius = 1.0
         for _ in range(ROUNDS):
             result = self._search_round(end, radius)
@@ -116,33 +114,6 @@ class Descent:
         """The design at a place, linearised and counted; raises AssemblyError."""
         self.counter.gradients += 1
         return self.problem.linearise(place, windows)
-
-    def _restore_constraints(self, end: End) -> End:
-        """A design near by that meets the constraints, or violates them less."""
-        from scipy.optimize import least_squares  # noqa: PLC0415 - seconds that help does not pay
-
-        designs = _CachedDesigns(self, end.place)
-
-        def residuals(place: Array) -> Array:
-            here = designs(place)
-            return np.concatenate([np.minimum(here.inside, 0.0), here.equal])
-
-        def slopes(place: Array) -> Array:
-            here = designs(place)
-            return np.vstack([np.where(here.inside < 0.0, 1.0, 0.0)[:, None] * here.inside_slopes, here.equal_slopes])
-
-        inside = np.clip(end.place, 1e-9, 1.0 - 1e-9)
-        result = least_squares(residuals, inside, slopes, bounds=(0.0, 1.0), xtol=1e-14, ftol=1e-14, gtol=1e-14,
-                              max_nfev=STEPS)  # fmt: skip
-        return self._lower_end(end, np.asarray(result.x))
-
-    def _lower_end(self, end: End, place: Array) -> End:
-        """The end at a place if it ranks before ``end``, else ``end``."""
-        try:
-            result = self.end(np.clip(place, 0.0, 1.0))
-        except AssemblyError:
-            return end
-        return result if result.rank < end.rank else end
 
     def _search_round(self, end: End, radius: float) -> End | None:
         """The end of SLSQP within a radius; the aim is a variable of its own, above all local maxima."""
@@ -218,6 +189,7 @@ SAMPLES: Final = 4096  # designs sampled over all of the bounds, times a power o
 MOST_SAMPLES: Final = 65_536
 PICKED: Final = 12  # of them, from which is searched downhill
 AGREEING: Final = 6  # where so many searches, the first ones, all end at the same, that is taken for the least
+RESTARTS: Final = 8  # designs to start from where the search from the file's design ends at none that is allowed
 SPACED: Final = 0.1  # share of the bounds by which two of these differ in one variable or more
 PENALTY: Final = 3.0  # weight of a violated constraint beside the aim
 Announce = Callable[[str, int, int], None]
@@ -284,8 +256,11 @@ def search(
         ends.append(descent.run(place))
         if everywhere and len(ends) == AGREEING and None not in ends and not _other_ends(ends):
             break
-    if ends == [None]:  # the file's design is out of the bounds, and the nearest within cannot be assembled
-        ends += map(descent.run, _draw_starts(problem, counter, 1, seed))
+    if len(ends) == 1 and (ends[0] is None or not ends[0].is_feasible):
+        for place in _draw_starts(problem, counter, RESTARTS, seed):
+            ends.append(descent.run(place))
+            if ends[-1] is not None and ends[-1].is_feasible:
+                break
     method = "SLSQP" + (", from the best of a Sobol sample" if everywhere else "")
     result = Search(method, tuple(ends), counter, np.nan)
     best = result.best

@@ -12,27 +12,28 @@ direction in its frame: ``rod.B.length``, ``rod.B.angle``. The ± of a normal di
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 from scipy.special import ndtri
 
 from analytic.description.changes import SPEED
 from analytic.description.file_units import FileUnit
 from analytic.description.linkage import Linkage
+from analytic.description.loading import read_document
+from analytic.description.schema import Finite, TomlTable
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.designs.parameters import LISTING, Parameter, parameter, parameters
 
 Array = NDArray[np.float64]
 
-KEYS: Final = ("results", "speed", "tolerances")
 LENGTH, ANGLE = ".length", ".angle"
 PLUS_MINUS, DISTRIBUTION = "plus_minus", "distribution"
 
@@ -91,25 +92,18 @@ class Tolerances:
     origin: str = ""
 
 
+class ToleranceDocument(TomlTable):
+    """A file of tolerances as it is written."""
+
+    results: Annotated[tuple[str, ...], Field(min_length=1, description='a list of figures, as ["Mkr.peak"]')]
+    speed: Finite | None = None
+    tolerances: Annotated[dict[str, Any], Field(min_length=1, description="a table [tolerances] with a number's ±")]
+
+
 def read_tolerances(path: Path) -> Tolerances:
     """The tolerances that a file requests; raises LinkproofError if it cannot be read or has other contents."""
-    try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise LinkproofError(f"{path}: expected a file of tolerances, got {error.strerror}; check its name") from error
-    except ValueError as error:
-        raise LinkproofError(f"{path}: expected TOML, got a fault: {error}; correct it") from error
-    for key in raw:
-        if key not in KEYS:
-            raise LinkproofError(f"{path}: {UnknownNameError('key', key, KEYS)}")
-    results, speed, table = (raw.get(key) for key in KEYS)
-    if not isinstance(results, list) or not results or not all(isinstance(result, str) for result in results):
-        raise LinkproofError(f'{path}: results: expected a list of figures, as ["Mkr.peak"], got {_quoted(results)}')
-    if speed is not None and not (_is_number(speed) and speed):
-        raise LinkproofError(f"{path}: speed: expected a finite number other than 0, got {_quoted(speed)}; correct it")
-    if not isinstance(table, dict) or not table:
-        raise LinkproofError(f"{path}: expected a table [tolerances] with a number's ±, got {_quoted(table)}; add it")
-    return Tolerances(tuple(results), speed, table, f"{path}: ")
+    document = read_document(path, "a file of tolerances", ToleranceDocument)
+    return Tolerances(document.results, document.speed, document.tolerances, f"{path}: ")
 
 
 def tolerances(

@@ -29,7 +29,6 @@ AS_GOOD: Final = 1.3  # times the rms of the best numbers that usual ones may le
 AS_ROUND: Final = 1.1  # the same, of round ones
 DIGITS: Final = (1, 2, 3)  # of round numbers
 NOT_ROUND: Final = 4  # digits of a number that is not round
-USUAL_TRIED: Final = 2  # usual numbers that are tried
 HOPELESS: Final = 0.05  # of the squares: a number that takes less away where it is small explains nothing
 MOST_PAIRS: Final = 6  # of two numbers that are fitted
 
@@ -114,7 +113,7 @@ class Fitting:
         best = _least_fit(self._gauss_newton(fault, np.array(guess)) for guess in self._best_guesses(fault))
         if best is None:
             return None
-        usual = _least_fit(self.evaluate(fault, numbers, 0) for numbers in self._usual_candidates(fault, best))
+        usual = _least_fit(self.evaluate(fault, numbers, 0) for numbers in fault.usual)
         if usual and _is_as_good(usual, best, AS_GOOD):
             return usual
         return best
@@ -158,15 +157,6 @@ class Fitting:
             return None
         slope = _slopes([signal.residual for signal in self.evidence], beside)
         return slope if np.any(slope) and np.all(np.isfinite(slope)) else None
-
-    def _usual_candidates(self, fault: Fault, best: Fit) -> Sequence[Numbers]:
-        """Usual numbers to try beside the best fit: the nearest, or all where fits have several ends."""
-        if fault.guesses:
-            return fault.usual
-        sizes = np.array(fault.sizes)
-        return sorted(fault.usual, key=lambda values: float(np.sum(((best.numbers - values) / sizes) ** 2)))[
-            :USUAL_TRIED
-        ]
 
     def _best_guesses(self, fault: Fault) -> Sequence[Numbers]:
         """The guesses from which a fit is made: of many those that are nearest to the file as they are."""

@@ -173,8 +173,8 @@ class _Search:
     def fits(self, names: Sequence[str], open_names: Sequence[str], column: CrankColumn | None) -> list[Fit]:
         """Every fault fitted that does no harm: those of the model to some samples, then those of columns.
 
-        Where one of the model explains several columns at once, nothing is sought in each of them, nor in the shape of
-        a linkage whose positions are computed by iteration.
+        Where one of the model explains all columns at once, nothing is sought in the shape of a linkage whose positions
+        are computed by iteration.
         """
         model = [*motion_settings(self.simulation.motion, column), *model_faults(self.simulation)]
         slow = [fault for fault in model if fault.reshapes and self.simulation.mechanism.is_numerical]
@@ -185,10 +185,6 @@ class _Search:
             result += [fit for fault in slow if (fit := self._fit_model_fault(fault))]
         result += [fit for fault in group_faults(self.evidence) if (fit := self.whole.best(fault))]
         result = [fit for fit in result if self.is_harmless(fit)]
-        if len(open_names) > MANY and any(
-            len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result
-        ):
-            return result
         for signal in self.evidence:
             if signal.name in open_names:
                 fitting = Fitting(self.simulation, [signal.thinned(MOST_FITTED)])

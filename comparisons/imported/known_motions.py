@@ -121,9 +121,10 @@ class KnownColumn:
             return self._fit_with_time(guess)
         near = self.duration / TRIED_TIMES
         bounds = (max(guess - near, 0.5 * SHORTEST_TIME * self.duration), min(guess + near, self._longest))
+        options = {"x_scale": self.duration, "xtol": 1e-13, "ftol": 1e-15, "gtol": None}
         place = least_squares(
             lambda time: self._fit_with_time(float(time[0])).residual / self.rounding, guess,
-            bounds=[(bound,) for bound in bounds], x_scale=self.duration, xtol=1e-13, ftol=1e-15, gtol=None,
+            bounds=[(bound,) for bound in bounds], method="dogbox", **options,
         )  # fmt: skip
         fits = [self._fit_with_time(time) for time in (float(place.x[0]), *bounds[1:])]
         return min(fits, key=lambda fit: fit.largest)

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from analytic.description.diagnosis import Source, sentence
-from analytic.description.loading import check_characters, tables
+from analytic.description.diagnosis import Source
+from analytic.description.loading import parse_document
 from analytic.description.schema import Finite, Tables, TomlTable
 from analytic.errors import DescriptionError, UnknownNameError, printable, shortened
 from comparisons.faults.fault import Correction
@@ -124,13 +124,8 @@ def read_mapping(path: Path) -> ColumnMapping:
     file = read_text(path, "a mapping file (TOML)")
     if len(file.text) > LARGEST:
         raise file.fail(1, "expected a mapping of some lines, got more than a megabyte; give the mapping file")
-    raw = tables(file.text, file.name) if file.text.strip() else {}
     source = Source(file.name, file.text)
-    check_characters(raw, source)
-    try:
-        document = MappingDocument.model_validate(raw)
-    except ValidationError as error:
-        raise DescriptionError(sentence(error, source, MappingDocument)) from None
+    document = parse_document(source, MappingDocument)
     if not document.column and not document.ignore:
         raise file.fail(
             1,

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import tomllib
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Annotated, Any, Final, TypeVar
+
+from pydantic import Field
 
 from analytic.description.crank_motion import LAWS, REGIMES
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.description.loading import read_document
+from analytic.description.schema import Positive, Tables, TomlTable
+from analytic.errors import UnknownNameError
 from comparisons.judging.baseline import Baseline
 from comparisons.judging.records import Record, Verdict
 from engines.contract import Origin, Setting
@@ -23,13 +26,12 @@ LISTS: Final = ("quantities", "settings", "regimes", "mechanisms")
 USER_REASON: Final = "set by the user"
 
 
-@dataclass(frozen=True)
-class Limit:
+class Limit(TomlTable):
     """The largest error_max allowed, why, and what for; no settings, regimes or mechanisms means all of them."""
 
-    value: float
-    reason: str
-    quantities: frozenset[str]
+    value: Positive
+    reason: str = USER_REASON
+    quantities: Annotated[frozenset[str], Field(min_length=1)]
     settings: frozenset[str] = frozenset()
     regimes: frozenset[str] = frozenset()
     mechanisms: frozenset[str] = frozenset()
@@ -83,8 +85,8 @@ def shipped_limits() -> LimitTable:
 
 
 def table_from_rows(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
-    """A whole table from its rows, which are not checked."""
-    return LimitTable(tuple(map(_limit_row, rows)))
+    """A whole table from its rows."""
+    return LimitTable(tuple(map(Limit.model_validate, rows)))
 
 
 def limit(quantity: str, setting: str, regime: str) -> Limit:
@@ -92,26 +94,26 @@ def limit(quantity: str, setting: str, regime: str) -> Limit:
     return shipped_limits().limit(quantity, setting, regime)
 
 
+class LimitDocument(TomlTable):
+    """A user's file of limits."""
+
+    limit: Annotated[Tables[Limit], Field(min_length=1)]
+
+
 def read_limits(path: Path) -> LimitTable:
     """The suite's table behind the ``[[limit]]`` rows of a user's file; raises LinkproofError for a wrong file."""
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise LinkproofError(f"expected a TOML file of limits at '{path}', got '{error.strerror}'; check it") from error
-    except ValueError as error:
-        raise LinkproofError(f"expected a TOML file of limits at '{path}', got {error}; correct it") from error
-    return with_rows(table.get("limit", []), str(path), unknown=sorted({*table} - {"limit"}))
+    return with_rows(read_document(path, "a TOML file of limits", LimitDocument).limit, str(path))
 
 
-def with_rows(rows: object, origin: str, unknown: list[str] | None = None) -> LimitTable:
-    """The suite's table behind rows as TOML has them; ``origin`` names their file in messages."""
-    if unknown:
-        raise LinkproofError(f"{origin}: expected tables [[limit]], got the key '{unknown[0]}'; leave it out")
-    if not isinstance(rows, list) or not rows:
-        raise LinkproofError(f"{origin}: expected tables [[limit]] with quantities and a value, got none; add one")
+def with_rows(rows: Sequence[Limit], origin: str) -> LimitTable:
+    """The suite's table behind a user's rows; raises UnknownNameError, ``origin`` names their file."""
+    ours = shipped_limits()
     for number, row in enumerate(rows, start=1):
-        _check_row(row, f"{origin}: limit {number}")
-    return LimitTable((*map(_limit_row, rows), *shipped_limits().rows))
+        for name in sorted(row.settings - {*Setting}):
+            raise UnknownNameError(f"setting of {origin}: limit {number}", name, Setting)
+        for name in sorted(row.quantities - {*ours.quantities}):
+            raise UnknownNameError(f"quantity of {origin}: limit {number}", name, ours.quantities)
+    return LimitTable((*rows, *ours.rows))
 
 
 def check_named(
@@ -129,37 +131,6 @@ def check_named(
             for name in sorted(used - {*ours}):
                 if name not in (names := [*ours, *known()]):
                     raise UnknownNameError(f"{kind} of limit {number}", name, names)
-
-
-def _check_row(row: Any, place: str) -> None:  # noqa: ANN401 - whatever TOML holds
-    """Raise LinkproofError for a user's row with a wrong key, value or name."""
-    known = (*LISTS, "value", "reason")
-    if not isinstance(row, Mapping):
-        raise LinkproofError(f"{place}: expected a table with quantities and a value, got {row!r}; write one")
-    for name in row:
-        if name not in known:
-            raise UnknownNameError(f"key of {place}", name, known)
-    value = row.get("value")
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
-        raise LinkproofError(f"{place}: value: expected a positive share of the peak, such as 1e-4, got {value!r}")
-    for name in LISTS:
-        words = row.get(name, [])
-        if not isinstance(words, list) or not all(isinstance(word, str) for word in words):
-            raise LinkproofError(f"{place}: {name}: expected a list of names, got {words!r}; write it in brackets")
-    for name in row.get("settings", []):
-        if name not in list(Setting):
-            raise UnknownNameError(f"setting of {place}", name, Setting)
-    if not row.get("quantities"):
-        raise LinkproofError(f'{place}: quantities: expected what it is for, such as ["Mkr"], got none; name some')
-    for name in row["quantities"]:
-        if name not in shipped_limits().quantities:
-            raise UnknownNameError(f"quantity of {place}", name, shipped_limits().quantities)
-
-
-def _limit_row(row: Mapping[str, Any]) -> Limit:
-    return Limit(
-        float(row["value"]), str(row.get("reason", USER_REASON)), *(frozenset(row.get(name, ())) for name in LISTS)
-    )
 
 
 # Judging a record: its error against its limit and against its baseline.

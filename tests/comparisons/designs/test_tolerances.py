@@ -59,9 +59,9 @@ def test_a_wrong_tolerance_is_refused_in_a_sentence(table, words):
     [
         ("result = 1", "unknown key 'result'"),
         ("results = []", "results: expected a list of figures"),
-        ('results = ["Mkr.peak"]\nspeed = "fast"', "speed: expected a finite number other than 0, got 'fast'"),
+        ('results = ["Mkr.peak"]\nspeed = "fast"', "speed: expected a number, got 'fast'"),
         ('results = ["Mkr.peak"]', "expected a table \\[tolerances\\]"),
-        ("results = [", "expected TOML"),
+        ("results = [", "not valid TOML"),
     ],
 )
 def test_a_wrong_file_is_refused_with_its_name(tmp_path, text, words):
@@ -70,5 +70,5 @@ def test_a_wrong_file_is_refused_with_its_name(tmp_path, text, words):
     with pytest.raises(LinkproofError, match=words) as told:
         read_tolerances(file)
     assert str(file) in str(told.value)
-    with pytest.raises(LinkproofError, match="check its name"):
+    with pytest.raises(LinkproofError, match="check it"):
         read_tolerances(tmp_path / "none.toml")

@@ -14,7 +14,7 @@ from comparisons.campaign.results import load as load_results
 from comparisons.folders.merging import folders_to_merge, merge
 from comparisons.folders.studies import COLUMNS, write_tables
 from comparisons.folders.verification import verify
-from comparisons.judging.limits import with_rows
+from comparisons.judging.limits import Limit, with_rows
 from comparisons.judging.records import CURVE, Record
 from comparisons.runs.record_file import CURVES, RECORDS
 from comparisons.runs.study_folder import DOCUMENT, SUMS
@@ -78,7 +78,7 @@ def test_a_changed_text_shows_in_checksum_reference_and_key_figures(folder, tmp_
 
 
 def test_limits_of_the_sender_are_noted_and_those_of_the_receiver_judge(tmp_path):
-    own = with_rows([{"quantities": ["Mkr"], "value": 1e-30, "reason": "none"}], "own")
+    own = with_rows([Limit(quantities=["Mkr"], value=1e-30, reason="none")], "own")
     folder = save_campaign(tmp_path / "a", load("juki-mf7923d"), limits=own)
     by_theirs = verify(folder)
     assert by_theirs.findings == ()

@@ -11,6 +11,7 @@ from analytic.errors import LinkproofError
 from comparisons.judging.baseline import Baseline, Place, read_baseline, regime_key
 from comparisons.judging.limits import (
     USER_REASON,
+    Limit,
     LimitTable,
     Standard,
     deciding,
@@ -53,19 +54,19 @@ def test_rows_of_a_user_go_before_the_table(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("[[limit", "expected a TOML file of limits"),
-        ("", "expected tables [[limit]]"),
-        ("limits = 3", "got the key 'limits'"),
-        ("limit = [3]", "limit 1: expected a table"),
-        ('[[limit]]\nquantities = ["Mkr"]', "limit 1: value: expected a positive share"),
-        ('[[limit]]\nquantities = ["Mkr"]\nvalue = nan', "limit 1: value"),
-        ('[[limit]]\nquantities = "Mkr"\nvalue = 1', "limit 1: quantities: expected a list of names"),
+        ("[[limit", "limits.toml:1: not valid TOML"),
+        ("", "limit is missing: expected tables [[limit]]"),
+        ("limits = 3", "limits.toml:1: limits: unknown key 'limits': did you mean 'limit'"),
+        ("limit = [3]", "limit #1: expected tables [[limit]]"),
+        ('[[limit]]\nquantities = ["Mkr"]', "limit #1.value is missing: expected a positive share"),
+        ('[[limit]]\nquantities = ["Mkr"]\nvalue = nan', "limits.toml:3: limit #1.value"),
+        ('[[limit]]\nquantities = "Mkr"\nvalue = 1', "limit #1.quantities: expected a list of quantities"),
         (
             '[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nsettings = ["tune"]',
-            "unknown setting of .* limit 1 'tune': .*tuned",
+            "unknown setting of .*limit 1 'tune': .*tuned",
         ),
-        ('[[limit]]\nquantities = ["Mrk"]\nvalue = 1', "unknown quantity of .* limit 1 'Mrk': .*Mkr"),
-        ('[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nreasons = ""', "unknown key of .* limit 1 'reasons'"),
+        ('[[limit]]\nquantities = ["Mrk"]\nvalue = 1', "unknown quantity of .*limit 1 'Mrk': .*Mkr"),
+        ('[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nreasons = ""', "limit #1.reasons: unknown key 'reasons'"),
     ],
 )
 def test_a_wrong_table_is_refused_in_one_sentence(tmp_path, text, words):
@@ -160,7 +161,7 @@ LIMIT = shipped_limits().limit("Mkr", "tuned", "run-up").value
 
 
 def _loose(value: float) -> LimitTable:
-    return with_rows([{"quantities": ["Mkr"], "value": value}], "limits.toml")
+    return with_rows([Limit(quantities=["Mkr"], value=value)], "limits.toml")
 
 
 @pytest.mark.parametrize(

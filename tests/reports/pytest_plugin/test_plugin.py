@@ -43,8 +43,8 @@ def test_other_files_of_a_project_are_no_tests(pytester):
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("engines = 3", "*linkproof.toml: *expected*got*"),
-        ("engines = [", "*linkproof.toml: *expected*got*"),
+        ("engines = 3", "*linkproof.toml:2: *"),
+        ("engines = [", "*linkproof.toml:2: *"),
         ('engines = ["dirct"]', "*did you mean*"),
     ],
 )
