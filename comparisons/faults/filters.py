@@ -8,8 +8,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
-from scipy.signal import lfilter, savgol_filter
 
 from analytic.errors import LinkproofError
 
@@ -37,14 +35,20 @@ def moving_average(values: Array, width: float) -> Array:
 def low_pass(values: Array, width: float) -> Array:
     """A first-order filter with a time constant of ``width`` samples."""
     share = 1.0 - math.exp(-1.0 / _check_width(values, width))
+    from scipy.signal import lfilter  # noqa: PLC0415 - half a second that pages do not pay
+
     return np.asarray(lfilter([share], [1.0, share - 1.0], values, zi=[(1.0 - share) * values[0]])[0])
 
 
 def _savitzky_golay(values: Array, width: float) -> Array:
+    from scipy.signal import savgol_filter  # noqa: PLC0415
+
     return _without_ends(savgol_filter(values, max(int(width), 5), 2), width)
 
 
 def _gaussian(values: Array, width: float) -> Array:
+    from scipy.ndimage import gaussian_filter1d  # noqa: PLC0415
+
     return _without_ends(gaussian_filter1d(values, _check_width(values, width) / 6.0), width)
 
 
