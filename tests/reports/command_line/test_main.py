@@ -103,7 +103,7 @@ def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_o
 
 
 def test_errata_of_a_users_own_file_are_judged_by_its_own_variants(tmp_path):
-    (tmp_path / "mine.toml").write_text(read("two-crank-takeup").text)
+    (tmp_path / "mine.toml").write_text(read("two-crank-takeup").text.replace("duration    = 1", "duration    = 0.4"))
     words = ("compare", "mine.toml", "--regime", "own", "--engine", "direct", "--quantity", "phi", "--json", "-")
     done = linkproof(*words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
