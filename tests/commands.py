@@ -22,8 +22,8 @@ COMMAND = (sys.executable, "-m", "reports.command_line.main")
 
 
 def run_here(function, jobs, processes):
-    """The jobs of many workers run in this process, which has imported what they need; those of one worker stay."""
-    return run_jobs(function, jobs, processes=processes if processes == 1 else 0)
+    """The jobs of worker processes, run in this one, which has imported what they need."""
+    return run_jobs(function, jobs, processes=0)
 
 
 def empty_picture(files, figure):

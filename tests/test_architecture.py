@@ -6,7 +6,6 @@ import sys
 import tomllib
 from collections import Counter
 from graphlib import TopologicalSorter
-from pathlib import Path
 
 import grimp
 import pytest
@@ -14,31 +13,26 @@ import pytest
 from analytic.description.loading import catalogue, literature
 from engines.contract import Engine
 from engines.registry import engine, engine_names
+from tests.sources import PACKAGES, ROOT, SOURCES, docstrings, nodes
 
-ROOT = Path(__file__).parents[1]
 MOST_FILES, MOST_LINES = 15, 350  # of a room; of a file
 NO_ENTRIES = ("__pycache__", "__init__.py", "py.typed")
-PACKAGES = ("linkproof", "analytic", "engines", "comparisons", "reports")
-SOURCES = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
 
 
-def _strings(path):
-    """All string constants of a file but its docstrings."""
-    tree = ast.parse(path.read_text())
-    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-    docs = {ast.get_docstring(node, clean=False) for node in ast.walk(tree) if isinstance(node, documented)}
-    return {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)} - docs
+def _strings(every):
+    """All string constants among nodes."""
+    return {node.value for node in every if isinstance(node, ast.Constant) and isinstance(node.value, str)}
 
 
 def test_no_code_names_a_mechanism():
-    assert not [path for path in SOURCES if _strings(path) & {*catalogue(), *literature()}]
+    mechanisms = {*catalogue(), *literature()}
+    assert not [path for path in SOURCES if (_strings(nodes()[path]) - {*docstrings(path)}) & mechanisms]
 
 
 def _compared(path):
     """All string constants that a file compares something with."""
-    comparisons = (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Compare))
-    constants = (part for node in comparisons for part in ast.walk(node) if isinstance(part, ast.Constant))
-    return {constant.value for constant in constants if isinstance(constant.value, str)}
+    comparisons = (node for node in nodes()[path] if isinstance(node, ast.Compare))
+    return _strings(part for node in comparisons for part in ast.walk(node))
 
 
 def test_no_code_outside_an_adapter_compares_with_an_engines_name():
@@ -71,12 +65,10 @@ def test_every_announced_engine_keeps_the_contract(name):
     assert adapter.version() is None or isinstance(adapter.version(), str)
 
 
-@pytest.mark.parametrize("name", engine_names())
-def test_finding_an_adapter_imports_no_engine(name):
-    others = ["exudyn", "pymunk"]
+def test_finding_adapters_imports_no_engine():
     script = (
-        f"import sys; from engines.registry import engine; engine({name!r}); "
-        f"print([m for m in {others!r} if m in sys.modules])"
+        f"import sys; from engines.registry import engine; [engine(name) for name in {engine_names()!r}]; "
+        "print([module for module in ('exudyn', 'pymunk') if module in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stdout.strip() == "[]"

@@ -8,7 +8,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from analytic.errors import LinkproofError
 
@@ -36,6 +35,8 @@ def low_pass(values: Array, width: float) -> Array:
     """A first-order filter with a time constant of ``width`` samples; raises LinkproofError for another width."""
     if not 0.05 < width < len(values):
         raise LinkproofError(f"width of a filter: expected up to {len(values)} samples, got {width:g}")
+    from scipy.signal import lfilter  # noqa: PLC0415 - half a second that pages and checks of engines do not pay
+
     share = 1.0 - math.exp(-1.0 / width)
     return np.asarray(lfilter([share], [1.0, share - 1.0], values, zi=[(1.0 - share) * values[0]])[0])
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.commands import run_here
+from tests.commands import empty_picture, run_here
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -10,3 +10,9 @@ def _pages_here():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reports.site.site.run_jobs", run_here)
         yield
+
+
+@pytest.fixture
+def without_pictures(monkeypatch):
+    """Pages have empty pictures: most of the time that a page takes is its drawings'."""
+    monkeypatch.setattr("reports.document.html._PageFiles.picture", empty_picture)

@@ -2,7 +2,6 @@
 
 import json
 import os
-import subprocess
 import sys
 from types import SimpleNamespace
 
@@ -13,9 +12,11 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.workers import run_jobs
 from engines import registry
+from tests.commands import linkproof
 from tests.comparisons.faults import announce
 from tests.comparisons.hostile_engines import ENTRIES, ROWS
 
+HOSTILE = "tests.comparisons.hostile_engines"
 UNUSED = (
     "import pathlib, time\npathlib.Path(__file__).with_suffix('.imported').touch()\nprint('noise')\ntime.sleep(1000)\n"
 )
@@ -27,20 +28,20 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "unused.py").write_text(UNUSED)
     announce(tmp_path, "hostile", {**ENTRIES, "unused": "unused:Engine"})
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, HOSTILE)
     return tmp_path
 
 
-def linkproof(folder, *words):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    command = [sys.executable, "-m", "reports.command_line.main", *words, "--json", "-"]
-    done = subprocess.run(command, capture_output=True, env=environment, cwd=folder, timeout=180, check=False)
-    assert (done.stderr, (folder / "unused.imported").exists()) == (b"", False)
+def told_by(folder, *words):
+    """Exit code and JSON of a command that has nothing to say on stderr."""
+    done = linkproof(*words, "--json", "-", cwd=folder)
+    assert (done.stderr, (folder / "unused.imported").exists(), HOSTILE in sys.modules) == ("", False, False)
     return done.returncode, json.loads(done.stdout, parse_constant=pytest.fail)
 
 
 def test_every_hostile_plugin_fails_in_its_own_row(folder):
     words = [word for name in ("direct", *ROWS) for word in ("--engine", name)]
-    code, told = linkproof(folder, "compare", "juki-mf7923d", *words, "--jobs", "2", "--quantity", "S")
+    code, told = told_by(folder, "compare", "juki-mf7923d", *words, "--jobs", "2", "--quantity", "S")
     rows = {row["engine"]: row for row in told["records"]}
     assert (rows["direct"]["outcome"], rows["direct"]["error_max"] < 1e-12) == ("passed", True)
     for name, (outcome, detail) in ROWS.items():
@@ -50,7 +51,7 @@ def test_every_hostile_plugin_fails_in_its_own_row(folder):
 
 
 def test_a_plugin_that_nobody_asks_for_is_not_imported(folder):
-    code, told = linkproof(folder, "engines", "faithful", "number")
+    code, told = told_by(folder, "engines", "faithful", "number")
     assert [record["version"] for record in told["records"]] == ["1.0", "1.0"]  # the second is its package's
     assert (code, told["records"][1]["unusable"].count("got a float")) == (0, 1)
 

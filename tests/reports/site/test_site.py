@@ -14,6 +14,7 @@ from comparisons.campaign.results import COMPARE, save
 from comparisons.datasheet.building import usual_sheet
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.runs.files import write_text
+from comparisons.runs.workers import run_jobs
 from comparisons.stress.saved import KIND as STRESS
 from comparisons.stress.saved import save as save_stress
 from comparisons.work_precision.records import KIND as BENCH
@@ -70,13 +71,15 @@ def test_every_page_is_there_and_every_link_leads_to_a_file(site):
     assert "## Published figures against ours" in (site / "RESULTS.md").read_text(encoding="utf-8")
 
 
-def test_worker_processes_write_the_same(saved, site, tmp_path):
+def test_worker_processes_write_the_same(saved, site, tmp_path, monkeypatch):
+    monkeypatch.setattr("reports.site.site.run_jobs", run_jobs)
     write_site(saved, tmp_path, processes=1)
     assert files_of(tmp_path) == files_of(site)
     for name in ("index.html", "RESULTS.md", f"mechanisms/{NAME}.as-built.html"):
         assert (tmp_path / name).read_bytes() == (site / name).read_bytes()
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_stale_files_of_the_report_go_and_no_others(saved, tmp_path):
     folder = tmp_path / "report"
     shutil.copytree(saved, folder)
@@ -93,6 +96,7 @@ def test_stale_files_of_the_report_go_and_no_others(saved, tmp_path):
     assert (tmp_path / "precious.txt").is_file()
 
 
+@pytest.mark.usefixtures("without_pictures")
 @pytest.mark.parametrize(("part", "pages"), [(BENCH, 2), (STRESS, 2), (SHEETS, 1)])
 def test_a_folder_with_one_study_has_its_page_and_an_index_and_that_of_a_linkage_one_page(saved, tmp_path, part, pages):
     copy = shutil.copy if (saved / part).is_file() else shutil.copytree
@@ -109,6 +113,7 @@ def test_a_folder_without_any_is_refused_and_an_older_report_too(saved, tmp_path
         write_site(tmp_path, processes=0)
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_pages_are_written_where_no_process_can_be_started(saved, tmp_path, monkeypatch):
     def refuse(*_, **__):
         raise LinkproofError("no process")
@@ -118,6 +123,7 @@ def test_pages_are_written_where_no_process_can_be_started(saved, tmp_path, monk
     assert write_site(tmp_path).is_file()
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_two_commands_do_not_write_into_one_folder(tmp_path):
     save_campaign(tmp_path)
     handle, words = os.open(tmp_path, os.O_RDONLY), "another linkproof command is writing to"

@@ -1,6 +1,7 @@
 """``linkproof doctor``: everything installed is tried, and each failure has its reason."""
 
 import json
+import sys
 
 import pytest
 
@@ -9,6 +10,7 @@ from comparisons.judging.records import Record, Verdict
 from engines.registry import Unusable, engine_names
 from reports.requests import doctor
 from tests.commands import linkproof
+from tests.test_economy import EXTRAS
 
 FACTS = {"mechanism": "m", "variant": "base", "regime": "run-up", "conditions": "", "setting": "tuned"}
 
@@ -19,7 +21,9 @@ def row(outcome, error=None, detail=""):
 
 
 @pytest.mark.parametrize("names", [("direct",), pytest.param(engine_names(), marks=pytest.mark.nightly)])
-def test_every_engine_and_the_compiler_are_tried(tmp_path, monkeypatch, names):
+def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(tmp_path, monkeypatch, names):
+    for package in EXTRAS:
+        monkeypatch.setitem(sys.modules, package, None)
     for module in ("reports.requests.doctor", "reports.requests.campaign"):
         monkeypatch.setattr(f"{module}.engine_names", lambda: names)
     done = linkproof("doctor", "--json", "doctor.json", cwd=tmp_path)

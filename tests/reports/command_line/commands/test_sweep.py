@@ -105,6 +105,7 @@ def test_bad_input_is_a_sentence_and_writes_nothing(tmp_path, monkeypatch, optio
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_designs_are_simulated_in_a_campaign_of_their_own(tmp_path, capsys):
     out = tmp_path / "out"
     swept(out, **QUICK, simulate=("direct",), designs=4, quiet=False)
