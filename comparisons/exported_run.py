@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError
+from comparisons.faults.misreadings import ANGLE, LEVELS, NUMBER, Reading, readings, true_history
 from comparisons.invariants.inspection import FAINT_FORCE
 from comparisons.judging.deviations import near_jumps
-from comparisons.reference.case import Case, channel_truth
+from comparisons.judging.limits import grouped
+from comparisons.reference.case import Case
 from comparisons.runs.run_engine import blamed_on
 from comparisons.stress.cell_result import Cell
 from comparisons.stress.cells import SETTINGS, axes
@@ -27,8 +27,6 @@ from engines.scene import Channel, Scene
 from engines.stepping.intervals import UnsupportedError
 from engines.stepping.loop_engine import LoopEngine
 from engines.stepping.stepped_engine import Recipe
-
-Array = NDArray[np.float64]
 
 UNITS = {
     Channel.POSITION: ("m", "rad"),
@@ -100,74 +98,65 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigu
 
     A channel without a truth at some instant, as in a dead position, has none.
     """
-    figures = []
+    figures: list[ScriptFigure] = []
     for channel in Channel:
+        recorded: dict[str, Any] = {channel.value: getattr(history, channel.value)}
         with suppress(LinkproofError):
-            figures += [_worst_figure(case, curves) for curves in _curves_sharing_a_peak(case, scene, history, channel)]
+            figures += _worst_of_channel(case, scene, History(**recorded))
     return figures
 
 
-class _Curve(NamedTuple):
-    """A component of a channel over time, the engine's and the true one (n,), and the peak it is judged by."""
+def _worst_of_channel(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
+    """The worst place of all bodies, the worst angle, the worst torque or force in the one channel of a history.
 
-    figure: ScriptFigure
-    time: Array
-    values: Array
-    true: Array
-    peak: float
-
-    def error(self, case: Case) -> Array:
-        """The errors (n,) over the peak; zero at jumps, where accelerations and forces have two values."""
-        error = np.abs(self.values - self.true) / (self.peak or 1.0)
-        is_smooth = self.figure.signal[0] in (Channel.POSITION, Channel.VELOCITY)
-        return error if is_smooth else np.where(near_jumps(self.time, case.motion), 0.0, error)
-
-
-def _worst_figure(case: Case, curves: list[_Curve]) -> ScriptFigure:
-    errors = [curve.error(case) for curve in curves]
-    number = max(range(len(errors)), key=lambda number: float(errors[number].max()))
-    curve, at = curves[number], int(np.argmax(errors[number]))
-    values = {name: float(getattr(curve, name)[at]) for name in ("time", "values", "true")}
-    return curve.figure._replace(time=values["time"], read=values["values"], true=values["true"])
+    All share the largest peak, and forces have each its own.
+    """
+    truths = readings(scene, true_history(case, scene, history))
+    pairs = [pair for pair in zip(readings(scene, history), truths, strict=True) if _can_be_wrong(pair[0])]
+    least = FAINT_FORCE if history.joint_force else 1.0
+    figures = []
+    for group in grouped((read.columns.start, (read, true)) for read, true in pairs).values():
+        sizes = [_peak(true) for _, true in group]
+        peaks = [max(size, least * max(sizes)) or 1.0 for size in sizes]
+        samples = [_worst_sample(case, *pair, peak) for pair, peak in zip(group, peaks, strict=True)]
+        figures.append(max(samples, key=lambda sample: sample[0])[1])
+    return figures
 
 
-def _curves_sharing_a_peak(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
-    """Curves of a channel in lists that share a peak: x and y of all bodies, their angles, the torque, the forces."""
-    signal = None if channel is Channel.JOINT_FORCE else getattr(history, channel.value)
-    if channel is Channel.JOINT_FORCE and history.joint_force:
-        yield list(_force_curves(case, history))
-    if signal is None:
-        return
-    if channel is Channel.TORQUE:
-        true, words = channel_truth(case, channel, "", signal.time), DRIVES[scene.driver_kind is DriverKind.CRANK]
-        figure = ScriptFigure(*words, (channel.value,))
-        yield [_Curve(figure, signal.time, signal.values, true, float(np.abs(true).max()))]
-        return
-    true = np.stack([channel_truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
-    for columns, unit in zip(((0, 1), (2,)), UNITS[channel], strict=True):
-        peak = float(np.abs(true[..., columns]).max())
-        yield [
-            _Curve(
-                ScriptFigure(f"{channel} of {body.name}, {AXES[column]}", unit, (channel.value,), (number, column)),
-                signal.time, signal.values[:, number, column], true[:, number, column], peak,
-            )
-            for number, body in enumerate(scene.bodies) for column in columns
-            if column < 2 or body.inertia is not None  # a body that cannot turn has no angle of its own
-        ]  # fmt: skip
+def _can_be_wrong(reading: Reading) -> bool:
+    """Whether a signal means anything: the angle of a body that cannot turn is not its own."""
+    is_angle = reading.channel in LEVELS and reading.columns == ANGLE
+    return not is_angle or reading.scene.bodies[reading.body_number(reading.name)].inertia is not None
 
 
-def _force_curves(case: Case, history: History) -> Iterator[_Curve]:
-    signals = history.joint_force
-    true = {joint: channel_truth(case, Channel.JOINT_FORCE, joint, signal.time) for joint, signal in signals.items()}
-    sizes = {joint: np.hypot(*values.T) for joint, values in true.items()}
-    faint = FAINT_FORCE * max(float(size.max()) for size in sizes.values())
-    for joint, signal in signals.items():
-        peak, path = max(float(sizes[joint].max()), faint), (Channel.JOINT_FORCE.value, joint)
-        if signal.values.ndim == 1:
-            yield _Curve(
-                ScriptFigure(f"force in {joint}, size", "N", path), signal.time, signal.values, sizes[joint], peak
-            )
-            continue
-        for axis in range(2):
-            figure = ScriptFigure(f"force in {joint}, {AXES[axis]}", "N", path, (axis,))
-            yield _Curve(figure, signal.time, signal.values[:, axis], true[joint][:, axis], peak)
+def _peak(true: Reading) -> float:
+    """The largest component, or magnitude of a force."""
+    is_force = true.channel is Channel.JOINT_FORCE
+    return float(np.max(np.hypot.reduce(true.values, axis=1) if is_force else np.abs(true.values)))
+
+
+def _worst_sample(case: Case, read: Reading, true: Reading, peak: float) -> tuple[float, ScriptFigure]:
+    """The largest error of a signal over a peak, zero at jumps, where accelerations and forces have two values."""
+    values, right = read.values, true.values
+    error = np.abs(values - right) / peak
+    if read.channel not in (Channel.POSITION, Channel.VELOCITY):
+        error[near_jumps(read.time, case.motion)] = 0.0
+    row, column = divmod(int(np.argmax(error)), error.shape[1])
+    figure = _figure(read, column)._replace(
+        time=float(read.time[row]), read=float(values[row, column]), true=float(right[row, column])
+    )
+    return float(error[row, column]), figure
+
+
+def _figure(read: Reading, column: int) -> ScriptFigure:
+    """A column of a signal as a script names it."""
+    path = (read.channel.value,)
+    if read.channel is Channel.TORQUE:
+        return ScriptFigure(*DRIVES[read.scene.driver_kind is DriverKind.CRANK], path)
+    if read.channel is Channel.JOINT_FORCE:
+        component, element = ("size", ()) if read.columns == NUMBER else (AXES[column], (column,))
+        return ScriptFigure(f"force in {read.name}, {component}", "N", (*path, read.name), element)
+    column += read.columns.start
+    unit = UNITS[read.channel][read.columns == ANGLE]
+    words = f"{read.channel} of {read.name}, {AXES[column]}"
+    return ScriptFigure(words, unit, path, (read.body_number(read.name), column))

@@ -14,8 +14,8 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import bare_sheet, usual_sheet
 from comparisons.datasheet.sheet import Sheet
 from comparisons.invariants.checks import checks
-from comparisons.judging.deviations import Deviation, NoSampleError, deviation
-from comparisons.judging.limits import judge
+from comparisons.judging.deviations import Deviation
+from comparisons.judging.limits import judged_deviation
 from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, run_record
 from comparisons.observed_motion import ObservedMotion
@@ -222,23 +222,7 @@ def _compare_quantity(
             ), None
         detail = f"its adapter offers {lacking} but did not record it"
         return replace(blank, outcome=Verdict.ADAPTER_ERROR.value, detail=detail), None
-    origin = CONTROL if adapter.is_control else quantity.origin(motion).value
-    blank = replace(blank, origin=origin, shared=quantity.shared(case, motion))
-    try:
-        result = deviation(case, quantity, motion)
-    except NoSampleError as error:
-        return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error), shared=""), None
-    record = replace(
-        blank,
-        error_max=result.error_max,
-        error_rms=result.error_rms,
-        error_at_jumps=result.error_at_jumps,
-        peak=result.peak,
-        worst_time=result.worst_time,
-        samples=result.samples,
-        left_out=result.left_out,
-    )
-    return judge(record), result
+    return judged_deviation(case, quantity, motion, replace(blank, origin=CONTROL if adapter.is_control else ""))
 
 
 # The data sheets of a campaign's linkages, made in worker processes.

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
 
 from comparisons.conformance.samples import PLAIN, SAMPLES, case
 from comparisons.invariants.checks import checks
-from comparisons.judging.deviations import NoSampleError, deviation
-from comparisons.judging.limits import judge
+from comparisons.judging.limits import judged_deviation
 from comparisons.judging.quantities import chosen_quantities
-from comparisons.judging.records import Record, Verdict, blank_record
+from comparisons.judging.records import Verdict, blank_record
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
 from comparisons.runs.run_engine import AdapterError, blamed_on, run_engine
 from engines.contract import Engine, History, Outcome, Run, Setting
 from engines.mechanics.start_check import ability_obstacle
@@ -146,28 +144,10 @@ def judged_rows(sample: str, setting: Setting, engine: str, history: History) ->
     of, failed = case(sample), dict[str, bool]()
     blank = blank_record(of, setting, engine)
     motion = ObservedMotion(scene_of(sample), history)
-    for row in (*_judged_quantities(of, motion, blank), *checks(of, motion, blank)):
+    own = [each for each in chosen_quantities(of, ()) if not (each.lacking(motion) or each.shared(of, motion))]
+    rows = (judged_deviation(of, quantity, motion, blank)[0] for quantity in own)
+    for row in (*rows, *checks(of, motion, blank)):
         if Verdict(row.outcome).judged:
             name = row.quantity.partition(":")[0]
             failed[name] = failed.get(name, False) or Verdict(row.outcome).failed
     return MappingProxyType(failed)
-
-
-def _judged_quantities(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
-    """The records of all quantities that are the engine's own, by the suite's limits."""
-    for quantity in chosen_quantities(case, ()):
-        if quantity.lacking(motion) or quantity.shared(case, motion):
-            continue
-        try:
-            error = deviation(case, quantity, motion)
-        except NoSampleError:
-            continue
-        yield judge(
-            replace(
-                blank,
-                quantity=quantity.name,
-                origin=quantity.origin(motion).value,
-                error_max=error.error_max,
-                error_at_jumps=error.error_at_jumps,
-            )
-        )

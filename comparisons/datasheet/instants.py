@@ -15,6 +15,7 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from analytic.kinematics.sweep import transmission_angle
+from analytic.numerics.roots import root
 from comparisons.reference.case import Case
 from comparisons.reference.motion import Motion
 
@@ -120,7 +121,9 @@ class Instants:
             )
         first = float(time[hits[0]]) if len(hits) else math.inf
         if len(passed) and time[passed[0]] < first:
-            return self._bisect_passing(target, float(time[passed[0]]), float(time[passed[0] + 1]))
+            step = slice(passed[0], passed[0] + 2)
+            level = np.max(np.floor(away[step]))  # the whole number that it passes
+            return root(lambda t: float(self._periods_from(np.array([t]), target)[0] - level), *time[step].tolist())
         return first
 
     @property
@@ -135,16 +138,6 @@ class Instants:
     def _periods_from(self, time: Array, target: float) -> Array:
         """How far the crank is from an angle, in periods."""
         return np.asarray((self.motion.angle(time) - target) / self._period)
-
-    def _bisect_passing(self, target: float, low: float, high: float) -> float:
-        """The instant between two neighbours of the grid at which the crank is at an angle: by bisection."""
-        start = math.floor(float(self._periods_from(np.array([low]), target)[0]))
-        while True:
-            middle = 0.5 * (low + high)
-            if not low < middle < high:
-                return high
-            same = math.floor(float(self._periods_from(np.array([middle]), target)[0])) == start
-            low, high = (middle, high) if same else (low, middle)
 
 
 def refine_near_toggles(case: Case, grid: Array) -> Array:

@@ -84,7 +84,7 @@ class Fitting:
         remains = []
         for signal, values in zip(self.evidence, curves, strict=True):
             apart = signal.values - values
-            if is_angle(signal.name):  # known but for whole turns
+            if is_angle(signal.name) and np.any(np.isfinite(apart)):  # known but for whole turns
                 apart = apart - TURN * np.round(np.nanmedian(apart) / TURN)
             residuals = np.where(signal.counted, apart / signal.tolerance, np.nan)
             if moved and holds_acceleration(signal.name):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,18 +30,12 @@ MOTION_PARTS: Final = (
 )  # of a linkage, besides its links' points
 
 
-class SampledCurve(Protocol):
-    """A signal by its name at times (n,), s."""
+@dataclass(frozen=True)
+class Curve:
+    """A signal by its ``name`` at ``time`` (n,), s."""
 
-    @property
-    def name(self) -> str:
-        """Name of the signal."""
-        ...
-
-    @property
-    def time(self) -> Array:
-        """Times (n,), s."""
-        ...
+    name: str
+    time: Array
 
 
 @dataclass(frozen=True)
@@ -88,7 +82,7 @@ class Simulation:
         other.__dict__["mechanism"] = self.mechanism
         return other
 
-    def predict(self, curves: Iterable[SampledCurve]) -> list[Array]:
+    def predict(self, curves: Iterable[Curve]) -> list[Array]:
         """Values (n,), SI, of each signal at its times; signals on one clock share the work."""
         truths: dict[bytes, Truth] = {}
 

@@ -50,14 +50,12 @@ SPREAD: Final = 3.0  # from the largest of so few trials to a bound
 
 @dataclass(frozen=True)
 class ColumnMotion(CrankMotion):
-    """A motion read from a column.
+    """A motion read from a column; ``steps`` are the times at which its acceleration jumps, s.
 
-    ``steps`` are the times at which its acceleration jumps, s; ``noise`` is the column's rounding, rad, or rad/s of a
-    column of speeds.
+    Columns that would be printed the same may have the motions ``likewise``.
     """
 
     steps: tuple[float, ...] = ()
-    noise: float = 0.0
     likewise: tuple[CrankMotion, ...] = ()
 
     @property
@@ -95,7 +93,7 @@ def motion_of_speeds(
         likewise = tuple(CrankMotion(o.regime, _shift_start(o.segments, start_angle)) for o in motion.likewise)
         return replace(motion, segments=_shift_start(motion.segments, start_angle), likewise=likewise)
     others = tuple(CrankMotion(name, _integrate_pieces(o.segments, start_angle)) for o in motion.likewise)
-    return ColumnMotion(name, _integrate_pieces(motion.segments, start_angle), motion.steps, motion.noise, others)
+    return ColumnMotion(name, _integrate_pieces(motion.segments, start_angle), motion.steps, others)
 
 
 def _shift_start(segments: Segments, angle: float) -> Segments:
@@ -122,7 +120,7 @@ def _fit_motion(time: Array, values: Array, resolution: Array, name: str, *, of_
         within = column.rounding * (max(share, LAST_BITS) if is_exact else 1.0)
         trials = (replace(column, values=column.values + trial) for trial in _rounding_trials(within))
         alike = tuple(trial.fit_near(known.time).motion for trial in trials)
-        return ColumnMotion(known.column.family, known.motion.segments, known.motion.jumps, coarsest, alike)
+        return ColumnMotion(known.column.family, known.motion.segments, known.motion.jumps, alike)
     within, pieces = _noise_and_pieces(time, values, rounding)
     columns = (values, *(values + trial for trial in _rounding_trials(within)))
     order = 1 if of_speed else 2
@@ -133,7 +131,7 @@ def _fit_motion(time: Array, values: Array, resolution: Array, name: str, *, of_
         loose = min((loose, joined), key=lambda curves: _derivative_spread(time, curves, order))
     finer = tuple(_fit_piece(time, values, *piece[:2], _second_degree(piece[2])) for piece in pieces)
     others = tuple(CrankMotion(name, segments) for segments in (*loose[1:], finer))
-    return ColumnMotion(name, loose[0], steps, float(np.max(within)), others)
+    return ColumnMotion(name, loose[0], steps, others)
 
 
 def _second_degree(degree: int) -> int:

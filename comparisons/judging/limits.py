@@ -16,7 +16,11 @@ from analytic.description.loading import read_document
 from analytic.description.schema import Positive, Tables, TomlTable
 from analytic.errors import UnknownNameError
 from comparisons.judging.baseline import Baseline
+from comparisons.judging.deviations import Deviation, NoSampleError, deviation
+from comparisons.judging.quantities import Quantity
 from comparisons.judging.records import Record, Verdict
+from comparisons.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
 from engines.contract import Origin, Setting
 
 OWN = "own"  # stands in the table for every regime of a linkage's own
@@ -188,6 +192,33 @@ def shipped_standard() -> Standard:
 def judge(record: Record) -> Record:
     """A record by the suite's own limits."""
     return shipped_standard().judge(record)
+
+
+def judged_deviation(
+    case: Case, quantity: Quantity, motion: ObservedMotion, blank: Record
+) -> tuple[Record, Deviation | None]:
+    """The judged record of a quantity that a motion has, and the deviation behind it; None without a sample to judge.
+
+    The origin is that of the ``blank`` record, if it has one, or the engine's own.
+    """
+    origin = blank.origin or quantity.origin(motion).value
+    blank = replace(blank, quantity=quantity.name, unit=quantity.unit, origin=origin)
+    try:
+        result = deviation(case, quantity, motion)
+    except NoSampleError as error:
+        return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error)), None
+    record = replace(
+        blank,
+        shared=quantity.shared(case, motion),
+        error_max=result.error_max,
+        error_rms=result.error_rms,
+        error_at_jumps=result.error_at_jumps,
+        peak=result.peak,
+        worst_time=result.worst_time,
+        samples=result.samples,
+        left_out=result.left_out,
+    )
+    return judge(record), result
 
 
 def deciding(records: Sequence[Record]) -> Sequence[Record]:
