@@ -38,7 +38,7 @@ forces = [{ point = "P", link = "coupler", angle = [0, 90, 180, 270], force = [[
 """
 SAME = 1e-13  # of the peak
 ROUNDING = 8.0 * np.finfo(float).eps  # rad, of the angles that follow from one another
-CHANGES = 2  # of nine numbers at once
+CHANGES = 4
 SHIPPED = (*catalogue(), *literature())
 MOST_BYTES = 900_000
 ROCKER = '[aria-label="rocker mass, kg, exactly"]'
