@@ -34,7 +34,7 @@ def empty_picture(files, figure):
 
 
 def linkproof(*words, cwd=None, stderr=None):
-    """Output and exit code of a command run in this process; ``stderr`` as in ``subprocess.run``. Pictures are empty."""
+    """Output and exit code of a command run in this process, with empty pictures; ``stderr`` as in ``subprocess``."""
     argv, thresholds = ["linkproof", *map(str, words)], gc.get_threshold()
     out, code = io.StringIO(), 0
     err = out if stderr == subprocess.STDOUT else io.StringIO()
