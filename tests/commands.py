@@ -33,17 +33,14 @@ def empty_picture(files, figure):
     return Picture(files.root + name, 9, 9, ())
 
 
-def linkproof(*words, cwd=None, stderr=None, draws=False):
-    """Output and exit code of a command run in this process; ``stderr`` as in ``subprocess.run``.
-
-    The figures of its pages are empty unless it ``draws``.
-    """
+def linkproof(*words, cwd=None, stderr=None):
+    """Output and exit code of a command run in this process, with empty pictures; ``stderr`` as in ``subprocess``."""
     argv, thresholds = ["linkproof", *map(str, words)], gc.get_threshold()
     out, code = io.StringIO(), 0
     err = out if stderr == subprocess.STDOUT else io.StringIO()
     here = patch("reports.site.site.run_jobs", run_here)
     place = nullcontext() if cwd is None else chdir(cwd)
-    drawing = nullcontext() if draws else patch("reports.document.html._PageFiles.picture", empty_picture)
+    drawing = patch("reports.document.html._PageFiles.picture", empty_picture)
     with here, drawing, place, patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):
         try:
             main()

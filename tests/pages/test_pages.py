@@ -15,8 +15,9 @@ from comparisons.campaign.results import save
 from comparisons.datasheet.building import usual_sheet
 from comparisons.stress.saved import save as save_stress
 from comparisons.work_precision.records import save as save_bench
+from reports.document.html import _PageFiles
 from reports.site.site import write_site
-from tests.commands import linkproof
+from tests.commands import empty_picture, linkproof
 from tests.pages.browser import WIDTHS, executable, opened, started
 from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_results import made_up_results
@@ -28,12 +29,14 @@ pytestmark = pytest.mark.skipif(executable() is None, reason="no Chromium on thi
 
 MOST_SCREENS, MOST_NODES, MOST_BYTES, MOST_SHEETS = 12, 6_000, 1_500_000, 12
 INDEX_SCREENS = 3
-NAMES = ["index.html", "bench.html", "stress.html", "mechanisms/slotted-takeup.corrected.html"]
+INDEX, MECHANISM = "index.html", "mechanisms/slotted-takeup.corrected.html"
+STUDIES = ("bench.html", "stress.html")
+BY_NIGHT = [pytest.param(name, marks=pytest.mark.nightly) for name in STUDIES]
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A report of two mechanisms in two engines, with a benchmark and a stability map."""
+    """A report of two mechanisms in two engines, with a benchmark and a stability map; only the first is drawn."""
     folder = tmp_path_factory.mktemp("report")
     brief = re.sub("(?m)^duration .*", "duration = 0.5", read("slotted-takeup").text)  # of each released regime
     linkages = [parse(brief, "slotted-takeup", "slotted-takeup.toml"), load("fork-takeup")]
@@ -42,7 +45,10 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     save(folder, results.document, results.runs, sheets)
     save_bench(folder, made_up_bench())
     save_stress(folder, made_up_stress())
-    write_site(folder, processes=0)
+    picture = _PageFiles.picture
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_PageFiles, "picture", lambda *of: (empty_picture if "fork" in of[0].page.file else picture)(*of))
+        write_site(folder, processes=0)
     return folder
 
 
@@ -70,23 +76,25 @@ def _use_every_control(page) -> None:
     page.wait_for_load_state("networkidle")
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [INDEX, MECHANISM, *STUDIES])
 def test_a_page_is_complete_legible_and_of_a_size_to_be_read_and_its_controls_answer(chromium, report, name):
     with opened(chromium, report / name) as look:
         facts = look.facts()
         assert look.bytes_loaded <= MOST_BYTES
         assert facts["nodes"] <= MOST_NODES
-        assert facts["screens"] <= (INDEX_SCREENS if name == "index.html" else MOST_SCREENS)
+        assert facts["screens"] <= (INDEX_SCREENS if name == INDEX else MOST_SCREENS)
         assert (facts["overflow"] <= 0, facts["small"], look.grave(), look.empty()) == (True, [], [], [])
         assert look.sheets() <= MOST_SHEETS
-        if name == "index.html":
+        if name == INDEX:
             assert facts["verdict"] <= 1.0
         _use_every_control(look.page)
         assert look.empty() == []
         assert look.faults == []
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [INDEX, MECHANISM, *(pytest.param(page, marks=pytest.mark.nightly) for page in STUDIES)]
+)
 def test_a_page_is_legible_on_a_phone_at_night(chromium, report, name):
     with opened(chromium, report / name, WIDTHS[1], "dark") as look:
         facts = look.facts()

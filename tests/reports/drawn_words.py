@@ -11,7 +11,8 @@ def drawn_words(figure, axes=None):
     """Every text that a figure draws, or that lies in the axes or an axis of theirs, in the order of drawing."""
     found, draw = [], Text.draw
     with patch.object(Text, "draw", lambda text, renderer: (found.append(text), draw(text, renderer))):
-        FigureCanvasAgg(figure).draw()
+        FigureCanvasAgg(figure)
+        figure.draw_without_rendering()
     mine = set(axes.findobj(Text)) if axes else set()
     return [text for text in found if text.get_visible() and text.get_text().strip() and (axes is None or text in mine)]
 
