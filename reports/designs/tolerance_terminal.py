@@ -8,14 +8,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from analytic.errors import printable
 from analytic.written import csv_text, finite, plain
 from comparisons.designs.tolerance_study import EXACT, ToleranceStudy
-from comparisons.designs.tolerances import Tornado
-from reports.charts import draw
-from reports.document import numbers
 from reports.document.chart import Chart, Curve, Mark, Panel
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table
@@ -173,33 +169,37 @@ ROW, FRAME = 0.27, 0.95  # in, height of a parameter and of all else in a panel
 LANE, WIDE = 0.17, 6.0  # half a row's two bars apart, and their width in points
 
 
-def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
-    """A panel per result, below lines of words; parameters that move nothing are left out and counted.
+def tornado_chart(study: ToleranceStudy) -> Chart:
+    """A panel per result; parameters that move nothing are left out and counted.
 
     On top stand parameters at whose limits the linkage does not assemble; their change is nan.
     """
-    panels = tuple(map(_panel, tornados))
+    panels = tuple(_panel(study, row) for row in range(len(study.request.figures)))
     height = sum(ROW * len(panel.rows) + FRAME for panel in panels)
     key = (_bar((), (), 0, "at the lower limit"), _bar((), (), 1, "at the upper limit"))
-    return draw.figure(Chart(panels, height, wide=True, head=head, key=key, own_x=True))
+    return Chart(panels, height, wide=True, head=(study.request.conditions,), key=key, own_x=True)
 
 
-def _panel(tornado: Tornado) -> Panel:
+def _panel(study: ToleranceStudy, row: int) -> Panel:
     """The tornado of one result."""
-    sizes = {bar: float(np.max(np.nan_to_num(np.abs(bar[1:]), nan=np.inf))) for bar in tornado.bars}
-    moving = sorted((bar for bar, size in sizes.items() if size > 0.0), key=lambda bar: -sizes[bar])
+    result, names = study.request.figures[row], [tolerance.name for tolerance in study.request.tolerances]
+    changes = study.changes[row] / result.unit.size
+    sizes = np.max(np.nan_to_num(np.abs(changes), nan=np.inf), axis=1)
+    order = np.argsort(-sizes, kind="stable")
+    moving = [int(column) for column in order if sizes[column] > 0.0]
     shown = moving[:MOST]
     curves = tuple(
-        _bar(ends, (row + side * LANE,) * 2, ink)
-        for row, bar in enumerate(shown)
-        for ink, (side, ends) in enumerate(((-1.0, (0.0, bar[1])), (1.0, (0.0, bar[2]))))
+        _bar((0.0, end), (place + side * LANE,) * 2, ink)
+        for place, column in enumerate(shown)
+        for ink, (side, end) in enumerate(zip((-1.0, 1.0), changes[column], strict=True))
     )
     left = [f"{len(moving) - len(shown)} smaller ones are left out"] if len(moving) > len(shown) else []
-    still = len(tornado.bars) - len(moving)
+    still = len(names) - len(moving)
     left += [f"{still} {'moves' if still == 1 else 'move'} nothing"] if still else []
-    what = f"{tornado.result}: {numbers.figure(tornado.nominal)} {tornado.unit}".rstrip()
-    label = ", ".join(filter(None, ("change", tornado.unit)))
-    rows = tuple(printable(bar[0]) + FAILS * (sizes[bar] == np.inf) for bar in shown) or ("–",)
+    unit = result.unit.name
+    what = f"{result.name}: {figure(study.nominal[row] / result.unit.size)} {unit}".rstrip()
+    label = ", ".join(filter(None, ("change", unit)))
+    rows = tuple(printable(names[column]) + FAILS * bool(np.isinf(sizes[column])) for column in shown) or ("–",)
     title = printable("; ".join([what, *left]))
     return Panel(curves, printable(label), "", (Mark(0.0),), names="", title=title, rows=rows)
 
