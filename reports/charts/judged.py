@@ -53,8 +53,9 @@ def judged_chart(curves: Sequence[JudgedCurve], head: tuple[str, ...] = ()) -> C
     drawn = curves[:MOST]
     panels = [_panel(curve, of_difference=below) for below in (False, True) for curve in drawn]
     names = [name for name in LOOKS if name != "without the cause" or any(curve.cause for curve in drawn)]
-    nothing = np.zeros(0)
-    key = tuple(Curve(nothing, nothing, name, ink, line, width) for name in names for ink, line, width in [LOOKS[name]])
+    key = tuple(
+        Curve(name=name, ink=ink, line=line, width=width) for name in names for ink, line, width in [LOOKS[name]]
+    )
     return Chart(tuple(panels), HEIGHT, columns=len(drawn), wide=True, head=head, key=key)
 
 

@@ -246,7 +246,7 @@ def before_after_chart(optimum: Optimum, conditions: str) -> Chart:
     names = sorted(curves, key=lambda name: name != "Mkr")
     more = [f"The first {MOST} of {len(names)} signals are drawn."] if len(names) > MOST else []
     panels = tuple(_panel(optimum, name, curves[name]) for name in names[:MOST])
-    key = (Curve(np.zeros(0), np.zeros(0), "before", "muted", "--"), Curve(np.zeros(0), np.zeros(0), "after", 0))
+    key = (Curve(name="before", ink="muted", line="--"), Curve(name="after"))
     return Chart(panels, PANEL * len(panels) + FRAME, wide=True, head=(aim(optimum), conditions, *more), key=key)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -176,7 +176,7 @@ def tornado_chart(study: ToleranceStudy) -> Chart:
     """
     panels = tuple(_panel(study, row) for row in range(len(study.request.figures)))
     height = sum(ROW * len(panel.rows) + FRAME for panel in panels)
-    key = (_bar((), (), 0, "at the lower limit"), _bar((), (), 1, "at the upper limit"))
+    key = (Curve(name="at the lower limit", width=WIDE), Curve(name="at the upper limit", ink=1, width=WIDE))
     return Chart(panels, height, wide=True, head=(study.request.conditions,), key=key, own_x=True)
 
 
@@ -189,7 +189,7 @@ def _panel(study: ToleranceStudy, row: int) -> Panel:
     moving = [int(column) for column in order if sizes[column] > 0.0]
     shown = moving[:MOST]
     curves = tuple(
-        _bar((0.0, end), (place + side * LANE,) * 2, ink)
+        Curve(np.array([0.0, end]), np.full(2, place + side * LANE), ink=ink, width=WIDE)
         for place, column in enumerate(shown)
         for ink, (side, end) in enumerate(zip((-1.0, 1.0), changes[column], strict=True))
     )
@@ -202,7 +202,3 @@ def _panel(study: ToleranceStudy, row: int) -> Panel:
     rows = tuple(printable(names[column]) + FAILS * bool(np.isinf(sizes[column])) for column in shown) or ("–",)
     title = printable("; ".join([what, *left]))
     return Panel(curves, printable(label), "", (Mark(0.0),), names="", title=title, rows=rows)
-
-
-def _bar(x: Sequence[float], y: Sequence[float], ink: int, name: str = "") -> Curve:
-    return Curve(np.array(x, dtype=float), np.array(y, dtype=float), name, ink, width=WIDE)

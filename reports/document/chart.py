@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# A colour: "ink", "muted", "faint", "reference", "limit", "paper", its number in the palette, or a share of the ramp.
-Ink = str | int | float
+# A colour: "ink", "muted", "faint", "reference", "limit", "paper", or its number in the palette.
+Ink = str | int
 
 
 @dataclass(frozen=True)
@@ -18,11 +18,12 @@ class Curve:
     """Points (n,) and how they are drawn; ``line`` is one of matplotlib's, or empty for marks alone.
 
     ``stacked`` fills the area down to the curve before it. ``name`` stands in the key or at the right end; ``size`` is
-    that of a marker, points. Wide lines end where their points are, so that they serve as bars.
+    that of a marker, points. Wide lines end where their points are, so that they serve as bars. Without points it is an
+    entry of a key.
     """
 
-    x: Array
-    y: Array
+    x: Array = field(default_factory=lambda: np.zeros(0))
+    y: Array = field(default_factory=lambda: np.zeros(0))
     name: str = ""
     ink: Ink = 0
     line: str = "-"

@@ -70,6 +70,11 @@ def seconds(value: float) -> str:
     return f"{figure(value, 3)} s" if value >= 1.0 else f"{figure(value * 1e3, 3)} ms"
 
 
+def grouped(count: int, space: str = " ") -> str:
+    """A count with its thousands apart."""
+    return f"{count:,}".replace(",", space)
+
+
 def within_turn(angle: float, digits: int = 1) -> str:
     """An angle given in degrees, brought into [0°, 360°) as it is printed: 359.97 is 0.0°, not 360.0°."""
     return f"{round(angle, digits) % 360.0:.{digits}f}°"
