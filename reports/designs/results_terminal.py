@@ -20,23 +20,20 @@ DRIVE_COLUMNS: Final = (
 )  # of two tables
 
 
-def key_figures(sheet: Sheet) -> list[Printed]:
-    """Drive, forces, transmission angles and output, each with where its peak is."""
-    tables = (*(figures_table(sheet, name) for name in HEADS if sheet.figures[name]), *_output(sheet))
-    return [*_head(sheet), *(part for table in tables for part in ("", table)), *_remarks(sheet)]
+def printed(sheet: Sheet) -> list[Printed]:
+    """Tables of the key figures, or of every signal at the chosen instants, under the conditions and above remarks.
 
-
-def _head(sheet: Sheet) -> list[Printed]:
-    return [Paragraph(sheet.conditions, colour="bold")]
-
-
-def _remarks(sheet: Sheet) -> list[Printed]:
-    """Signs, what the file does not give, and what looks like a slip in it, as ``linkproof check`` has it."""
+    The remarks are on signs, what the file does not give, and likely mistakes in it, as ``linkproof check`` has them.
+    """
+    tables = _key_figures(sheet) if sheet.chosen is None else _at_instants(sheet)
     slips = [Paragraph(f"warning: {text}", colour="yellow") for text in warnings(sheet.linkage)]
-    return ["", *sheet.remarks, *slips]
+    parts = (part for table in tables for part in ("", table))
+    return [Paragraph(sheet.conditions, colour="bold"), *parts, "", *sheet.remarks, *slips]
 
 
-def _output(sheet: Sheet) -> Iterator[Table]:
+def _key_figures(sheet: Sheet) -> Iterator[Table]:
+    """Drive, forces, transmission angles and output, each with where its peak is."""
+    yield from (figures_table(sheet, name) for name in HEADS if sheet.figures[name])
     if sheet.linkage.output is not None:
         head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
         rows = [
@@ -51,12 +48,12 @@ def _output(sheet: Sheet) -> Iterator[Table]:
         yield Table("", head, rows, "lrlr")
 
 
-def at_instants(sheet: Sheet) -> list[Printed]:
-    """Every signal at the chosen instants: crank and output, points, links, joints."""
+def _at_instants(sheet: Sheet) -> list[Table]:
+    """Crank and output, points, links, joints."""
     tables = [_instants_table(sheet, [name for name in names if name in sheet.values]) for names in DRIVE_COLUMNS]
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
         tables += _part_tables(sheet, kind, head)
-    return [*_head(sheet), *(part for table in tables if table.rows for part in ("", table)), *_remarks(sheet)]
+    return [table for table in tables if table.rows]
 
 
 def _instants_table(sheet: Sheet, names: Sequence[str]) -> Table:

@@ -177,7 +177,7 @@ def tornado_chart(study: ToleranceStudy) -> Chart:
     panels = tuple(_panel(study, row) for row in range(len(study.request.figures)))
     height = sum(ROW * len(panel.rows) + FRAME for panel in panels)
     key = (Curve(name="at the lower limit", width=WIDE), Curve(name="at the upper limit", ink=1, width=WIDE))
-    return Chart(panels, height, wide=True, head=(study.request.conditions,), key=key, own_x=True)
+    return Chart(panels, height, wide=True, head=(study.request.conditions,), key=key)
 
 
 def _panel(study: ToleranceStudy, row: int) -> Panel:

@@ -101,7 +101,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels in ``columns``; those of one column share their x axis, unless ``own_x``. ``height`` is in inches.
+    """Panels in ``columns``; those of one column share their x axis unless they have ``rows``. ``height`` is in inches.
 
     ``head`` are lines above all panels, the first in bold, and ``key`` what the panels have in common. ``axis`` is
     "phi" or "time" where x is that of the mechanism's motion, so that a page may show where it is.
@@ -114,4 +114,3 @@ class Chart:
     axis: Literal["", "phi", "time"] = ""
     head: tuple[str, ...] = ()
     key: tuple[Curve | Hatch, ...] = ()
-    own_x: bool = False

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from filecmp import cmp
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -41,12 +41,7 @@ class Picture(NamedTuple):
     edges: tuple[float, ...]
 
 
-def write(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> Path:
-    """Write a page with its figures and data, as ``write_all`` does; returns its path."""
-    return folder / write_all(page, folder, pages, png=png)[0]
-
-
-def write_all(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> list[str]:
+def write(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> list[str]:
     """Write a page into a report's folder, with its figures and the further data of its widgets.
 
     Returns the files' names within the folder, the page's first. ``pages`` are the report's pages; ``png`` writes every
@@ -114,8 +109,6 @@ class _PageFiles:
         from reports.charts import draw  # noqa: PLC0415  a page without figures needs no matplotlib
 
         chart = figure.drawing
-        if isinstance(chart, Chart):
-            chart = replace(chart, wide=figure.wide)
         drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
         edges = draw.edges(drawing) if isinstance(chart, Chart) and chart.axis else ()
         name = f"figures/{Path(self.page.file).stem}/{figure.name}"

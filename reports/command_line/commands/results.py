@@ -46,9 +46,9 @@ def results(
     if files.out is not None:
         _write_page(files.out, drawn, opens=opens, quiet=quiet)
     if STDOUT not in named.values() and not quiet:
-        from reports.designs import results_terminal as terminal  # noqa: PLC0415 - JSON and CSV need no tables
+        from reports.designs.results_terminal import printed  # noqa: PLC0415 - JSON and CSV need no tables
 
-        show(*(terminal.key_figures(result) if result.chosen is None else terminal.at_instants(result)))
+        show(*printed(result))
 
 
 def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:
