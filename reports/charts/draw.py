@@ -16,7 +16,7 @@ from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from reports.charts import labels, scales, surfaces
-from reports.charts.scales import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, WIDTH, house_style, ink
+from reports.charts.scales import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, STYLE, WIDTH, ink
 from reports.document.chart import Chart, Curve, Hatch, Ink, Panel
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ def figure(chart: Chart, width: float | None = None) -> Figure:
 
 def drawn(width: float, height: float, draw: Callable[[Figure], None], *, placed: bool = True) -> Figure:
     """A figure of so many inches, drawn in the house style; its parts are ``placed`` so that they do not touch."""
-    with matplotlib.rc_context(house_style()):
+    with matplotlib.rc_context(fname=STYLE):
         quantity = Figure(figsize=(width, height), layout="constrained" if placed else None)
         draw(quantity)
         if engine := quantity.get_layout_engine():
@@ -126,7 +126,7 @@ def pdf(drawing: Figure) -> bytes:
 def _saved(drawing: Figure, kind: str, left_out: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
     """A figure as a file of a kind, without the metadata ``left_out``, which change from one time to the next."""
     buffer = io.BytesIO()
-    with matplotlib.rc_context(house_style()):
+    with matplotlib.rc_context(fname=STYLE):
         drawing.savefig(buffer, format=kind, metadata=dict.fromkeys(left_out), **more)
     return buffer.getvalue()
 

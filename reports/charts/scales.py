@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import cache
-from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -118,6 +115,7 @@ DARK = {
 }
 NAMED = {"ink": INK, "muted": MUTED, "faint": FAINT, "reference": REFERENCE, "limit": LIMIT_COLOUR, "paper": PAPER}
 FONT, FONT_SIZE = "DejaVu Sans", 9.0
+STYLE = FOLDER / "figures.mplstyle"  # how figures look, and how they are written: colours, sizes, fonts
 
 # Inches of a figure that shares the page's width with another, and of one that has it to itself.
 WIDTH, FULL_WIDTH = 5.4, 11.0
@@ -127,9 +125,3 @@ DOTS_PER_INCH = 160
 def ink(name: Ink) -> str:
     """A colour of the palette by its number, or one that has a name."""
     return NAMED[name] if isinstance(name, str) else PALETTE[name % len(PALETTE)]
-
-
-@cache
-def house_style() -> Any:  # noqa: ANN401  which keys matplotlib's stubs know changes from release to release
-    """How figures look, and how they are written: colours, sizes, fonts."""
-    return matplotlib.rc_params_from_file(FOLDER / "figures.mplstyle", use_default_template=False)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from analytic.errors import printable
 from comparisons.designs.space import ONE_BY_ONE
 from reports.document import numbers
+from reports.document.chart import axis_label
 
 if TYPE_CHECKING:
     import xarray
@@ -95,11 +96,7 @@ class DrawnDesigns:
         if name in self.figures and self.span(name):
             values = self.values(name)
             ends = f" ({numbers.figure(np.nanmin(values))} to {numbers.figure(np.nanmax(values))})"
-        return ", ".join(filter(None, (f"{printable(name)}{ends}", self.unit(name))))
-
-    def scale(self, name: str) -> str:
-        """The label of a figure's scale below its name."""
-        return ", ".join(filter(None, ("value", self.unit(name))))
+        return axis_label(f"{printable(name)}{ends}", self.unit(name))
 
     def target(self, figure: str) -> tuple[float, str]:
         """The best value of a figure, and the note on the design nearest to it."""

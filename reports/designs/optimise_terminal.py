@@ -18,7 +18,7 @@ from analytic.written import change, finite
 from comparisons.designs.optimisation import Optimum
 from comparisons.designs.problem import Constraint
 from comparisons.designs.searches import Search
-from reports.document.chart import Chart, Curve, Ink, Note, Panel
+from reports.document.chart import Chart, Curve, Ink, Note, Panel, axis_label
 from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
@@ -81,8 +81,7 @@ def _figures(optimum: Optimum) -> Table:
 
 def closing(optimum: Optimum) -> str:
     """The outcome in one sentence: the aim before and after, and the numbers that give it."""
-    sign, many = optimum.problem.sign, len(optimum.problem.aims)
-    before, after = (sign * max((sign * values[:many]).tolist()) for values in optimum.values)
+    before, after = (_aim_value(optimum, values) for values in optimum.values)
     unit = optimum.problem.aims[0].unit
     numbers = (
         f"{part.name} {figure(optimum.after[part.name] / part.unit.size, DIGITS)} {part.unit.name}".rstrip()
@@ -90,6 +89,12 @@ def closing(optimum: Optimum) -> str:
     )
     ends = " to ".join(figure(value / unit.size, DIGITS) for value in (before, after))
     return f"{aim(optimum)}: from {ends} {unit.name} at {', '.join(numbers)}".replace("  ", " ")
+
+
+def _aim_value(optimum: Optimum, values: Array) -> float:
+    """The value of the aim among figures (figures,), SI: of several aims that of the worst."""
+    sign, many = optimum.problem.sign, len(optimum.problem.aims)
+    return float(sign * np.max(sign * values[:many]))
 
 
 def aim_word(optimum: Optimum) -> str:
@@ -148,11 +153,9 @@ def _optimality(search: Search) -> Iterator[str]:
 
 def _rounding(optimum: Optimum) -> str:
     """The cost of whole steps: the loss of the aim, and the constraints they violate."""
-    many = len(optimum.problem.aims)
-    before, after = (
-        max((optimum.problem.sign * values[:many]).tolist()) for values in (optimum.exact, optimum.values[1])
-    )
-    cost = change((after - before) / abs(before)) if before else ""
+    sign = optimum.problem.sign
+    before, after = (sign * _aim_value(optimum, values) for values in (optimum.exact, optimum.values[1]))
+    cost = _percent(_relative(before, after))
     after_of = dict(
         zip((named_figure.name for named_figure in optimum.figures), optimum.values[1].tolist(), strict=True)
     )
@@ -265,6 +268,6 @@ def _panel(optimum: Optimum, name: str, curves: Array) -> Panel:
     peaks = " → ".join(note.text for note in notes)
     title = f"{printable(name.removesuffix(MAGNITUDE))}: peak {peaks} {unit_name}".rstrip()
     axis = f"travel of the drive, {length.name}" if linkage.is_linear else "crank angle φ, °"
-    label = ", ".join(filter(None, ("value", unit_name)))
     turn = maxima.motion.is_full_turn
-    return Panel(tuple(drawn), axis, label, (), tuple(notes), turn=turn, names="", title=title)
+    y_label = axis_label("value", unit_name)
+    return Panel(tuple(drawn), axis, y_label, (), tuple(notes), turn=turn, names="", title=title)

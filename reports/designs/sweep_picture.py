@@ -18,7 +18,7 @@ from reports.charts import draw, labels, scales
 from reports.charts.scales import FULL_WIDTH, INK, ink
 from reports.charts.scheme import BEHIND
 from reports.designs.drawn_designs import FAILS, OWN, DrawnDesigns, drawn_designs
-from reports.document.chart import Chart, Curve, Hatch, Mark, Panel, Surface
+from reports.document.chart import Chart, Curve, Hatch, Mark, Panel, Surface, axis_label
 
 if TYPE_CHECKING:
     import xarray
@@ -58,7 +58,7 @@ def _curves(designs: DrawnDesigns) -> Chart:
         star = [] if best is None else [_marked(STAR, places[best], values[best])]
         fails = np.flatnonzero(np.diff(np.concatenate([[False], np.isnan(values), [False]])))
         panels.append(
-            Panel((curve, *star), designs.label(parameter), designs.scale(name), uprights, names="",
+            Panel((curve, *star), designs.label(parameter), axis_label("value", designs.unit(name)), uprights, names="",
                   title=designs.label(name), hatch=Hatch(edges[fails].reshape(-1, 2)), span=designs.span(name))
         )  # fmt: skip
     height = CURVES * -(-len(panels) // columns) + 0.5
@@ -77,7 +77,7 @@ def _maps(designs: DrawnDesigns) -> Chart:
         values, best = designs.values(name), designs.best(name)
         column, row = np.unravel_index(best or 0, values.shape)
         marks = own if best is None else [*own, _marked(STAR, across[column], upward[row])]
-        surface = Surface(*edges, values.T, designs.scale(name), designs.span(name))
+        surface = Surface(*edges, values.T, axis_label("value", designs.unit(name)), designs.span(name))
         whole = Hatch(edges[0][[[0, -1]]][: bool(designs.failing(name))])
         outlined = [mark for curve in marks for mark in (replace(curve, ink="paper", size=curve.size + 3.0), curve)]
         panels.append(Panel(tuple(outlined), *axes, names="", title=designs.label(name), hatch=whole, surface=surface))

@@ -12,7 +12,7 @@ import numpy as np
 from analytic.errors import printable
 from analytic.written import csv_text, finite, plain
 from comparisons.designs.tolerance_study import EXACT, ToleranceStudy
-from reports.document.chart import Chart, Curve, Mark, Panel
+from reports.document.chart import Chart, Curve, Mark, Panel, axis_label
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
@@ -44,17 +44,31 @@ def _table(study: ToleranceStudy, row: int) -> Table:
 
 def _row(study: ToleranceStudy, row: int, column: int) -> tuple[str, ...]:
     """The cells of one toleranced number in the table of one result, in the file's units."""
+    name, unit, plus_minus, distribution, derivative, contribution, share, *_ = _values(study, row, column)
+    return (
+        name,
+        printed(plus_minus),
+        f"{unit} {distribution}".strip(),
+        figure(derivative),
+        study.how if derivative is not None else TIED if study.how == EXACT else NONE,
+        figure(contribution),
+        ABSENT if share is None else f"{share:.1%}",
+    )
+
+
+def _values(study: ToleranceStudy, row: int, column: int) -> tuple[Any, ...]:
+    """Of one toleranced number and one result the ``COLUMNS`` from the parameter on, less what the derivative is."""
     tolerance, unit = study.request.tolerances[column], study.request.figures[row].unit
-    derivative = study.derivatives[row, column]
     own = tolerance.parameter.unit
     return (
         tolerance.name,
-        printed(tolerance.plus_minus / own.size),
-        f"{own.name} {tolerance.distribution}".strip(),
-        figure(derivative * own.size / unit.size),
-        study.how if not np.isnan(derivative) else TIED if study.how == EXACT else NONE,
-        figure(study.contributions[row, column] / unit.size),
-        ABSENT if np.isnan(study.shares[row, column]) else f"{study.shares[row, column]:.1%}",
+        own.name,
+        tolerance.plus_minus / own.size,
+        str(tolerance.distribution),
+        finite(float(study.derivatives[row, column] * own.size / unit.size)),
+        finite(float(study.contributions[row, column] / unit.size)),
+        finite(float(study.shares[row, column])),
+        *plain(study.changes[row, column] / unit.size),
     )
 
 
@@ -111,7 +125,7 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
         "nominal": float(study.nominal[row] / unit.size),
         "tolerances": [
             dict(zip(("parameter", "units", *COLUMNS[5:8], *COLUMNS[9:]), cells, strict=True))
-            for cells in _cells(study, row)
+            for cells in (_values(study, row, column) for column in range(len(study.request.tolerances)))
         ],
         "worst case": {
             "linear": finite(float(study.worst[row] / unit.size)),
@@ -128,26 +142,6 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
     }
 
 
-def _cells(study: ToleranceStudy, row: int) -> list[list[Any]]:
-    """Of every tolerance the cells of its row, from its name on, less what the derivative is."""
-    unit = study.request.figures[row].unit
-    return [
-        [
-            *(
-                tolerance.name,
-                tolerance.parameter.unit.name,
-                tolerance.plus_minus / tolerance.parameter.unit.size,
-                str(tolerance.distribution),
-            ),
-            finite(float(study.derivatives[row, column] * tolerance.parameter.unit.size / unit.size)),
-            finite(float(study.contributions[row, column] / unit.size)),
-            finite(float(study.shares[row, column])),
-            *plain(study.changes[row, column] / unit.size),
-        ]
-        for column, tolerance in enumerate(study.request.tolerances)
-    ]
-
-
 def csv_table(study: ToleranceStudy) -> str:
     """A row per result and parameter."""
     text = io.StringIO()
@@ -155,7 +149,8 @@ def csv_table(study: ToleranceStudy) -> str:
     writer.writerow(COLUMNS)
     for row, named in enumerate(study.request.figures):
         nominal = float(study.nominal[row] / named.unit.size)
-        for cells in _cells(study, row):
+        for column in range(len(study.request.tolerances)):
+            cells = _values(study, row, column)
             row_cells = [named.name, named.unit.name, nominal, *cells[:5], study.how, *cells[5:]]
             writer.writerow(csv_text(cell) if isinstance(cell, str) else cell for cell in row_cells)
     return text.getvalue()
@@ -198,7 +193,6 @@ def _panel(study: ToleranceStudy, row: int) -> Panel:
     left += [f"{still} {'moves' if still == 1 else 'move'} nothing"] if still else []
     unit = result.unit.name
     what = f"{result.name}: {figure(study.nominal[row] / result.unit.size)} {unit}".rstrip()
-    label = ", ".join(filter(None, ("change", unit)))
     rows = tuple(printable(names[column]) + FAILS * bool(np.isinf(sizes[column])) for column in shown) or ("–",)
     title = printable("; ".join([what, *left]))
-    return Panel(curves, printable(label), "", (Mark(0.0),), names="", title=title, rows=rows)
+    return Panel(curves, printable(axis_label("change", unit)), "", (Mark(0.0),), names="", title=title, rows=rows)

@@ -13,6 +13,11 @@ Array = NDArray[np.float64]
 Ink = str | int
 
 
+def axis_label(name: str, unit: str) -> str:
+    """The label of an axis: a name and its unit, if it has one."""
+    return f"{name}, {unit}" if unit else name
+
+
 @dataclass(frozen=True)
 class Curve:
     """Points (n,) and how they are drawn; ``line`` is one of matplotlib's, or empty for marks alone.
