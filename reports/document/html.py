@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from filecmp import cmp
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -59,8 +58,7 @@ def write_assets(folder: Path) -> None:
     files = sorted(scripts.glob("*.js"), key=lambda file: (file.name != FIRST, file.name))
     write_text(assets / STYLE, (FOLDER / STYLE).read_text(encoding="utf-8"))
     write_text(assets / SCRIPTS, "\n".join(file.read_text(encoding="utf-8") for file in files if file.name != PLOTLY))
-    if not (assets / PLOTLY).is_file() or not cmp(scripts / PLOTLY, assets / PLOTLY, shallow=False):
-        write_bytes(assets / PLOTLY, (scripts / PLOTLY).read_bytes())
+    write_bytes(assets / PLOTLY, (scripts / PLOTLY).read_bytes())
 
 
 @dataclass(frozen=True)

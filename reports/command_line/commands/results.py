@@ -13,7 +13,7 @@ from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
 from comparisons.runs.files import check_writable, claim
 from reports.command_line.destination import STDOUT, check_files, requested_files, write_files
-from reports.designs.results_files import csv_table, json_text
+from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.document.terminal import show
 from reports.requests.case import requested_results
 from reports.requests.motion_options import ResultsFiles, ResultsOptions
@@ -46,8 +46,6 @@ def results(
     if files.out is not None:
         _write_page(files.out, drawn, opens=opens, quiet=quiet)
     if STDOUT not in named.values() and not quiet:
-        from reports.designs.results_terminal import printed  # noqa: PLC0415 - JSON and CSV need no tables
-
         show(*printed(result))
 
 
