@@ -21,7 +21,7 @@ from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import NamedFigure, SteadyMotion, mass_words, named_figures
-from comparisons.designs.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, Tornado, tolerances
+from comparisons.designs.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, tolerances
 
 Array = NDArray[np.float64]
 
@@ -230,17 +230,6 @@ class ToleranceStudy:
     def _variances(self) -> Array:
         deviation = np.array([tolerance.distribution.deviation for tolerance in self.request.tolerances])
         return np.asarray(np.square(self.contributions * deviation))
-
-    def tornado(self, row: int) -> Tornado:
-        """One result for a picture, in the units of the file."""
-        figure = self.request.figures[row]
-        bars = [
-            (tolerance.name, float(low), float(high))
-            for tolerance, (low, high) in zip(
-                self.request.tolerances, self.changes[row] / figure.unit.size, strict=True
-            )
-        ]
-        return Tornado(figure.name, figure.unit.name, float(self.nominal[row] / figure.unit.size), tuple(bars))
 
 
 def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: None) -> ToleranceStudy:

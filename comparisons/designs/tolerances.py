@@ -70,16 +70,6 @@ class Tolerance:
 
 
 @dataclass(frozen=True)
-class Tornado:
-    """A result, its unit and nominal value, and its changes at the lower and upper limit of each tolerance, by name."""
-
-    result: str
-    unit: str
-    nominal: float
-    bars: tuple[tuple[str, float, float], ...]
-
-
-@dataclass(frozen=True)
 class Tolerances:
     """The request: results by name, the speed in its file's unit, if given, and the table of tolerances.
 

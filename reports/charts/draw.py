@@ -16,7 +16,7 @@ from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from reports.charts import labels, scales, surfaces
-from reports.charts.scales import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, WIDTH, house_style, ink
+from reports.charts.scales import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, STYLE, WIDTH, ink
 from reports.document.chart import Chart, Curve, Hatch, Ink, Panel
 
 Array = NDArray[np.float64]
@@ -30,7 +30,6 @@ ACROSS, UPWARD, EQUAL, TURN = 0.75, 0.22, 0.42, 3.75  # in, from tick to tick at
 
 _COORDINATES = re.compile(r'\b(?:d|x|y|x1|x2|y1|y2|width|height|transform|points)="[^"]*"')
 _LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
-_METADATA = re.compile(r"<metadata>.*?</metadata>\s*", re.DOTALL)
 _STYLE = re.compile(r"(<style[^>]*>)(.*?)(</style>)", re.DOTALL)
 
 
@@ -46,7 +45,7 @@ def figure(chart: Chart, width: float | None = None) -> Figure:
 
 def drawn(width: float, height: float, draw: Callable[[Figure], None], *, placed: bool = True) -> Figure:
     """A figure of so many inches, drawn in the house style; its parts are ``placed`` so that they do not touch."""
-    with matplotlib.rc_context(house_style()):
+    with matplotlib.rc_context(fname=STYLE):
         quantity = Figure(figsize=(width, height), layout="constrained" if placed else None)
         draw(quantity)
         if engine := quantity.get_layout_engine():
@@ -64,12 +63,12 @@ def place(host: Host, chart: Chart) -> None:
         return
     columns = min(chart.columns, len(chart.panels))
     rows = -(-len(chart.panels) // columns)
-    shared = chart.panels[0].scale != "equal" and not chart.own_x
+    shared = chart.panels[0].scale != "equal" and not any(panel.rows for panel in chart.panels)
     heights = [len(panel.rows) + 1 for panel in chart.panels[::columns]]
     grid = host.subplots(rows, columns, squeeze=False, sharex="col" if shared else False, height_ratios=heights).ravel()
     size = inches(host) / (columns, rows) - (BESIDE, ABOVE)
     for axes, panel in zip(grid, chart.panels, strict=False):
-        _draw_panel(axes, panel, size)
+        _draw_panel(axes, panel)
     for number, (axes, panel) in enumerate(zip(grid, chart.panels, strict=False)):
         _set_scales(axes, panel, size)
         _write_names(axes, panel, size)
@@ -108,10 +107,7 @@ def svg(drawing: Figure, page: str = "none") -> str:
 
     ``page`` is the colour behind it.
     """
-    buffer = io.StringIO()
-    with matplotlib.rc_context(house_style()):
-        drawing.savefig(buffer, format="svg", facecolor=page, metadata={"Date": None, "Creator": None})
-    text = _METADATA.sub("", buffer.getvalue())
+    text = _saved(drawing, "svg", ("Date", "Creator", "Format", "Type"), facecolor=page).decode("utf-8")
     text = _COORDINATES.sub(lambda match: _LONG_NUMBER.sub(r"\1", match[0]), text)
     dark = "" if page != "none" else f"@media (prefers-color-scheme: dark){{{_dark(text)}}}"
     return _STYLE.sub(lambda match: f"{match[1]}{match[2].strip()}{dark}{match[3]}", text, count=1)
@@ -119,19 +115,19 @@ def svg(drawing: Figure, page: str = "none") -> str:
 
 def png(drawing: Figure, dots: int = DOTS_PER_INCH) -> bytes:
     """The figure as a PNG file on white, for papers, so many dots to the inch."""
-    return _saved(drawing, "png", ("Software",), dpi=dots)
+    return _saved(drawing, "png", ("Software",), facecolor="white", dpi=dots)
 
 
 def pdf(drawing: Figure) -> bytes:
     """The figure as a PDF file on white, for papers: lines as lines, its fonts within it."""
-    return _saved(drawing, "pdf", ("CreationDate", "Creator", "Producer"))
+    return _saved(drawing, "pdf", ("CreationDate", "Creator", "Producer"), facecolor="white")
 
 
-def _saved(drawing: Figure, kind: str, changing: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
-    """A figure as a file of a kind, without what would be ``changing`` from one time to the next."""
+def _saved(drawing: Figure, kind: str, left_out: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
+    """A figure as a file of a kind, without the metadata ``left_out``, which change from one time to the next."""
     buffer = io.BytesIO()
-    with matplotlib.rc_context(house_style()):
-        drawing.savefig(buffer, format=kind, facecolor="white", metadata=dict.fromkeys(changing), **more)
+    with matplotlib.rc_context(fname=STYLE):
+        drawing.savefig(buffer, format=kind, metadata=dict.fromkeys(left_out), **more)
     return buffer.getvalue()
 
 
@@ -145,8 +141,8 @@ def _dark(text: str) -> str:
     )
 
 
-def _draw_panel(axes: Axes, panel: Panel, size: Array) -> None:
-    """Draw and label a panel in axes of about this ``size``, inches."""
+def _draw_panel(axes: Axes, panel: Panel) -> None:
+    """Draw a panel, but for its words."""
     axes.set_xscale("log" if panel.scale in ("logx", "loglog") else "linear")
     axes.set_yscale("log" if panel.scale in ("log", "loglog") else "linear")
     for low, high in panel.hatch.stretches if panel.hatch else ():
@@ -157,7 +153,10 @@ def _draw_panel(axes: Axes, panel: Panel, size: Array) -> None:
 
 
 def _write_names(axes: Axes, panel: Panel, size: Array) -> None:
-    """Names of curves at their ends or in a key, of marks and notes, the title; the limits of the axes are known."""
+    """Names of curves at their ends or in a key, of marks and notes, the title.
+
+    The axes are of about this ``size``, inches, and their limits are known.
+    """
     key, title = _key_curves(panel, size[1]), labels.wrap(panel.title, size[0])
     ends = [(mark.place, mark.name, mark.ink) for mark in panel.marks if mark.along == "y"]
     ends += _end_names(panel) if panel.names == "ends" and not key else []
@@ -240,7 +239,7 @@ def _key_curves(panel: Panel, tall: float) -> list[Curve]:
     sizes = [float(np.nanmax(np.abs(curve.y - y))) for curve, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]
     largest = [named[n] for n in sorted(np.argsort(sizes)[-MOST:])]
     rest = len(named) - len(largest)
-    return [*largest, *[Curve(np.zeros(0), np.zeros(0), f"and {rest} more", line="")][:rest]]
+    return [*largest, *[Curve(name=f"and {rest} more", line="")][:rest]]
 
 
 def _key(key: Sequence[Curve | Hatch], room: float) -> dict[str, Any]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -16,10 +16,10 @@ from reports.records.views import SETTINGS, Regime, View, columns, engines, fami
 
 MOST: Final = 3  # curves of one picture
 HEIGHT: Final = 4.4  # inches: of the two panels of a curve
-LOOKS: Final[Mapping[str, tuple[Ink, str, float]]] = {
-    "closed form": ("reference", "-", 3.4),
-    "file": (0, "-", 1.2),
-    "without the cause": (2, "--", 1.2),
+LOOKS: Final = {
+    "closed form": Curve(ink="reference", width=3.4),
+    "file": Curve(ink=0, width=1.2),
+    "without the cause": Curve(ink=2, line="--", width=1.2),
 }
 
 
@@ -53,8 +53,7 @@ def judged_chart(curves: Sequence[JudgedCurve], head: tuple[str, ...] = ()) -> C
     drawn = curves[:MOST]
     panels = [_panel(curve, of_difference=below) for below in (False, True) for curve in drawn]
     names = [name for name in LOOKS if name != "without the cause" or any(curve.cause for curve in drawn)]
-    nothing = np.zeros(0)
-    key = tuple(Curve(nothing, nothing, name, ink, line, width) for name in names for ink, line, width in [LOOKS[name]])
+    key = tuple(replace(LOOKS[name], name=name) for name in names)
     return Chart(tuple(panels), HEIGHT, columns=len(drawn), wide=True, head=head, key=key)
 
 
@@ -66,7 +65,7 @@ def _panel(curve: JudgedCurve, *, of_difference: bool) -> Panel:
         shown["without the cause"] = np.array(curve.without, dtype=float)
     if of_difference:
         shown = {name: values - truth for name, values in shown.items() if name != "closed form"}
-    curves = tuple(Curve(time, y, "", ink, line, width) for n, y in shown.items() for ink, line, width in [LOOKS[n]])
+    curves = tuple(replace(LOOKS[name], x=time, y=y) for name, y in shown.items())
     mark = Mark(curve.worst, name="" if of_difference else f"worst at {curve.worst:.5g} s", ink="limit")
     label, title = (f"difference, {curve.unit}", "") if of_difference else (curve.unit, curve.name)
     return Panel(curves, "time, s", label, (mark,), names="", title=title)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from analytic.errors import printable
 from comparisons.designs.space import ONE_BY_ONE
 from reports.document import numbers
+from reports.document.chart import axis_label
 
 if TYPE_CHECKING:
     import xarray
@@ -95,11 +96,7 @@ class DrawnDesigns:
         if name in self.figures and self.span(name):
             values = self.values(name)
             ends = f" ({numbers.figure(np.nanmin(values))} to {numbers.figure(np.nanmax(values))})"
-        return ", ".join(filter(None, (f"{printable(name)}{ends}", self.unit(name))))
-
-    def scale(self, name: str) -> str:
-        """The label of a figure's scale below its name."""
-        return ", ".join(filter(None, ("value", self.unit(name))))
+        return axis_label(f"{printable(name)}{ends}", self.unit(name))
 
     def target(self, figure: str) -> tuple[float, str]:
         """The best value of a figure, and the note on the design nearest to it."""
@@ -110,7 +107,7 @@ class DrawnDesigns:
     @property
     def own_place(self) -> tuple[float, ...]:
         """The file's own numbers by parameter if they lie among the designs, else nothing."""
-        place = tuple(self.own.get(name, math.nan) for name in self.parameters)
+        place = tuple(self.own[name] for name in self.parameters)
         ends = [(np.min(values), np.max(values)) for values in map(self.values, self.parameters)]
         return place if all(low <= value <= high for value, (low, high) in zip(place, ends, strict=True)) else ()
 
@@ -118,21 +115,18 @@ class DrawnDesigns:
     def head(self) -> tuple[str, ...]:
         """Lines above the picture: whose designs, under which conditions, what is left out."""
         about, left = self.dataset.attrs, len(self.dataset.data_vars) - len(self.figures)
-        conditions = str(about.get("conditions", "")).removeprefix(
-            f"{about.get('mechanism')} ({about.get('variant')}): "
-        )
-        who = ", ".join(filter(None, (str(about.get(key, "")) for key in ("mechanism", "variant"))))
+        conditions = about["conditions"].removeprefix(f"{about['mechanism']} ({about['variant']}): ")
         drawn, failing = self.dataset[self.figures[0]].size, max(map(self.failing, self.figures))
-        sample = f", a sample of {grouped(drawn)} is drawn" if drawn < self.count else ""
-        fails = f", {grouped(failing)} of which {'does' if failing == 1 else 'do'} not assemble" if failing else ""
-        what = f"{grouped(self.count)} design{'s' * (self.count != 1)}{sample}{fails}"
+        sample = f", a sample of {_grouped(drawn)} is drawn" if drawn < self.count else ""
+        fails = f", {_grouped(failing)} of which {'does' if failing == 1 else 'do'} not assemble" if failing else ""
+        designs = f"{_grouped(self.count)} design{'s' * (self.count != 1)}{sample}{fails}"
         cut = CUT if any(map(self.span, self.figures)) else ""
         more = f"The first {MOST} of {left + MOST} figures are drawn." if left else ""
-        texts = (f"{who}: {what}" if who else what, conditions, cut, more)
+        texts = (f"{about['mechanism']}, {about['variant']}: {designs}", conditions, cut, more)
         return tuple(printable(text) for text in texts if text)
 
 
-def drawn_designs(dataset: xarray.Dataset, own: Mapping[str, float], always: Collection[int] = ()) -> DrawnDesigns:
+def drawn_designs(dataset: xarray.Dataset, own: Mapping[str, float], always: Collection[int]) -> DrawnDesigns:
     """The designs of a sweep to draw: a grid of one or two numbers thinned out evenly, of others a random sample.
 
     ``always`` are numbers of designs that are among them, in the order of the dimensions.
@@ -154,6 +148,5 @@ def drawn_designs(dataset: xarray.Dataset, own: Mapping[str, float], always: Col
     return DrawnDesigns(drawn, own, count)
 
 
-def grouped(count: int) -> str:
-    """A count with its thousands apart."""
-    return f"{count:,}".replace(",", "\u202f")
+def _grouped(count: int) -> str:
+    return numbers.grouped(count, "\N{NARROW NO-BREAK SPACE}")

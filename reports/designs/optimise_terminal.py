@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any, Final, NamedTuple
+from collections.abc import Iterator
+from typing import Any, Final
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from analytic import signals
+from analytic.description.file_units import file_unit
 from analytic.designs.derivatives import is_exact
 from analytic.errors import printable
+from analytic.signals import MAGNITUDE
 from analytic.written import change, finite
 from comparisons.designs.optimisation import Optimum
 from comparisons.designs.problem import Constraint
 from comparisons.designs.searches import Search
-from reports.charts import draw
-from reports.document import numbers
-from reports.document.chart import Chart, Curve, Note, Panel
+from reports.document.chart import Chart, Curve, Ink, Note, Panel, axis_label
 from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
@@ -81,8 +81,7 @@ def _figures(optimum: Optimum) -> Table:
 
 def closing(optimum: Optimum) -> str:
     """The outcome in one sentence: the aim before and after, and the numbers that give it."""
-    sign, many = optimum.problem.sign, len(optimum.problem.aims)
-    before, after = (sign * max((sign * values[:many]).tolist()) for values in optimum.values)
+    before, after = (_aim_value(optimum, values) for values in optimum.values)
     unit = optimum.problem.aims[0].unit
     numbers = (
         f"{part.name} {figure(optimum.after[part.name] / part.unit.size, DIGITS)} {part.unit.name}".rstrip()
@@ -90,6 +89,12 @@ def closing(optimum: Optimum) -> str:
     )
     ends = " to ".join(figure(value / unit.size, DIGITS) for value in (before, after))
     return f"{aim(optimum)}: from {ends} {unit.name} at {', '.join(numbers)}".replace("  ", " ")
+
+
+def _aim_value(optimum: Optimum, values: Array) -> float:
+    """The value of the aim among figures (figures,), SI: of several aims that of the worst."""
+    sign, many = optimum.problem.sign, len(optimum.problem.aims)
+    return float(sign * np.max(sign * values[:many]))
 
 
 def aim_word(optimum: Optimum) -> str:
@@ -148,11 +153,9 @@ def _optimality(search: Search) -> Iterator[str]:
 
 def _rounding(optimum: Optimum) -> str:
     """The cost of whole steps: the loss of the aim, and the constraints they violate."""
-    many = len(optimum.problem.aims)
-    before, after = (
-        max((optimum.problem.sign * values[:many]).tolist()) for values in (optimum.exact, optimum.values[1])
-    )
-    cost = change((after - before) / abs(before)) if before else ""
+    sign = optimum.problem.sign
+    before, after = (sign * _aim_value(optimum, values) for values in (optimum.exact, optimum.values[1]))
+    cost = _percent(_relative(before, after))
     after_of = dict(
         zip((named_figure.name for named_figure in optimum.figures), optimum.values[1].tolist(), strict=True)
     )
@@ -235,49 +238,36 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
 # Curves of a linkage before and after its numbers were changed, with their peaks.
 
 
-FIRST: Final = ("Mkr",)
+MOST: Final = 9  # panels of the picture
 PANEL, FRAME = 1.9, 0.6  # in, height of a panel, of the words below the last
-TURN: Final = 360.0
+LOOKS: Final[tuple[tuple[Ink, str], ...]] = (("muted", "--"), (0, "-"))  # of a curve before and after: ink and line
 
 
-class Change(NamedTuple):
-    """A signal over the driver's places (n,), degrees or a length, before and after (n,), and the unit of both."""
-
-    places: Array
-    before: Array
-    after: Array
-    unit: str
-
-
-def before_after_figure(
-    signals: Mapping[str, Change], *head: str, axis: str = "crank angle φ, °", most: int = 9
-) -> Figure:
+def before_after_chart(optimum: Optimum, conditions: str) -> Chart:
     """A panel per signal, the drive's torque first; of each the largest magnitude before and after is marked."""
-    names = sorted(signals, key=lambda name: name not in FIRST)
-    more = f"The first {most} of {len(names)} signals are drawn." if len(names) > most else ""
-    panels = tuple(_panel(name, signals[name], axis) for name in names[:most])
-    key = (Curve(np.zeros(0), np.zeros(0), "before", "muted", "--"), Curve(np.zeros(0), np.zeros(0), "after", 0))
-    lines = tuple(line for line in (*head, more) if line)
-    return draw.figure(Chart(panels, PANEL * len(panels) + FRAME, wide=True, head=lines, key=key))
+    curves = optimum.curves()
+    names = sorted(curves, key=lambda name: name != "Mkr")
+    more = [f"The first {MOST} of {len(names)} signals are drawn."] if len(names) > MOST else []
+    panels = tuple(_panel(optimum, name, curves[name]) for name in names[:MOST])
+    key = (Curve(name="before", ink="muted", line="--"), Curve(name="after"))
+    return Chart(panels, PANEL * len(panels) + FRAME, wide=True, head=(aim(optimum), conditions, *more), key=key)
 
 
-def _panel(name: str, change: Change, axis: str) -> Panel:
-    """One signal before and after, its largest magnitudes marked."""
-    curves: list[Curve] = []
-    notes, sentences = [], []
-    for values, ink, line in ((change.before, "muted", "--"), (change.after, 0, "-")):
-        curves.append(Curve(change.places, values, "", ink, line))
-        size = np.where(np.isfinite(values), np.abs(values), -1.0)
-        place = int(np.argmax(size)) if len(size) else -1
-        if place < 0 or size[place] < 0.0:
-            sentences.append(numbers.ABSENT)
-            continue
-        x, y = float(change.places[place]), float(values[place])
-        curves.append(Curve(np.array([x]), np.array([y]), "", ink, "", marker="o"))
-        sentences.append(numbers.figure(y))
-        notes.append(Note(x, y, sentences[-1]))
-    turn = axis.endswith("°") and abs(float(np.ptp(change.places)) - TURN) < 0.1 * TURN and change.places[0] > -1.0
-    unit = printable(change.unit)
-    title = f"{printable(name)}: peak {' → '.join(sentences)} {unit}".rstrip()
-    label = ", ".join(filter(None, ("value", unit)))
-    return Panel(tuple(curves), axis, label, (), tuple(notes), turn=bool(turn), names="", title=title)
+def _panel(optimum: Optimum, name: str, curves: Array) -> Panel:
+    """One signal before and after, (2, angles) in SI, with its largest magnitudes marked."""
+    linkage, maxima = optimum.problem.mechanism.linkage, optimum.problem.maxima
+    unit, length = file_unit(signals.unit(name, linkage), linkage), file_unit("m", linkage)
+    places = maxima.grid / length.size if linkage.is_linear else np.degrees(maxima.grid)
+    drawn, notes = [], []
+    for values, (ink, line) in zip(curves / unit.size, LOOKS, strict=True):
+        peak = np.argmax(np.where(np.isfinite(values), np.abs(values), -1.0))
+        marker = Curve(places[[peak]], values[[peak]], "", ink, "", marker="o")
+        drawn += [Curve(places, values, "", ink, line), marker]
+        notes.append(Note(float(places[peak]), float(values[peak]), figure(values[peak])))
+    unit_name = printable(unit.name)
+    peaks = " → ".join(note.text for note in notes)
+    title = f"{printable(name.removesuffix(MAGNITUDE))}: peak {peaks} {unit_name}".rstrip()
+    axis = f"travel of the drive, {length.name}" if linkage.is_linear else "crank angle φ, °"
+    turn = maxima.motion.is_full_turn
+    y_label = axis_label("value", unit_name)
+    return Panel(tuple(drawn), axis, y_label, (), tuple(notes), turn=turn, names="", title=title)

@@ -1,11 +1,21 @@
-"""Results for a terminal: key figures of a motion, or every signal at chosen instants, in the units of the file."""
+"""Results for a terminal, as a tidy table and as JSON: key figures of a motion, or every signal at chosen instants.
+
+Terminal and table are in the units of the linkage's file, JSON is in SI.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 from collections.abc import Iterator, Sequence
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from analytic.signals import COMPONENTS, MAGNITUDE
+from analytic.written import plain
 from comparisons.datasheet.curves import TIME
 from comparisons.datasheet.linkage_warnings import warnings
 from comparisons.datasheet.sheet import Sheet
@@ -14,29 +24,28 @@ from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
 from reports.mechanism.shown import HEADS, figures_table, number, place_cells, places
 
+Array = NDArray[np.float64]
+
 DRIVE_COLUMNS: Final = (
     ("omega", "epsilon", "Mkr", "Peq"),
     ("Teq", "Jeq", "S", "v", "a"),
 )  # of two tables
 
 
-def key_figures(sheet: Sheet) -> list[Printed]:
-    """Drive, forces, transmission angles and output, each with where its peak is."""
-    tables = (*(figures_table(sheet, name) for name in HEADS if sheet.figures[name]), *_output(sheet))
-    return [*_head(sheet), *(part for table in tables for part in ("", table)), *_remarks(sheet)]
+def printed(sheet: Sheet) -> list[Printed]:
+    """Tables of the key figures, or of every signal at the chosen instants, under the conditions and above remarks.
 
-
-def _head(sheet: Sheet) -> list[Printed]:
-    return [Paragraph(sheet.conditions, colour="bold")]
-
-
-def _remarks(sheet: Sheet) -> list[Printed]:
-    """Signs, what the file does not give, and what looks like a slip in it, as ``linkproof check`` has it."""
+    The remarks are on signs, what the file does not give, and likely mistakes in it, as ``linkproof check`` has them.
+    """
+    tables = _key_figures(sheet) if sheet.chosen is None else _at_instants(sheet)
     slips = [Paragraph(f"warning: {text}", colour="yellow") for text in warnings(sheet.linkage)]
-    return ["", *sheet.remarks, *slips]
+    parts = (part for table in tables for part in ("", table))
+    return [Paragraph(sheet.conditions, colour="bold"), *parts, "", *sheet.remarks, *slips]
 
 
-def _output(sheet: Sheet) -> Iterator[Table]:
+def _key_figures(sheet: Sheet) -> Iterator[Table]:
+    """Drive, forces, transmission angles and output, each with where its peak is."""
+    yield from (figures_table(sheet, name) for name in HEADS if sheet.figures[name])
     if sheet.linkage.output is not None:
         head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
         rows = [
@@ -51,12 +60,12 @@ def _output(sheet: Sheet) -> Iterator[Table]:
         yield Table("", head, rows, "lrlr")
 
 
-def at_instants(sheet: Sheet) -> list[Printed]:
-    """Every signal at the chosen instants: crank and output, points, links, joints."""
+def _at_instants(sheet: Sheet) -> list[Table]:
+    """Crank and output, points, links, joints."""
     tables = [_instants_table(sheet, [name for name in names if name in sheet.values]) for names in DRIVE_COLUMNS]
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
         tables += _part_tables(sheet, kind, head)
-    return [*_head(sheet), *(part for table in tables if table.rows for part in ("", table)), *_remarks(sheet)]
+    return [table for table in tables if table.rows]
 
 
 def _instants_table(sheet: Sheet, names: Sequence[str]) -> Table:
@@ -100,3 +109,45 @@ def _instants(sheet: Sheet) -> list[tuple[str, ...]]:
 
 def _column(sheet: Sheet, name: str) -> list[str]:
     return [figure(sheet.without_rounding(name, value) / sheet.unit(name).size) for value in sheet.table[name].tolist()]
+
+
+# Results as files.
+
+
+def columns(sheet: Sheet) -> dict[str, Array]:
+    """Every signal at every instant, (n,), in the file's units, by name and unit, the axis first."""
+    names = sorted(sheet.table, key=lambda name: name != sheet.axis)  # stable: the rest keeps its order
+    units = {name: sheet.unit(name) for name in names}
+    return {f"{name} [{unit.name}]": sheet.table[name] / unit.size + 0.0 for name, unit in units.items()}
+
+
+def csv_table(sheet: Sheet, decimal: str = ".") -> str:
+    """A column each. With a decimal comma semicolons separate them, and a byte-order mark makes Excel read UTF-8.
+
+    The mark is what makes a spreadsheet of a country with decimal commas show ° and φ as they are.
+    """
+    text, table = io.StringIO(), columns(sheet)
+    has_comma = decimal == ","
+    writer = csv.writer(text, lineterminator="\n", delimiter=";" if has_comma else ",")
+    writer.writerow(table)
+    rows = ([f"{value:z.15g}" for value in row] for row in np.column_stack([*table.values()]).tolist())
+    writer.writerows([cell.replace(".", decimal) for cell in row] for row in rows)
+    return f"\ufeff{text.getvalue()}" if has_comma else text.getvalue()
+
+
+def json_text(sheet: Sheet) -> str:
+    """One object, SI, angles in rad: ``conditions axis units values peaks figures warnings``.
+
+    ``values`` has a list by name, ``peaks`` by name the value and where it is: φ where that is the axis, else the time.
+    ``figures`` has the tables of ``comparisons.datasheet.figures``. What is not finite is null.
+    """
+    document: dict[str, Any] = {
+        "conditions": sheet.conditions,
+        "axis": sheet.axis,
+        "units": sheet.units,
+        "values": {name: plain(values) for name, values in sheet.table.items()},
+        "peaks": {name: {"value": peak.value, "at": sheet.place_of(peak)} for name, peak in sheet.peaks.items()},
+        "figures": {name: [vars(row) for row in rows] for name, rows in sheet.figures.items()},
+        "warnings": list(warnings(sheet.linkage)),
+    }
+    return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"

@@ -12,7 +12,7 @@ from openpyxl.cell import WriteOnlyCell
 from analytic.errors import printable
 from analytic.written import finite
 from comparisons.datasheet.sheet import Sheet
-from reports.designs.results_files import columns
+from reports.designs.results_terminal import columns
 
 Cell = str | float | None
 

@@ -18,7 +18,7 @@ from comparisons.designs.simulated_designs import EngineOverDesigns, TellingNumb
 from comparisons.designs.space import Grid
 from comparisons.designs.sweep import NO_DESIGN, RankedDesign, Summary, SweepRequest
 from comparisons.judging.records import Verdict
-from reports.document.numbers import error, figure, printed
+from reports.document.numbers import error, figure, grouped, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
 
@@ -61,9 +61,9 @@ class SweepSummary:
     def sentence(self) -> str:
         """How many designs there are, how many of them assemble, and between which values."""
         space, result = self.request.space, self.summary
-        count = _grouped(space.count)
+        count = grouped(space.count)
         if isinstance(space, Grid) and len(space.shape) > 1:
-            count = f"{count} ({' × '.join(map(_grouped, space.shape))})"
+            count = f"{count} ({' × '.join(map(grouped, space.shape))})"
         if result.assembled == result.designs:
             return (
                 f"{count} designs, all of which assemble at every angle"
@@ -75,7 +75,7 @@ class SweepSummary:
             f"{parameter.name} from {printed(least)} to {printed(most)} {parameter.unit.name}".strip()
             for parameter, (least, most) in zip(space.parameters, result.reach.tolist(), strict=True)
         )
-        return f"{count} designs, of which {_grouped(result.assembled)} ({share:g} %) assemble at every angle: {where}"
+        return f"{count} designs, of which {grouped(result.assembled)} ({share:g} %) assemble at every angle: {where}"
 
     @property
     def document(self) -> dict[str, Any]:
@@ -116,10 +116,6 @@ class SweepSummary:
             return []
         values: list[float] = self.request.space.file_values(extreme.design, extreme.design + 1)[:, 0].tolist()
         return values
-
-
-def _grouped(count: int) -> str:
-    return f"{count:,}".replace(",", " ")
 
 
 def csv_rows(saved: SavedSweep) -> Iterator[str]:

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from analytic.errors import printable
 from analytic.written import csv_text, finite, plain
 from comparisons.designs.tolerance_study import EXACT, ToleranceStudy
-from comparisons.designs.tolerances import Tornado
-from reports.charts import draw
-from reports.document import numbers
-from reports.document.chart import Chart, Curve, Mark, Panel
+from reports.document.chart import Chart, Curve, Mark, Panel, axis_label
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
@@ -48,17 +44,31 @@ def _table(study: ToleranceStudy, row: int) -> Table:
 
 def _row(study: ToleranceStudy, row: int, column: int) -> tuple[str, ...]:
     """The cells of one toleranced number in the table of one result, in the file's units."""
+    name, unit, plus_minus, distribution, derivative, contribution, share, *_ = _values(study, row, column)
+    return (
+        name,
+        printed(plus_minus),
+        f"{unit} {distribution}".strip(),
+        figure(derivative),
+        study.how if derivative is not None else TIED if study.how == EXACT else NONE,
+        figure(contribution),
+        ABSENT if share is None else f"{share:.1%}",
+    )
+
+
+def _values(study: ToleranceStudy, row: int, column: int) -> tuple[Any, ...]:
+    """Of one toleranced number and one result the ``COLUMNS`` from the parameter on, less what the derivative is."""
     tolerance, unit = study.request.tolerances[column], study.request.figures[row].unit
-    derivative = study.derivatives[row, column]
     own = tolerance.parameter.unit
     return (
         tolerance.name,
-        printed(tolerance.plus_minus / own.size),
-        f"{own.name} {tolerance.distribution}".strip(),
-        figure(derivative * own.size / unit.size),
-        study.how if not np.isnan(derivative) else TIED if study.how == EXACT else NONE,
-        figure(study.contributions[row, column] / unit.size),
-        ABSENT if np.isnan(study.shares[row, column]) else f"{study.shares[row, column]:.1%}",
+        own.name,
+        tolerance.plus_minus / own.size,
+        str(tolerance.distribution),
+        finite(float(study.derivatives[row, column] * own.size / unit.size)),
+        finite(float(study.contributions[row, column] / unit.size)),
+        finite(float(study.shares[row, column])),
+        *plain(study.changes[row, column] / unit.size),
     )
 
 
@@ -115,7 +125,7 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
         "nominal": float(study.nominal[row] / unit.size),
         "tolerances": [
             dict(zip(("parameter", "units", *COLUMNS[5:8], *COLUMNS[9:]), cells, strict=True))
-            for cells in _cells(study, row)
+            for cells in (_values(study, row, column) for column in range(len(study.request.tolerances)))
         ],
         "worst case": {
             "linear": finite(float(study.worst[row] / unit.size)),
@@ -132,26 +142,6 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
     }
 
 
-def _cells(study: ToleranceStudy, row: int) -> list[list[Any]]:
-    """Of every tolerance the cells of its row, from its name on, less what the derivative is."""
-    unit = study.request.figures[row].unit
-    return [
-        [
-            *(
-                tolerance.name,
-                tolerance.parameter.unit.name,
-                tolerance.plus_minus / tolerance.parameter.unit.size,
-                str(tolerance.distribution),
-            ),
-            finite(float(study.derivatives[row, column] * tolerance.parameter.unit.size / unit.size)),
-            finite(float(study.contributions[row, column] / unit.size)),
-            finite(float(study.shares[row, column])),
-            *plain(study.changes[row, column] / unit.size),
-        ]
-        for column, tolerance in enumerate(study.request.tolerances)
-    ]
-
-
 def csv_table(study: ToleranceStudy) -> str:
     """A row per result and parameter."""
     text = io.StringIO()
@@ -159,7 +149,8 @@ def csv_table(study: ToleranceStudy) -> str:
     writer.writerow(COLUMNS)
     for row, named in enumerate(study.request.figures):
         nominal = float(study.nominal[row] / named.unit.size)
-        for cells in _cells(study, row):
+        for column in range(len(study.request.tolerances)):
+            cells = _values(study, row, column)
             row_cells = [named.name, named.unit.name, nominal, *cells[:5], study.how, *cells[5:]]
             writer.writerow(csv_text(cell) if isinstance(cell, str) else cell for cell in row_cells)
     return text.getvalue()
@@ -173,36 +164,35 @@ ROW, FRAME = 0.27, 0.95  # in, height of a parameter and of all else in a panel
 LANE, WIDE = 0.17, 6.0  # half a row's two bars apart, and their width in points
 
 
-def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
-    """A panel per result, below lines of words; parameters that move nothing are left out and counted.
+def tornado_chart(study: ToleranceStudy) -> Chart:
+    """A panel per result; parameters that move nothing are left out and counted.
 
     On top stand parameters at whose limits the linkage does not assemble; their change is nan.
     """
-    panels = tuple(map(_panel, tornados))
+    panels = tuple(_panel(study, row) for row in range(len(study.request.figures)))
     height = sum(ROW * len(panel.rows) + FRAME for panel in panels)
-    key = (_bar((), (), 0, "at the lower limit"), _bar((), (), 1, "at the upper limit"))
-    return draw.figure(Chart(panels, height, wide=True, head=head, key=key, own_x=True))
+    key = (Curve(name="at the lower limit", width=WIDE), Curve(name="at the upper limit", ink=1, width=WIDE))
+    return Chart(panels, height, wide=True, head=(study.request.conditions,), key=key)
 
 
-def _panel(tornado: Tornado) -> Panel:
+def _panel(study: ToleranceStudy, row: int) -> Panel:
     """The tornado of one result."""
-    sizes = {bar: float(np.max(np.nan_to_num(np.abs(bar[1:]), nan=np.inf))) for bar in tornado.bars}
-    moving = sorted((bar for bar, size in sizes.items() if size > 0.0), key=lambda bar: -sizes[bar])
+    result, names = study.request.figures[row], [tolerance.name for tolerance in study.request.tolerances]
+    changes = study.changes[row] / result.unit.size
+    sizes = np.max(np.nan_to_num(np.abs(changes), nan=np.inf), axis=1)
+    order = np.argsort(-sizes, kind="stable")
+    moving = [int(column) for column in order if sizes[column] > 0.0]
     shown = moving[:MOST]
     curves = tuple(
-        _bar(ends, (row + side * LANE,) * 2, ink)
-        for row, bar in enumerate(shown)
-        for ink, (side, ends) in enumerate(((-1.0, (0.0, bar[1])), (1.0, (0.0, bar[2]))))
+        Curve(np.array([0.0, end]), np.full(2, place + side * LANE), ink=ink, width=WIDE)
+        for place, column in enumerate(shown)
+        for ink, (side, end) in enumerate(zip((-1.0, 1.0), changes[column], strict=True))
     )
     left = [f"{len(moving) - len(shown)} smaller ones are left out"] if len(moving) > len(shown) else []
-    still = len(tornado.bars) - len(moving)
+    still = len(names) - len(moving)
     left += [f"{still} {'moves' if still == 1 else 'move'} nothing"] if still else []
-    what = f"{tornado.result}: {numbers.figure(tornado.nominal)} {tornado.unit}".rstrip()
-    label = ", ".join(filter(None, ("change", tornado.unit)))
-    rows = tuple(printable(bar[0]) + FAILS * (sizes[bar] == np.inf) for bar in shown) or ("–",)
+    unit = result.unit.name
+    what = f"{result.name}: {figure(study.nominal[row] / result.unit.size)} {unit}".rstrip()
+    rows = tuple(printable(names[column]) + FAILS * bool(np.isinf(sizes[column])) for column in shown) or ("–",)
     title = printable("; ".join([what, *left]))
-    return Panel(curves, printable(label), "", (Mark(0.0),), names="", title=title, rows=rows)
-
-
-def _bar(x: Sequence[float], y: Sequence[float], ink: int, name: str = "") -> Curve:
-    return Curve(np.array(x, dtype=float), np.array(y, dtype=float), name, ink, width=WIDE)
+    return Panel(curves, printable(axis_label("change", unit)), "", (Mark(0.0),), names="", title=title, rows=rows)

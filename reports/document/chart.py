@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# A colour: "ink", "muted", "faint", "reference", "limit", "paper", its number in the palette, or a share of the ramp.
-Ink = str | int | float
+# A colour: "ink", "muted", "faint", "reference", "limit", "paper", or its number in the palette.
+Ink = str | int
+
+
+def axis_label(name: str, unit: str) -> str:
+    """The label of an axis: a name and its unit, if it has one."""
+    return f"{name}, {unit}" if unit else name
 
 
 @dataclass(frozen=True)
@@ -18,11 +23,12 @@ class Curve:
     """Points (n,) and how they are drawn; ``line`` is one of matplotlib's, or empty for marks alone.
 
     ``stacked`` fills the area down to the curve before it. ``name`` stands in the key or at the right end; ``size`` is
-    that of a marker, points. Wide lines end where their points are, so that they serve as bars.
+    that of a marker, points. Wide lines end where their points are, so that they serve as bars. Without points it is an
+    entry of a key.
     """
 
-    x: Array
-    y: Array
+    x: Array = field(default_factory=lambda: np.zeros(0))
+    y: Array = field(default_factory=lambda: np.zeros(0))
     name: str = ""
     ink: Ink = 0
     line: str = "-"
@@ -100,7 +106,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels in ``columns``; those of one column share their x axis, unless ``own_x``. ``height`` is in inches.
+    """Panels in ``columns``; those of one column share their x axis unless they have ``rows``. ``height`` is in inches.
 
     ``head`` are lines above all panels, the first in bold, and ``key`` what the panels have in common. ``axis`` is
     "phi" or "time" where x is that of the mechanism's motion, so that a page may show where it is.
@@ -113,4 +119,3 @@ class Chart:
     axis: Literal["", "phi", "time"] = ""
     head: tuple[str, ...] = ()
     key: tuple[Curve | Hatch, ...] = ()
-    own_x: bool = False

@@ -21,12 +21,12 @@ SIGNAL = re.compile(r"(?P<kind>point|link|joint_force):(?P<owner>.+):(?P<what>\w
 
 def render(template: str, **values: object) -> Markup:
     """A page template of ``reports/templates``, filled in."""
-    return Markup(_environment(escaped=True).get_template(template).render(**values))
+    return Markup(_environment().get_template(template).render(**values))
 
 
 def lines(macro: str, **values: object) -> list[str]:
     """The sentences of one macro of ``sentences.txt``, a line each, as plain text."""
-    words: Any = _environment(escaped=False).get_template("sentences.txt").module
+    words: Any = _environment().get_template("sentences.txt").module
     names = str(getattr(words, macro)(**values)).splitlines()
     return [" ".join(line.split()) for line in names if line.strip()]
 
@@ -37,10 +37,10 @@ def sentence(macro: str, **values: object) -> str:
 
 
 @cache
-def _environment(*, escaped: bool) -> jinja2.Environment:
+def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(FOLDER),
-        autoescape=escaped,
+        autoescape=jinja2.select_autoescape(),  # pages, not sentences
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

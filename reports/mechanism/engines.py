@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
-from types import MappingProxyType
 from typing import Any, Final
 
 from comparisons.datasheet.instants import extreme_samples
@@ -24,7 +23,7 @@ KEY: Final = "engines"
 SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
 
 
-def engines_section(view: View, printed: Mapping[str, ByName] = MappingProxyType({})) -> Section:
+def engines_section(view: View, printed: Mapping[str, ByName]) -> Section:
     """The half of a mechanism's page that shows what was simulated, or the curves of another tool's file.
 
     ``printed`` are the motions of models as printed, by erratum.

@@ -40,17 +40,17 @@ def portrait(facts: Mapping[str, Any]) -> list[Printed]:
     """A mechanism's source, variants and figures; its structure is in the output of ``linkproof check``."""
     return [
         Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold"),
-        *_facts("origin", facts=facts),
-        *_facts("mechanism", facts=facts),
+        *_lines("origin", 10, facts=facts),
+        *_lines("mechanism", 10, facts=facts),
         "",
         Table("", ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"])), "l"),
         *(f"note: {note}" for note in facts["notes"]),
     ]
 
 
-def _facts(macro: str, **values: object) -> list[Printed]:
-    """The lines of a macro of ``sentences.txt``, each with a name before its first colon."""
-    return [f"{name:<10} {fact}" for name, _, fact in (words.partition(": ") for words in lines(macro, **values))]
+def _lines(macro: str, width: int, **values: object) -> list[Printed]:
+    """The lines of a macro of ``sentences.txt``, each with a name of so many characters before its first colon."""
+    return [f"{name:<{width}} {fact}" for name, _, fact in (words.partition(": ") for words in lines(macro, **values))]
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
@@ -62,7 +62,7 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
 
 def thread(facts: Mapping[str, Any], comparison: FeedComparison | None) -> list[Printed]:
     """Contour, feed and eyes of a thread, and how far its feed is from a required one."""
-    return [*_facts("thread_facts", thread=facts), *(_feed(comparison) if comparison else [])]
+    return [*_lines("thread_facts", 10, thread=facts), *(_feed(comparison) if comparison else [])]
 
 
 def _feed(comparison: FeedComparison) -> list[Printed]:
@@ -114,6 +114,5 @@ def printed(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[P
     """A line for each fact; ``written`` writes a length, m, in the file's unit."""
     heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
     about = {"facts": facts, "written": written, "binds": math.degrees(BINDS)}
-    rows = (line.partition(": ") for line in lines("check", **about))
     warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in lines("check_warnings", **about)]
-    return [heading, *(f"{label:<13}{text}" for label, _, text in rows), *warnings]
+    return [heading, *_lines("check", 12, **about), *warnings]

@@ -153,7 +153,7 @@ def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: boo
         if file == SUMMARY and contents.campaign is not None:
             write_text(folder / SUMMARY, markdown(contents.campaign, contents.sheets))
             return (SUMMARY,)
-        return tuple(html.write_all(contents.page(file), folder, links, png=png))
+        return tuple(html.write(contents.page(file), folder, links, png=png))
     finally:
         gc.enable()
 
@@ -185,7 +185,8 @@ def write_merged_site(folders: Sequence[MergedFolder], out: Path) -> Path:
         write_site(folder.path)
     html.write_assets(out)
     links = [PageLink("Machines", INDEX), *(PageLink(folder.name, f"{folder.name}/{INDEX}") for folder in folders)]
-    return html.write(machines_page(folders), out, links)
+    html.write(machines_page(folders), out, links)
+    return out / INDEX
 
 
 def machines_page(folders: Sequence[MergedFolder]) -> Page:

@@ -7,19 +7,13 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from analytic import signals
 from analytic.description.changes import SPEED
-from analytic.description.file_units import file_unit
 from analytic.description.loading import load
-from analytic.signals import MAGNITUDE
-from comparisons.designs.optimisation import Optimum
 from comparisons.designs.parameters import design_file, speed_unit
 from comparisons.runs.files import write_text
 from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import Destination
-from reports.designs.optimise_terminal import aim, closing, document, printed
+from reports.designs.optimise_terminal import before_after_chart, closing, document, printed
 from reports.requests import PASSED
 from reports.requests.campaign_options import CompareOptions
 from reports.requests.designs import find_optimum
@@ -43,9 +37,11 @@ def optimise(options: OptimiseOptions, destination: Destination) -> int:
     destination.write_json(saved)
     tables, wrote = printed(best, conditions), []
     if folder is not None:
+        from reports.charts import draw  # noqa: PLC0415 - half a second that other calls save
+
         write_text(folder / name, text)
         write_text(folder / JSON, to_json(saved))
-        write_text(folder / CURVES, _picture(best, conditions))
+        write_text(folder / CURVES, draw.svg(draw.figure(before_after_chart(best, conditions)), page="white"))
         wrote.append(f"Written: {folder / name}, {JSON}, {CURVES}.")
     motion = replace(options.motion, variant=None)  # the new file has one variant
     if SPEED in best.after:
@@ -60,21 +56,6 @@ def optimise(options: OptimiseOptions, destination: Destination) -> int:
     first = "" if folder else "--out DIR writes the new file; "
     destination.remark(f"To check it in an engine: {first}{command_line('compare', new)}")
     return PASSED
-
-
-def _picture(result: Optimum, conditions: str) -> str:
-    """The curves before and after."""
-    from reports.charts.draw import svg  # noqa: PLC0415 - half a second that other calls save
-    from reports.designs.optimise_terminal import Change, before_after_figure  # noqa: PLC0415
-
-    linkage, grid = result.problem.mechanism.linkage, result.problem.maxima.grid
-    places = grid / file_unit("m", linkage).size if linkage.is_linear else np.degrees(grid)
-    changes = {}
-    for name, (before, after) in result.curves().items():
-        unit = file_unit(signals.unit(name, linkage), linkage)
-        changes[name.removesuffix(MAGNITUDE)] = Change(places, before / unit.size, after / unit.size, unit.name)
-    axis = f"travel of the drive, {file_unit('m', linkage).name}" if linkage.is_linear else "crank angle φ, °"
-    return svg(before_after_figure(changes, aim(result), conditions, axis=axis), page="white")
 
 
 def _simulate(engines: tuple[str, ...], motion: MotionOptions, destination: Destination, name: str, text: str) -> int:

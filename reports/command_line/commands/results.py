@@ -13,7 +13,7 @@ from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
 from comparisons.runs.files import check_writable, claim
 from reports.command_line.destination import STDOUT, check_files, requested_files, write_files
-from reports.designs.results_files import csv_table, json_text
+from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.document.terminal import show
 from reports.requests.case import requested_results
 from reports.requests.motion_options import ResultsFiles, ResultsOptions
@@ -46,9 +46,7 @@ def results(
     if files.out is not None:
         _write_page(files.out, drawn, opens=opens, quiet=quiet)
     if STDOUT not in named.values() and not quiet:
-        from reports.designs import results_terminal as terminal  # noqa: PLC0415 - JSON and CSV need no tables
-
-        show(*(terminal.key_figures(result) if result.chosen is None else terminal.at_instants(result)))
+        show(*printed(result))
 
 
 def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:

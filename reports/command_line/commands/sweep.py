@@ -152,8 +152,9 @@ def _write_pictures(svg: str | None, destination: Destination, saved: SavedSweep
         picture.unlink(missing_ok=True)  # that of an earlier sweep
         places += [] if destination.quiet else [str(picture)]
     if places:
-        from reports.designs.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that other calls save
+        from reports.charts import draw  # noqa: PLC0415 - a second that other calls save
+        from reports.designs.sweep_picture import sweep_figure  # noqa: PLC0415
 
-        text = sweep_svg(saved.dataset(), summary.own_parameters, summary.summary.extremes)
+        text = draw.svg(sweep_figure(saved.dataset(), summary.own_parameters, summary.summary.extremes), page="white")
         for place in places:
             write_to_stdout(text) if place == STDOUT else write_text(Path(place), text)

@@ -9,7 +9,7 @@ from comparisons.designs.tolerance_study import ToleranceStudy, tolerance_study
 from comparisons.designs.tolerances import read_tolerances
 from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import STDOUT, check_files, progress, requested_files, write_files
-from reports.designs.tolerance_terminal import csv_table, document, printout
+from reports.designs.tolerance_terminal import csv_table, document, printout, tornado_chart
 from reports.document.terminal import show
 from reports.requests.case import check_steady
 from reports.requests.designs import build_tolerance_request
@@ -37,8 +37,6 @@ def _file_content(option: str, study: ToleranceStudy) -> str:
         return to_json(document(study))
     if option == "--csv":
         return csv_table(study)
-    from reports.charts.draw import svg  # noqa: PLC0415 - half a second that other calls save
-    from reports.designs.tolerance_terminal import tornado_figure  # noqa: PLC0415
+    from reports.charts import draw  # noqa: PLC0415 - half a second that other calls save
 
-    rows = range(len(study.request.figures))
-    return svg(tornado_figure([study.tornado(row) for row in rows], study.request.conditions), page="white")
+    return draw.svg(draw.figure(tornado_chart(study)), page="white")

@@ -90,13 +90,6 @@ def test_designs_that_do_not_assemble_are_counted_and_none_at_all_is_told():
         study(samples=1)
 
 
-def test_a_picture_has_the_units_of_the_file():
-    tornado = study(samples=4).tornado(1)
-    assert (tornado.result, tornado.unit) == ("stroke", "mm")
-    assert tornado.nominal == pytest.approx(30.99, abs=0.01)
-    assert [name for name, *_ in tornado.bars] == [*TABLE]
-
-
 def test_where_there_is_no_closed_form_derivatives_are_differences():
     sample, heard = driven("ternary-on-rods"), []
     asked = Tolerances(("Mkr@30",), None, {"crank.A.x": 0.01})

@@ -1,36 +1,31 @@
-"""Curves before and after a change: torque first, peaks marked, whatever the values."""
+"""Curves before and after a change: torque first, peaks marked."""
 
 import numpy as np
 import pytest
 
+from analytic.description.crank_motion import RPM
+from comparisons.designs.optimisation import OptimisationRequest, optimise
+from comparisons.designs.parameters import steady_motion
 from reports.charts import draw
 from reports.charts.scales import MUTED, PALETTE
-from reports.designs.optimise_terminal import Change, before_after_figure
+from reports.designs.optimise_terminal import before_after_chart
+from reports.document.numbers import figure as digits
+from tests.analytic.linkages import mechanism
 from tests.reports.drawn_words import texts
-
-ANGLE = np.arange(0.0, 360.0, 2.0)
-WAVE = np.sin(np.radians(ANGLE))
 
 
 def test_torque_comes_first_and_both_peaks_are_marked():
-    signals = {
-        "joint_force:needle_bar on ground": Change(ANGLE, 100.0 + WAVE, 90.0 - WAVE, "N"),
-        "Mkr": Change(ANGLE, -0.27 * WAVE - 0.01, 0.2 * WAVE + 0.01, "N*m"),
-    }
-    figure = before_after_figure(signals, "made-up")
+    rimoldi = mechanism("rimoldi-164")
+    wanted = OptimisationRequest("joint_force:A.peak", ("rod.B.x=170:180",))
+    optimum = optimise(rimoldi, steady_motion(rimoldi, 1000.0 * RPM, samples=90), wanted, lambda *_: None)
+    torque = optimum.curves()["Mkr"]
+    figure = draw.figure(before_after_chart(optimum, "made-up"))
     first, second = figure.axes
     assert {"before", "after", "made-up"} <= set(texts(figure))
-    assert "Mkr: peak -0.2800 → 0.2100 N*m" in texts(figure, first)
-    assert "joint_force:needle_bar on ground: peak 101.0 → 91.00 N" in texts(figure, second)
-    dots = {line.get_color(): line.get_xydata().tolist() for line in first.lines if line.get_marker() == "o"}
-    assert dots == {MUTED: [pytest.approx([90.0, -0.28])], PALETTE[0]: [pytest.approx([90.0, 0.21])]}
+    before, after = (values[np.argmax(np.abs(values))] for values in torque)
+    assert f"Mkr: peak {digits(before)} → {digits(after)} N*m" in texts(figure, first)
+    assert any(text.startswith("joint_force:A: peak ") for text in texts(figure, second))
+    dots = {line.get_color(): line.get_ydata()[0] for line in first.lines if line.get_marker() == "o"}
+    assert dots == {MUTED: pytest.approx(before), PALETTE[0]: pytest.approx(after)}
     assert "crank angle φ, °" in texts(figure, second)
     assert second.get_xlim() == (0.0, 360.0)
-
-
-@pytest.mark.parametrize("values", [np.full(5, np.nan), np.zeros(0), np.full(5, 1e300)])
-def test_any_values_are_drawn(values):
-    places = np.linspace(0.1, 0.2, len(values))
-    figure = before_after_figure({"S": Change(places, values, values, "")}, axis="travel of the drive, m")
-    assert draw.svg(figure)
-    assert len(figure.axes) == 1

@@ -11,7 +11,7 @@ from rich.console import Console
 from analytic.description.crank_motion import swing
 from analytic.errors import LinkproofError
 from reports.designs.results_drawing import picture
-from reports.designs.results_terminal import key_figures
+from reports.designs.results_terminal import printed
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
@@ -50,7 +50,7 @@ def test_forces_through_a_change_point_are_drawn_where_they_have_a_bound():
     found = shown(mechanism("parallelogram"))
     assert "shaking force" in words(found)
     screen = Console(width=120, file=StringIO())
-    screen.print(key_figures(found))
+    screen.print(printed(found))
     text = screen.file.getvalue()
     assert "nan" not in text
     assert "Joint forces have no bound at the change point" in text

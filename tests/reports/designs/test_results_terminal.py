@@ -1,19 +1,140 @@
-"""Tables of results where some figures have no value."""
+"""Tables without some values; the CSV in the file's units and the JSON in SI say the same, whatever the units."""
+
+import csv
+import io
+import json
 
 import numpy as np
+import openpyxl
+import pandas
+import pytest
 
+from analytic.description.crank_motion import RPM, crank_motion
 from comparisons.datasheet.instants import Instants
-from reports.designs.results_terminal import at_instants, key_figures
+from comparisons.imported.reading import read_results
+from reports.designs.results_terminal import csv_table, json_text, printed
+from reports.designs.results_workbook import workbook
 from reports.document.terminal import rendered
-from tests.analytic.linkages import mechanism
-from tests.reports.designs.samples import TURN, results
+from tests.analytic.linkages import from_text, mechanism
+from tests.reports.designs.samples import CRANK, IMPERIAL, MASS, ROD, SPEED, TURN, engine, piston, piston_text, results
+
+# What one of the file's unit is in SI, for each unit that a column can have.
+SIZES = {"s": 1.0, "J": 1.0, "W": 1.0, "N*mm": 1e-3, "kN": 1e3, "kg*m^2": 1.0}
+SIZES |= {f"in{rest}": 0.0254 for rest in ("", "/s", "/s^2")} | {
+    f"deg{rest}": np.pi / 180 for rest in ("", "/s", "/s^2")
+}
+
+
+def table(results):
+    head, *rows = csv.reader(io.StringIO(csv_table(results)))
+    return dict(zip(head, np.array(rows, dtype=float).T, strict=True))
+
+
+def test_json_is_one_object_in_si_whatever_the_units_of_the_file():
+    metric, imperial = (json.loads(json_text(piston(*units))) for units in ((), IMPERIAL))
+    assert list(metric) == ["conditions", "axis", "units", "values", "peaks", "figures", "warnings"]
+    assert metric["axis"] == "phi"
+    assert set(metric["values"]) == set(metric["units"]) == set(metric["peaks"])
+    assert metric["units"] == imperial["units"]
+    assert metric["units"]["joint_force:A:x"] == "N"
+    expected = "phi omega epsilon Mkr Peq Teq Jeq S v a time point:B:x point:B:vx point:B:ay link:rod:alpha"
+    assert {*expected.split(), "joint_force:piston on ground:y"} <= set(metric["values"])
+    for name, values in metric["values"].items():
+        scale = 1e-11 * max(map(abs, values)) + 1e-9
+        assert imperial["values"][name] == pytest.approx(values, abs=scale), name
+        assert imperial["peaks"][name]["value"] == pytest.approx(metric["peaks"][name]["value"], abs=scale), name
+
+
+def test_csv_has_a_column_per_signal_in_the_units_of_the_file_and_the_axis_first():
+    found = piston(*IMPERIAL)
+    columns, document = table(found), json.loads(json_text(found))
+    assert next(iter(columns)) == "phi [deg]"
+    for head, values in columns.items():
+        name, unit = head.removesuffix("]").split(" [")
+        expected = np.array(document["values"][name])
+        assert values * SIZES[unit] == pytest.approx(expected, rel=1e-13, abs=1e-300), head
+    assert columns["phi [deg]"][[0, -1]] == pytest.approx([0.0, 360.0])
+    assert np.max(columns["S [in]"]) == pytest.approx(0.1 / 0.0254)
+
+
+def test_a_peak_is_at_its_stated_place():
+    """Read off the axis: φ at constant speed, else the time; the least transmission angle counts as its peak."""
+    for motion in (TURN, crank_motion("run-up", speed=300 * RPM, ramp_time=0.1, hold_time=0.0)):
+        document = json.loads(json_text(piston(motion=motion)))
+        along = np.array(document["values"][document["axis"]])
+        for name, peak in document["peaks"].items():
+            values = np.array(document["values"][name])
+            size = float(np.max(np.abs(values)))
+            assert np.interp(peak["at"], along, values) == pytest.approx(peak["value"], abs=2e-3 * size + 1e-9), name
+
+
+def test_chosen_instants_are_the_rows_and_peaks_are_those_of_the_whole_motion():
+    all_of_it = json.loads(json_text(piston()))
+    some = json.loads(json_text(results(engine(), chosen=np.array([0.01, 0.02]))))
+    assert len(some["values"]["Mkr"]) == 2
+    assert some["peaks"] == all_of_it["peaks"]
+
+
+@pytest.mark.parametrize("kind", ["comma", "workbook"])
+def test_what_a_spreadsheet_reads_are_the_numbers_of_the_plain_table(kind):
+    found = piston(*IMPERIAL)
+    if kind == "comma":
+        text = csv_table(found, ",")
+        assert text.startswith("\ufeffphi [deg];time [s];")
+        read = pandas.read_csv(io.BytesIO(text.encode()), sep=";", decimal=",")
+    else:
+        read = pandas.read_excel(io.BytesIO(workbook(found)), "curves")
+    expected = table(found)
+    assert list(read) == list(expected)
+    assert all(pandas.api.types.is_numeric_dtype(read[name]) for name in read)
+    for name, values in expected.items():
+        assert read[name].to_numpy() == pytest.approx(values, rel=1e-14), name
+
+
+def test_the_key_figures_of_a_workbook_are_those_of_the_table():
+    """Figures of the piston engine by its formulas, in inches, kN and N mm."""
+    read = pandas.read_excel(io.BytesIO(workbook(piston(*IMPERIAL))), "key figures")
+    rows = read.set_index(["figure", "signal"])
+    assert list(read) == ["figure", "signal", "value", "unit", "at φ [deg]", "at time [s]"]
+    accelerated = MASS * SPEED**2 * CRANK * (1.0 + CRANK / ROD)  # N, at the top dead centre
+    for figure, value, unit, place in (
+        (("stroke", "S"), 2.0 * CRANK / 0.0254, "in", None),
+        (("shaking force on ground", "shaking_force:magnitude"), accelerated * 1e-3, "kN", 0.0),
+        (("signed mean", "omega"), 1000.0, "rpm", None),
+    ):
+        row = rows.loc[figure]
+        assert row["value"] == pytest.approx(value, rel=1e-9)
+        assert row["unit"] == unit
+        assert place is None or row["at φ [deg]"] == pytest.approx(place, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["=1+1", "@A"])
+def test_no_name_is_a_formula_of_a_workbook(name):
+    found = results(from_text(piston_text().replace("A = [", f'"{name}" = [')))
+    book = openpyxl.load_workbook(io.BytesIO(workbook(found)))
+    cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row]
+    assert {cell.data_type for cell in cells} == {"s", "n"}
+    assert any(str(cell.value).startswith(f"{name} on ") for cell in cells)
+
+
+def test_the_table_is_read_back_as_the_signals_it_was_written_from(tmp_path):
+    """By the reader of other tools' files, which takes names and units from the headers."""
+    found = piston(*IMPERIAL)
+    (tmp_path / "t.csv").write_text(csv_table(found, ","), encoding="utf-8")
+    read = read_results([tmp_path / "t.csv"], found.linkage, None)
+    signals = json.loads(json_text(found))["values"]
+    assert {column.header for column, _ in read.not_judged} <= {"shaking_force:magnitude [kN]"}
+    assert len(read.signals) > 40
+    for one in read.signals:
+        expected = np.array(signals[one.name])
+        assert one.values == pytest.approx(expected, rel=1e-12, abs=1e-12 * np.max(np.abs(expected))), one.name
 
 
 def test_joint_forces_without_bound_at_change_points_leave_those_elsewhere():
     quarters = Instants(TURN).times_of_angles(np.array([0.0, 90.0, 180.0]), "°", np.radians(1.0))
     found = results(mechanism("parallelogram"), chosen=quarters)
-    rows = [row.split() for row in rendered(*at_instants(found)).splitlines()]
+    rows = [row.split() for row in rendered(*printed(found)).splitlines()]
     start = next(number for number, row in enumerate(rows) if row[:2] == ["force", "in"])
     assert [row[-3:] for row in rows[start + 1 : start + 4]] == [["–"] * 3, ["0", "19.83", "19.83"], ["–"] * 3]
-    assert "nan" not in rendered(*key_figures(found))
-    assert "Joint forces have no bound at the change point" in rendered(*at_instants(found))
+    assert "nan" not in rendered(*printed(results(mechanism("parallelogram"))))
+    assert "Joint forces have no bound at the change point" in rendered(*printed(found))

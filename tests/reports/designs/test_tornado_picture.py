@@ -1,17 +1,31 @@
 """Tornadoes: bars sorted by size, either side of the nominal value, and nothing left out unsaid."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from comparisons.designs.tolerances import Tornado
+from analytic.description.crank_motion import RPM
+from comparisons.designs.parameters import steady_motion
+from comparisons.designs.tolerance_study import tolerance_request, tolerance_study
+from comparisons.designs.tolerances import Tolerances
 from reports.charts import draw
 from reports.charts.scales import PALETTE
-from reports.designs.tolerance_terminal import WIDE, tornado_figure
+from reports.designs.tolerance_terminal import WIDE, tornado_chart
+from tests.analytic.linkages import mechanism
 from tests.reports.drawn_words import texts
 
-PEAK = Tornado(
-    "Mkr.peak", "N*m", 0.27, (("a.x", -1e-3, 2e-3), ("b.y", -5e-3, 4e-3), ("c.mass", 3e-3, 1e-3), ("d.x", 0.0, 0.0))
-)
+NAMES = ("rod.B.x", "rocker.B.x", "rod.mass", "crank.mass")
+CHANGES = np.array([(-1e-3, 2e-3), (-5e-3, 4e-3), (3e-3, 1e-3), (0.0, 0.0)])  # N m
+
+
+@pytest.fixture(scope="module")
+def study():
+    rimoldi = mechanism("rimoldi-164", "as-built")
+    asked = Tolerances(("Mkr.peak",), None, dict.fromkeys(NAMES, 0.001))
+    motion = steady_motion(rimoldi, 900.0 * RPM, samples=24)
+    request = tolerance_request(rimoldi, motion, asked, samples=4)
+    return replace(tolerance_study(request), changes=CHANGES[None], nominal=np.array([0.27]))
 
 
 def bars(axes):
@@ -21,17 +35,17 @@ def bars(axes):
             for colour in PALETTE[:2]]  # fmt: skip
 
 
-def test_the_largest_bar_is_on_top_and_what_moves_nothing_is_counted():
-    figure = tornado_figure([PEAK], "Tolerances")
+def test_the_largest_bar_is_on_top_and_what_moves_nothing_is_counted(study):
+    figure = draw.figure(tornado_chart(study))
     (axes,), words = figure.axes, texts(figure)
-    assert {"Tolerances", "at the lower limit", "at the upper limit"} <= set(words)
+    assert {study.request.conditions, "at the lower limit", "at the upper limit"} <= set(words)
     assert bars(axes) == [[(0, -5e-3), (1, 3e-3), (2, -1e-3)], [(0, 4e-3), (1, 1e-3), (2, 2e-3)]]
-    assert [word for word in words if word in {"a.x", "b.y", "c.mass", "d.x"}] == ["b.y", "c.mass", "a.x"]
+    assert [word for word in words if word in NAMES] == ["rocker.B.x", "rod.mass", "rod.B.x"]
     assert {"Mkr.peak: 0.2700 N*m; 1 moves nothing", "change, N*m"} <= set(words)
     low, high = axes.get_xlim()
     assert low <= -5e-3 < 4e-3 <= high
 
 
-@pytest.mark.parametrize("values", [(), (("a.x", np.nan, 1.0),), (("a.x", 0.0, 0.0),), (("a.x", -1e-300, 1e300),)])
-def test_results_that_nothing_moves_or_that_break_are_drawn(values):
-    assert draw.svg(tornado_figure([Tornado("stroke", "", np.nan, values)]))
+@pytest.mark.parametrize("ends", [(np.nan, 1.0), (0.0, 0.0), (-1e-300, 1e300)])
+def test_results_that_nothing_moves_or_that_break_are_drawn(study, ends):
+    assert draw.svg(draw.figure(tornado_chart(replace(study, changes=np.array([[ends] * len(NAMES)])))))

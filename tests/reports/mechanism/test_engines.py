@@ -31,7 +31,7 @@ def words(cell):
 
 
 def test_one_chart_holds_every_regime_and_loads_what_it_does_not_show(results):
-    section = engines_section(views(results)[0])
+    section = engines_section(views(results)[0], {})
     (chart,) = (part for part in section.parts if isinstance(part, Widget))
     assert [regime["name"] for regime in chart.data["regimes"]] == ["run-up", "run-up-quintic"]
     assert {chart.data["first"], *chart.further} == {"0-0", "0-1", "1-0", "1-1"}
@@ -133,12 +133,12 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
 def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
     broken = {"gone": Verdict.UNAVAILABLE}
     (view,) = views(made_up_results(engines=("gone",), broken=broken, samples=21, quantities=("Mkr",)))
-    errors, _ = engines_section(view).parts
+    errors, _ = engines_section(view, {}).parts
     assert errors.parts == (Bullets(("gone naive; tuned; best – not installed: gone <cannot> hold this scene.",)),)
 
 
 def test_a_judged_file_has_its_errors_but_no_cost(results):
     judged = Results({**results.document, "judgement": ["Wrong."]}, results.runs)
-    section = engines_section(views(judged)[0])
+    section = engines_section(views(judged)[0], {})
     assert section.heading == "Every error"
     assert not any(isinstance(part, Fold) and "cost" in part.summary for part in section.parts)
