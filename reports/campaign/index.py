@@ -130,7 +130,7 @@ def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, .
             part for view in views(results) for regime in view.regimes for part in errors_section(view, regime).parts
         ]
         return (Section("signals", "The signals", tuple(signals)),)
-    parts = (_settings_table(trust), families_table(trust))
+    parts = (settings_table(trust), families_table(trust))
     caught = caught_by_baseline(results)
     worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
     notes = map(Paragraph, (*results.document.get("notes", ()), *results.document.get("departures", ())))
@@ -138,7 +138,7 @@ def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, .
     return (Section("engines", "The engines", (*parts, *(worse if caught else ()), *moved)),)
 
 
-def _settings_table(trust: EngineRanking) -> Table:
+def settings_table(trust: EngineRanking) -> Table:
     """Engines down, settings across: how much of a limit is used at worst, what a run takes, what its figures are."""
     rows: list[list[TableCell | str]] = []
     for engine in trust.engines:

@@ -69,7 +69,7 @@ def place(host: Host, chart: Chart) -> None:
     grid = host.subplots(rows, columns, squeeze=False, sharex="col" if shared else False, height_ratios=heights).ravel()
     size = inches(host) / (columns, rows) - (BESIDE, ABOVE)
     for axes, panel in zip(grid, chart.panels, strict=False):
-        _draw_panel(axes, panel, size)
+        _draw_panel(axes, panel)
     for number, (axes, panel) in enumerate(zip(grid, chart.panels, strict=False)):
         _set_scales(axes, panel, size)
         _write_names(axes, panel, size)
@@ -95,6 +95,11 @@ def head(host: Host, lines: Sequence[str], key: Sequence[Curve | Hatch] = ()) ->
     if key:
         host.legend(loc="outside upper left", **_key(key, wide))
     return host
+
+
+def is_wide(drawing: Figure) -> bool:
+    """Whether a figure takes a page's whole width."""
+    return drawing.get_figwidth() == FULL_WIDTH
 
 
 def edges(quantity: Figure) -> tuple[float, float]:
@@ -145,8 +150,8 @@ def _dark(text: str) -> str:
     )
 
 
-def _draw_panel(axes: Axes, panel: Panel, size: Array) -> None:
-    """Draw and label a panel in axes of about this ``size``, inches."""
+def _draw_panel(axes: Axes, panel: Panel) -> None:
+    """Draw a panel into axes."""
     axes.set_xscale("log" if panel.scale in ("logx", "loglog") else "linear")
     axes.set_yscale("log" if panel.scale in ("log", "loglog") else "linear")
     for low, high in panel.hatch.stretches if panel.hatch else ():

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -23,39 +20,31 @@ THIN = 0.6  # points, of a line among many
 NOWHERE = np.zeros(0)
 
 
-@dataclass(frozen=True)
-class Lines:
-    """Designs as lines: where they cross the axes, (lines, axes) from 0 to 1, nan beyond where they end.
-
-    ``names`` are those of the axes and ``ends`` (axes, 2) their limits. The axes of the ``parameters`` come first, then
-    those of the figures, of which the first gives the colour; ``best`` is the line of the best design.
-    """
-
-    names: tuple[str, ...]
-    ends: Array
-    heights: Array
-    parameters: int
-    best: int | None
-
-
 def parallel_figure(designs: DrawnDesigns) -> Figure:
-    """The parameters, then the figures; designs that do not assemble end behind the parameters."""
+    """The parameters, then the figures, the first of which gives the colour.
+
+    Designs that do not assemble end behind the parameters; that of the file is drawn as diamonds.
+    """
     names = (*designs.parameters, *designs.figures)
     values = np.stack([designs.values(name) for name in names], axis=1)
     spans = [designs.span(name) if name in designs.figures else None for name in names]
     ends = np.array([_ends(values[:, n] if numbers is None else np.array(numbers)) for n, numbers in enumerate(spans)])
     low, size = ends[:, 0], np.ptp(ends, axis=1)
-    labelled = tuple(designs.label(name) for name in names)
-    lines = Lines(labelled, ends, (values - low) / size, len(designs.parameters), designs.best(designs.figures[0]))
+    best, count = designs.best(designs.figures[0]), len(designs.parameters)
     first = f"{designs.figures[0]}: {designs.target(designs.figures[0])[1]}"
-    key = [Curve(NOWHERE, NOWHERE, first, "limit", width=2.0)] if lines.best is not None else []
+    key = [Curve(NOWHERE, NOWHERE, first, "limit", width=2.0)] if best is not None else []
     key += [Curve(NOWHERE, NOWHERE, OWN, "ink", line="", marker="D", size=5.0)] if designs.own_place else []
     fails = any(map(designs.failing, designs.figures))
     key += [Curve(NOWHERE, NOWHERE, FAILS, "reference", width=0.8)] if fails else []
     own = [(place - start) / wide for place, start, wide in zip(designs.own_place, low, size, strict=False)]
 
     def draw_all(figure: Figure) -> None:
-        _draw(draw.head(figure, designs.head, key), lines, own)
+        axes = _empty_axes(draw.head(figure, designs.head, key), len(names))
+        _draw_lines(axes, (values - low) / size, count, best)
+        _draw_ramp(axes, count)
+        axes.plot(range(len(own)), own, color=INK, linestyle="", marker="D", markersize=5.0, zorder=7.0, clip_on=False)
+        for number, name in enumerate(names):
+            _draw_scale(axes, number, ends[number], designs.label(name))
 
     return draw.drawn(max(FULL_WIDTH, APART * len(names)), HIGH, draw_all)
 
@@ -68,18 +57,14 @@ def _ends(values: Array) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _draw(host: draw.Host, lines: Lines, own: Sequence[float]) -> None:
-    """Draw the lines, the axes, and the file's own design as diamonds."""
+def _empty_axes(host: draw.Host, count: int) -> Axes:
+    """Axes without scales of their own, in which so many scales stand upright, from 0 to 1."""
     axes = host.subplots()
     axes.set_label("parallel")
-    axes.set(xlim=(-0.5, len(lines.names) - 0.5), ylim=(0.0, 1.0), autoscale_on=False, xticks=[], yticks=[])
+    axes.set(xlim=(-0.5, count - 0.5), ylim=(0.0, 1.0), autoscale_on=False, xticks=[], yticks=[])
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
-    _draw_lines(axes, lines)
-    _draw_ramp(axes, lines.parameters)
-    axes.plot(range(len(own)), own, color=INK, linestyle="", marker="D", markersize=5.0, zorder=7.0, clip_on=False)
-    for number, (ends, name) in enumerate(zip(lines.ends, lines.names, strict=True)):
-        _draw_scale(axes, number, ends, name)
+    return axes
 
 
 def _draw_scale(axes: Axes, number: int, ends: Array, name: str) -> None:
@@ -105,14 +90,18 @@ def _draw_ramp(axes: Axes, number: int) -> None:
         axes.plot([number] * 2, ends, color=ink(shade / (SHADES - 1)), linewidth=6.0, solid_capstyle="butt", zorder=5.0)
 
 
-def _draw_lines(axes: Axes, lines: Lines) -> None:
-    """Draw lines that end early, then shade by shade, the smallest figures on top, the best design above all."""
-    shades = np.round(np.clip(lines.heights[:, lines.parameters], 0.0, 1.0) * (SHADES - 1))
-    _draw_shade(axes, lines.heights[np.isnan(shades)], ink("reference"), 0.8)
+def _draw_lines(axes: Axes, heights: Array, coloured: int, best: int | None) -> None:
+    """Draw lines that end early, then shade by shade, the smallest figures on top, the best design above all.
+
+    ``heights`` (lines, axes) are where lines cross the scales, nan beyond where they end; that of number ``coloured``
+    gives the colour.
+    """
+    shades = np.round(np.clip(heights[:, coloured], 0.0, 1.0) * (SHADES - 1))
+    _draw_shade(axes, heights[np.isnan(shades)], ink("reference"), 0.8)
     for shade in range(SHADES)[::-1]:
-        _draw_shade(axes, lines.heights[shades == shade], ink(shade / (SHADES - 1)), THIN)
-    if lines.best is not None:
-        _draw_shade(axes, lines.heights[[lines.best]], ink("limit"), 2.0)
+        _draw_shade(axes, heights[shades == shade], ink(shade / (SHADES - 1)), THIN)
+    if best is not None:
+        _draw_shade(axes, heights[[best]], ink("limit"), 2.0)
 
 
 def _draw_shade(axes: Axes, heights: Array, colour: str, width: float) -> None:

@@ -22,31 +22,22 @@ DRIVE_COLUMNS: Final = (
 
 def key_figures(sheet: Sheet) -> list[Printed]:
     """Drive, forces, transmission angles and output, each with where its peak is."""
-    tables = (*(figures_table(sheet, name) for name in HEADS if sheet.figures[name]), *_output(sheet))
-    return [*_head(sheet), *(part for table in tables for part in ("", table)), *_remarks(sheet)]
+    return _printed(sheet, [*(figures_table(sheet, name) for name in HEADS if sheet.figures[name]), *_output(sheet)])
 
 
-def _head(sheet: Sheet) -> list[Printed]:
-    return [Paragraph(sheet.conditions, colour="bold")]
-
-
-def _remarks(sheet: Sheet) -> list[Printed]:
-    """Signs, what the file does not give, and what looks like a slip in it, as ``linkproof check`` has it."""
+def _printed(sheet: Sheet, tables: Sequence[Table]) -> list[Printed]:
+    """Conditions, tables, signs, what the file does not give, and the warnings of ``linkproof check``."""
     slips = [Paragraph(f"warning: {text}", colour="yellow") for text in warnings(sheet.linkage)]
-    return ["", *sheet.remarks, *slips]
+    spaced = (part for table in tables if table.rows for part in ("", table))
+    return [Paragraph(sheet.conditions, colour="bold"), *spaced, "", *sheet.remarks, *slips]
 
 
 def _output(sheet: Sheet) -> Iterator[Table]:
     if sheet.linkage.output is not None:
         head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
         rows = [
-            (
-                signal_figure.what,
-                number(sheet, signal_figure),
-                sheet.unit_of(signal_figure).name,
-                *place_cells(sheet, signal_figure),
-            )
-            for signal_figure in sheet.figures["output"]
+            (row.what, number(sheet, row), sheet.unit_of(row).name, *place_cells(sheet, row))
+            for row in sheet.figures["output"]
         ]
         yield Table("", head, rows, "lrlr")
 
@@ -56,7 +47,7 @@ def at_instants(sheet: Sheet) -> list[Printed]:
     tables = [_instants_table(sheet, [name for name in names if name in sheet.values]) for names in DRIVE_COLUMNS]
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
         tables += _part_tables(sheet, kind, head)
-    return [*_head(sheet), *(part for table in tables if table.rows for part in ("", table)), *_remarks(sheet)]
+    return _printed(sheet, tables)
 
 
 def _instants_table(sheet: Sheet, names: Sequence[str]) -> Table:

@@ -38,27 +38,25 @@ def printout(study: ToleranceStudy) -> Printout:
 
 
 def _table(study: ToleranceStudy, row: int) -> Table:
-    named_figure = study.request.figures[row]
+    named_figure, cells = study.request.figures[row], _cells(study, row)
     order = np.argsort(-study.contributions[row], kind="stable")
-    rows = [_row(study, row, int(column)) for column in order]
+    rows = [_row(cells[column], study.how) for column in order]
     return Table(
         f"{named_figure.shown}: {figure(study.nominal[row] / named_figure.unit.size, 6)}", HEAD, rows, "lrlrlrr"
     )
 
 
-def _row(study: ToleranceStudy, row: int, column: int) -> tuple[str, ...]:
-    """The cells of one toleranced number in the table of one result, in the file's units."""
-    tolerance, unit = study.request.tolerances[column], study.request.figures[row].unit
-    derivative = study.derivatives[row, column]
-    own = tolerance.parameter.unit
+def _row(cells: Sequence[Any], how: str) -> tuple[str, ...]:
+    """The cells of one toleranced number, as a terminal shows them."""
+    name, unit, plus_minus, distribution, derivative, contribution, share, *_ = cells
     return (
-        tolerance.name,
-        printed(tolerance.plus_minus / own.size),
-        f"{own.name} {tolerance.distribution}".strip(),
-        figure(derivative * own.size / unit.size),
-        study.how if not np.isnan(derivative) else TIED if study.how == EXACT else NONE,
-        figure(study.contributions[row, column] / unit.size),
-        ABSENT if np.isnan(study.shares[row, column]) else f"{study.shares[row, column]:.1%}",
+        name,
+        printed(plus_minus),
+        f"{unit} {distribution}".strip(),
+        figure(derivative),
+        how if derivative is not None else TIED if how == EXACT else NONE,
+        figure(contribution),
+        ABSENT if share is None else f"{share:.1%}",
     )
 
 
@@ -135,21 +133,18 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
 def _cells(study: ToleranceStudy, row: int) -> list[list[Any]]:
     """Of every tolerance the cells of its row, from its name on, less what the derivative is."""
     unit = study.request.figures[row].unit
-    return [
-        [
-            *(
-                tolerance.name,
-                tolerance.parameter.unit.name,
-                tolerance.plus_minus / tolerance.parameter.unit.size,
-                str(tolerance.distribution),
-            ),
-            finite(float(study.derivatives[row, column] * tolerance.parameter.unit.size / unit.size)),
-            finite(float(study.contributions[row, column] / unit.size)),
-            finite(float(study.shares[row, column])),
-            *plain(study.changes[row, column] / unit.size),
-        ]
-        for column, tolerance in enumerate(study.request.tolerances)
-    ]
+    rows = []
+    for column, tolerance in enumerate(study.request.tolerances):
+        own = tolerance.parameter.unit
+        effects = (
+            study.derivatives[row, column] * own.size / unit.size,
+            study.contributions[row, column] / unit.size,
+            study.shares[row, column],
+            *study.changes[row, column] / unit.size,
+        )
+        known = (tolerance.name, own.name, tolerance.plus_minus / own.size, str(tolerance.distribution))
+        rows.append([*known, *plain(np.array(effects))])
+    return rows
 
 
 def csv_table(study: ToleranceStudy) -> str:

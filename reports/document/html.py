@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from filecmp import cmp
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -32,21 +31,17 @@ ELSEWHERE: Final = re.compile(r"#|[a-z][a-z0-9+.-]*:")  # a link that leaves the
 class Picture(NamedTuple):
     """A figure as a page shows it: where its file is, its size in CSS pixels, and its axes' edges, shares of the width.
 
-    ``edges`` is empty where the figure has no axis that a page may point at.
+    ``edges`` is empty where the figure has no axis that a page may point at; ``wide``: it takes the page's whole width.
     """
 
     source: str
     width: int
     height: int
     edges: tuple[float, ...]
+    wide: bool
 
 
-def write(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> Path:
-    """Write a page with its figures and data, as ``write_all`` does; returns its path."""
-    return folder / write_all(page, folder, pages, png=png)[0]
-
-
-def write_all(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> list[str]:
+def write(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> list[str]:
     """Write a page into a report's folder, with its figures and the further data of its widgets.
 
     Returns the files' names within the folder, the page's first. ``pages`` are the report's pages; ``png`` writes every
@@ -64,8 +59,7 @@ def write_assets(folder: Path) -> None:
     files = sorted(scripts.glob("*.js"), key=lambda file: (file.name != FIRST, file.name))
     write_text(assets / STYLE, (FOLDER / STYLE).read_text(encoding="utf-8"))
     write_text(assets / SCRIPTS, "\n".join(file.read_text(encoding="utf-8") for file in files if file.name != PLOTLY))
-    if not (assets / PLOTLY).is_file() or not cmp(scripts / PLOTLY, assets / PLOTLY, shallow=False):
-        write_bytes(assets / PLOTLY, (scripts / PLOTLY).read_bytes())
+    write_bytes(assets / PLOTLY, (scripts / PLOTLY).read_bytes())
 
 
 @dataclass(frozen=True)
@@ -114,8 +108,6 @@ class _PageFiles:
         from reports.charts import draw  # noqa: PLC0415  a page without figures needs no matplotlib
 
         chart = figure.drawing
-        if isinstance(chart, Chart):
-            chart = replace(chart, wide=figure.wide)
         drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
         edges = draw.edges(drawing) if isinstance(chart, Chart) and chart.axis else ()
         name = f"figures/{Path(self.page.file).stem}/{figure.name}"
@@ -123,7 +115,7 @@ class _PageFiles:
         if self.png:
             self._file(f"{name}.png").write_bytes(draw.png(drawing))
         width, height = (round(PIXELS * inches) for inches in drawing.get_size_inches())
-        return Picture(f"{self.root}{name}.svg", width, height, edges)
+        return Picture(f"{self.root}{name}.svg", width, height, edges, draw.is_wide(drawing))
 
     def _file(self, name: str) -> Path:
         self.names.append(name)

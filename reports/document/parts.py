@@ -118,14 +118,13 @@ class Table:
 class PageFigure:
     """A figure, written as a file beside the page: ``name`` is that of its file, unique on the page.
 
-    ``alt`` is for a reader without pictures; ``wide`` takes the page's whole width. ``drawing`` is a chart, or draws.
+    ``alt`` is for a reader without pictures; ``drawing`` is a chart, or draws.
     """
 
     name: str
     caption: Words
     alt: str
     drawing: Chart | Callable[[], Drawing]
-    wide: bool = False
 
 
 @dataclass(frozen=True)

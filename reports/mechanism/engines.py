@@ -42,7 +42,7 @@ def _judged_curves(view: View) -> Iterator[PageFigure]:
     """The curves of a file that was judged, the worst first."""
     for row in view.results.document.get("judged_curves", ()):
         curve = JudgedCurve(**row)
-        yield PageFigure(anchor("judged", curve.name), curve.caption, curve.caption, judged_chart([curve]), wide=True)
+        yield PageFigure(anchor("judged", curve.name), curve.caption, curve.caption, judged_chart([curve]))
 
 
 def is_imported(view: View) -> bool:
@@ -64,7 +64,7 @@ def errors_figure(view: View, regime: Regime) -> PageFigure:
     """Every error of a regime as a figure."""
     caption = sentence("errors", regime=regime, setting=view.shown_setting(regime))
     alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
-    return PageFigure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime), wide=True)
+    return PageFigure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime))
 
 
 def errors_section(view: View, regime: Regime) -> Fold:
@@ -159,7 +159,7 @@ def _printed_figure(view: View, regime: str, name: str, motion: ByName) -> PageF
     curves.append(Curve(motion["time"], motion["printed"], "as printed", "limit"))
     panel = Panel(tuple(curves), "time, s", "ω, rad/s", names="key")
     caption = f"Crank speed by the corrected model, by the engines and as printed: {name}."
-    return PageFigure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True), wide=True)
+    return PageFigure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True))
 
 
 def _printed_model_table(rows: Sequence[Mapping[str, Any]]) -> Table:

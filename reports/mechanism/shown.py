@@ -154,8 +154,7 @@ def axis_name(sheet: Sheet) -> str:
 
 def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> PageFigure:
     """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
-    is_wide = isinstance(drawing, Chart) and drawing.wide
-    return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing, wide=is_wide)
+    return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing)
 
 
 def panel(sheet: Sheet, curves: Sequence[Curve], y_label: str, *, is_last: bool = True) -> Panel:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -20,18 +19,16 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.folders.difference import FolderDifference, difference
 from comparisons.folders.merging import MergedFolder
 from comparisons.folders.studies import StudyFolder
-from comparisons.judging.records import Verdict
 from comparisons.runs.files import claim, write_text
 from comparisons.runs.run_engine import Lost
 from comparisons.runs.workers import run_jobs, usual_processes
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
-from reports.campaign.index import index
+from reports.campaign.index import index, settings_table
 from reports.campaign.summary import markdown
+from reports.campaign.verdict import EngineRanking
 from reports.document import html
-from reports.document.numbers import error as error_words
-from reports.document.numbers import seconds
-from reports.document.parts import Facts, Page, PageLink, Paragraph, Part, Section, Table, Words
+from reports.document.parts import Facts, Page, PageLink, Paragraph, Part, Section, Words
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
 from reports.records.differences import closing_line, moved_table
@@ -153,7 +150,7 @@ def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: boo
         if file == SUMMARY and contents.campaign is not None:
             write_text(folder / SUMMARY, markdown(contents.campaign, contents.sheets))
             return (SUMMARY,)
-        return tuple(html.write_all(contents.page(file), folder, links, png=png))
+        return tuple(html.write(contents.page(file), folder, links, png=png))
     finally:
         gc.enable()
 
@@ -185,7 +182,8 @@ def write_merged_site(folders: Sequence[MergedFolder], out: Path) -> Path:
         write_site(folder.path)
     html.write_assets(out)
     links = [PageLink("Machines", INDEX), *(PageLink(folder.name, f"{folder.name}/{INDEX}") for folder in folders)]
-    return html.write(machines_page(folders), out, links)
+    html.write(machines_page(folders), out, links)
+    return out / INDEX
 
 
 def machines_page(folders: Sequence[MergedFolder]) -> Page:
@@ -205,12 +203,12 @@ def machines_page(folders: Sequence[MergedFolder]) -> Page:
 
 
 def _folder(folder: MergedFolder) -> Iterator[Part]:
-    """The link to a folder's report, its environment, and the verdicts of its engines."""
+    """The link to a folder's report, its environment, and its engines with their settings, as on its first page."""
     yield Paragraph((PageLink(folder.name, f"{folder.name}/{INDEX}"), f": {'; '.join(_studies(folder))}"))
     environment = {name: value for name, value in folder.environment.items() if name != "machine"}
     yield Facts(tuple(environment_facts(environment)))
     if folder.campaign is not None:
-        yield _engines(folder.campaign)
+        yield settings_table(EngineRanking(folder.campaign))
 
 
 def _studies(folder: MergedFolder) -> Iterator[str]:
@@ -221,28 +219,6 @@ def _studies(folder: MergedFolder) -> Iterator[str]:
         yield f"{len(folder.bench.points)} points of work and precision"
     if folder.stress is not None:
         yield f"{len(folder.stress.results)} cells of stability maps"
-
-
-def _engines(results: Results) -> Table:
-    """Engines and settings by name: verdicts, the error that takes most of its limit, the time of all runs."""
-    rows = []
-    every = (*results.records, *results.invariants)
-    for engine, setting in sorted({(record.engine, record.setting) for record in every}):
-        mine = [record for record in every if (record.engine, record.setting) == (engine, setting)]
-        counts = Counter(Verdict(record.outcome) for record in mine)
-        spent = {record.run: (record.setup_seconds, record.seconds) for record in mine}
-        shares = [r.error_max / r.limit for r in mine if r.error_max is not None and r.limit]
-        rows.append((
-            engine, mine[0].engine_version, setting, f"{len({record.run for record in mine})}",
-            f"{counts[Verdict.PASSED]}", f"{sum(n for verdict, n in counts.items() if verdict.failed)}",
-            f"{sum(n for verdict, n in counts.items() if not verdict.judged)}", error_words(max(shares, default=None)),
-            *(seconds(sum(times)) for times in zip(*spent.values(), strict=True)),
-        ))  # fmt: skip
-    head = (
-        *("engine", "version", "setting", "runs", "passed", "failed", "not judged", "worst error / limit"),
-        *("set-up", "stepping"),
-    )
-    return Table("Verdicts of every engine, and the times of its runs together, on this machine.", head, rows, "lllr")
 
 
 def _machine_differences(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:

@@ -31,9 +31,7 @@ def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, .
     """A figure for every regime."""
     alt = "error over the time of set-up and stepping, {}, every engine, {} mechanisms"
     return tuple(
-        PageFigure(
-            name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours), True
-        )
+        PageFigure(name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours))
         for name, places in regimes.items()
     )
 
