@@ -16,7 +16,7 @@ from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
 from reports.records.origins import concurrency_note
-from reports.records.views import family
+from reports.records.views import family, share
 
 # Quantities that go together; any other quantity that is no check stands under OTHER.
 FAMILIES: Final = {
@@ -90,6 +90,10 @@ class EngineRanking:
         ran = {setting for _, setting in self.by_engine}
         return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
 
+    def is_idle(self, setting: str) -> bool:
+        """Whether a setting decides nothing: the naive one beside others."""
+        return setting == Setting.NAIVE.value and setting in self.settings[1:]
+
     @cached_property
     def controls(self) -> frozenset[str]:
         """Names of the controls, that is, of the reference's second derivation."""
@@ -149,11 +153,6 @@ class EngineRanking:
         )
 
 
-def share(record: Record) -> float:
-    """An error over its limit."""
-    return (record.error_max or 0.0) / (record.limit or 1.0)
-
-
 def ratio(record: Record) -> str:
     """An error over its limit for a reader."""
     value = share(record)
@@ -165,28 +164,17 @@ def verdict(trust: EngineRanking, *, timed: bool = True) -> tuple[str, ...]:
 
     Nobody is to be trusted where the campaign has not passed.
     """
-    setting = trust.settings[0]
+    setting, results = trust.settings[0], trust.results
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
+    departures, moved = results.document.get("departures", []), [figure for figure in results.figures if figure.changed]
     lines = (
-        _departures_sentence(trust.results),
-        _changed_figures_sentence(trust.results),
+        sentence("verdict_departures", departures=departures) if departures else "",
+        sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else "",
         _trust_sentence(trust, engines, setting),
         _accuracy_sentence(trust, engines, setting, timed=timed),
-        _naive_sentence(trust, engines) if Setting.NAIVE.value in trust.settings[1:] else "",
+        _naive_sentence(trust, engines) if trust.is_idle(Setting.NAIVE.value) else "",
     )
     return tuple(line for line in lines if line)
-
-
-def _departures_sentence(results: Results) -> str:
-    """A sentence on linkages and motions that are not those of the baseline; empty without any."""
-    departures = results.document.get("departures", [])
-    return sentence("verdict_departures", departures=departures) if departures else ""
-
-
-def _changed_figures_sentence(results: Results) -> str:
-    """A sentence on key figures that differ from their record; empty without any."""
-    moved = [figure for figure in results.figures if figure.changed]
-    return sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else ""
 
 
 def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:

@@ -21,6 +21,7 @@ from comparisons.judging.records import Verdict
 from reports.document.numbers import error, figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
+from reports.records.views import share
 
 Array = NDArray[np.float64]
 
@@ -164,17 +165,10 @@ def _sentences(designs: EngineOverDesigns) -> Iterator[str]:
         yield f"{designs.engine}: {_where(designs.telling)}"
     elif designs.failing and within:
         yield f"{designs.engine}: no number separates the {len(designs.failing)} failing designs from the others"
-    if designs.worst is not None:
-        lost = designs.worst.error_max is None or designs.worst.outcome not in (Verdict.PASSED, Verdict.OVER_LIMIT)
-        share = (
-            designs.worst.error_max / designs.worst.limit
-            if designs.worst.error_max is not None and designs.worst.limit
-            else 0.0
-        )
-        worst = (
-            designs.worst.detail if lost else f"{designs.worst.quantity} has an error of {error(share)} of its limit"
-        )
-        yield f"{designs.engine}: worst in {designs.worst.mechanism}: {worst}"
+    if (worst := designs.worst) is not None:
+        lost = worst.error_max is None or worst.outcome not in (Verdict.PASSED, Verdict.OVER_LIMIT)
+        words = worst.detail if lost else f"{worst.quantity} has an error of {error(share(worst))} of its limit"
+        yield f"{designs.engine}: worst in {worst.mechanism}: {words}"
 
 
 def _where(number: TellingNumber) -> str:

@@ -64,7 +64,7 @@ def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequen
                 "title": view.title(name),
                 "short": short_title(name),
                 "unit": first[name].unit,
-                "curves": (regime.name, name) in view.curved,
+                "curves": bool(view.curved(regime, name)),
                 "vector": name.startswith(JOINT_FORCE),
             }
             for name in names

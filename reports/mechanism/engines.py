@@ -10,6 +10,7 @@ from typing import Any, Final
 from comparisons.datasheet.instants import extreme_samples
 from comparisons.datasheet.sheet import ByName
 from comparisons.faults.symptoms import probable_faults
+from comparisons.judging.limits import grouped
 from comparisons.judging.records import Record, Verdict
 from reports.charts.judged import JudgedCurve, errors_chart, judged_chart
 from reports.document import numbers
@@ -115,14 +116,14 @@ def _cell(record: Record | None) -> TableCell | str:
 
 def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
     """Why there is no error of a run or of a quantity of it, each reason once."""
-    groups: dict[tuple[str, str], list[str]] = {}
+    rows = []
     for run in runs:
         without = [record for record in run if record.error_max is None]
         for record in without:
             names = "" if len(without) == len(run) else f", {plain(record.quantity)}"
             reason = f"{RUNS[record.outcome].word}: {record.detail}".removesuffix(": ")
-            who = groups.setdefault((record.engine, reason), [])
-            who += [words] if (words := record.setting + names) not in who else []
+            rows.append(((record.engine, reason), record.setting + names))
+    groups = grouped(dict.fromkeys(rows))
     return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in groups.items())
 
 

@@ -105,12 +105,10 @@ class View:
         symbol = short_title(quantity) if quantity in QUANTITIES and "_" not in quantity else ""
         return " ".join(filter(None, (symbol, words or title(quantity))))
 
-    @cached_property
-    def curved(self) -> frozenset[tuple[str, str]]:
-        """Regime and name of every quantity that some run gave a curve of."""
-        mine = (self.linkage.name, self.linkage.variant)
-        compared = (r for r in self.results.records if r.run[:2] == mine and r.error_max is not None)
-        return frozenset((record.regime, record.quantity) for record in compared)
+    def curved(self, regime: Regime, quantity: str) -> list[Record]:
+        """The records of a quantity under a regime whose runs gave a curve of it."""
+        mine = self.of(regime) if quantity not in self.invariants else ()
+        return [record for record in mine if record.quantity == quantity and record.error_max is not None]
 
     def shown_setting(self, regime: Regime) -> str:
         """The setting whose curves are shown first: tuned if any run of the regime at it gave one; "" without any."""
@@ -119,8 +117,7 @@ class View:
 
     def traces(self, regime: Regime, quantity: str) -> list[Trace]:
         """The curves of a quantity under a regime, of every run that gave one."""
-        mine = self.of(regime) if (regime.name, quantity) in self.curved else ()
-        return [self._trace(regime, r) for r in mine if r.quantity == quantity and r.error_max is not None]
+        return [self._trace(regime, record) for record in self.curved(regime, quantity)]
 
     def _trace(self, regime: Regime, record: Record) -> Trace:
         time, angle, observed, reference = self.results.curve(record.run, record.quantity)
@@ -188,7 +185,12 @@ def columns(results: Results) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 def worst(records: Iterable[Record]) -> Record:
     """Of the records of one family in one run, the one that uses most of its limit; one without an error is worst."""
-    return max(records, key=lambda r: np.inf if r.error_max is None else r.error_max / (r.limit or 1.0))
+    return max(records, key=lambda record: np.inf if record.error_max is None else share(record))
+
+
+def share(record: Record) -> float:
+    """An error over its limit; 0 without an error."""
+    return (record.error_max or 0.0) / (record.limit or 1.0)
 
 
 def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
