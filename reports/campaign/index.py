@@ -189,8 +189,7 @@ def families_table(trust: EngineRanking) -> Table:
     rows: list[list[TableCell | str]] = []
     for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
         for engine in trust.engines:
-            cells = [trust.cell(engine, setting, name) for name in trust.families]
-            if any(cell.judged for cell in cells):
+            if trust.row(engine, setting):
                 rows.append([engine, setting, *(_family_cell(trust, engine, setting, name) for name in trust.families)])
     return Table(
         "The largest error over the peak, by quantity; the least of each column is marked.",
@@ -219,12 +218,8 @@ def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str) -> 
 
 def _reasons(trust: EngineRanking) -> list[str]:
     """Why engines gave nothing, each reason of an engine once, with the settings that it holds for."""
-    records = [
-        record
-        for families in trust.by_engine.values()
-        for engine_records in families.values()
-        for record in engine_records.records
-    ]
+    runs = dict.fromkeys((record.engine, record.setting) for record in trust.results.records)
+    records = [record for run in runs for record in trust.records(*run)]
     groups = grouped(((r.engine, r.detail), r.setting) for r in records if r.error_max is None and r.detail)
     return [
         f"{engine}{'' if len({*settings}) == len(trust.settings) else f' {listed(dict.fromkeys(settings))}'}: {detail}"

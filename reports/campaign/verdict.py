@@ -67,27 +67,22 @@ class EngineRanking:
     results: Results
 
     @cached_property
-    def by_engine(self) -> Mapping[tuple[str, str], Mapping[str, EngineRecords]]:
-        """By engine and setting, then by family, in the order of ``families``."""
-        groups: dict[tuple[str, str], dict[str, list[Record]]] = {}
-        for record in (*self.results.records, *self.results.invariants):
-            families = groups.setdefault((record.engine, record.setting), {})
-            families.setdefault(self._family(record), []).append(record)
-        return {
-            run: {name: EngineRecords(tuple(records)) for name, records in table.items()}
-            for run, table in groups.items()
-        }
+    def cells(self) -> Mapping[tuple[str, str, str], EngineRecords]:
+        """The records by engine, setting and family."""
+        every = (*self.results.records, *self.results.invariants)
+        groups = grouped(((record.engine, record.setting, self._family(record)), record) for record in every)
+        return {key: EngineRecords(tuple(records)) for key, records in groups.items()}
 
     @cached_property
     def families(self) -> tuple[str, ...]:
         """The families in which any engine was judged, in the order of the table."""
-        some = {name for groups in self.by_engine.values() for name, own in groups.items() if own.judged}
+        some = {name for (_, _, name), cell in self.cells.items() if cell.judged}
         return tuple(name for name in (*FAMILIES, OTHER, RELEASED, CHECKS) if name in some)
 
     @cached_property
     def settings(self) -> tuple[str, ...]:
         """The settings that ran, the decisive one first."""
-        ran = {setting for _, setting in self.by_engine}
+        ran = {setting for _, setting, _ in self.cells}
         return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
 
     def is_idle(self, setting: str) -> bool:
@@ -102,15 +97,20 @@ class EngineRanking:
     @cached_property
     def engines(self) -> tuple[str, ...]:
         """Names of the engines, sorted, those of controls last."""
-        return tuple(sorted({engine for engine, _ in self.by_engine}, key=lambda name: (name in self.controls, name)))
+        return tuple(sorted({engine for engine, _, _ in self.cells}, key=lambda name: (name in self.controls, name)))
 
     def records(self, engine: str, setting: str) -> tuple[Record, ...]:
         """All records of an engine at a setting."""
-        return tuple(r for own in self.by_engine.get((engine, setting), {}).values() for r in own.records)
+        return tuple(r for key, cell in self.cells.items() if key[:2] == (engine, setting) for r in cell.records)
 
     def cell(self, engine: str, setting: str, family_name: str) -> EngineRecords:
         """The records of an engine at a setting in a family of quantities; empty without any."""
-        return self.by_engine.get((engine, setting), {}).get(family_name, EngineRecords(()))
+        return self.cells.get((engine, setting, family_name), EngineRecords(()))
+
+    def row(self, engine: str, setting: str) -> list[EngineRecords]:
+        """The judged families of an engine at a setting."""
+        cells = (self.cell(engine, setting, name) for name in self.families)
+        return [cell for cell in cells if cell.judged]
 
     def most_accurate(self, setting: str, family_name: str) -> str:
         """The engine with the least maximum error in a family, of those that failed in none of it.
@@ -190,7 +190,7 @@ def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) 
         wrong=_engines_by_families(wrong),
         silent=listed(name for name in engines if not judged[name]),
         red=_has_failed(trust.results),
-        count=sum(len(records.judged) for name in right for records in trust.by_engine[name, setting].values()),
+        count=sum(len(cell.judged) for name in right for cell in trust.row(name, setting)),
     )
 
 
@@ -209,11 +209,7 @@ def _accuracy_sentence(trust: EngineRanking, engines: Sequence[str], setting: st
         return ""
     most_accurate = {name: trust.most_accurate(setting, name) for name in trust.families if name != CHECKS}
     leaders = grouped((leader, name) for name, leader in most_accurate.items() if leader)
-    right = [
-        name
-        for name in engines
-        if not any(records.failed for records in trust.by_engine.get((name, setting), {}).values())
-    ]
+    right = [name for name in engines if not any(cell.failed for cell in trust.row(name, setting))]
     times = {name: sum(seconds) for name in right if (seconds := trust.seconds(name, setting)) is not None}
     quickest = min(times, key=lambda name: times[name], default="") if timed else ""
     worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in names) for name, names in leaders.items()}
@@ -224,10 +220,9 @@ def _accuracy_sentence(trust: EngineRanking, engines: Sequence[str], setting: st
 
 def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
     """A sentence on the engines' naive settings, which decide nothing."""
-    naive = Setting.NAIVE.value
-    ran = {name: [h for h in trust.by_engine.get((name, naive), {}).values() if h.judged] for name in engines}
-    over = {name: max(h.error or 0.0 for h in groups) for name, groups in ran.items() if any(h.failed for h in groups)}
-    within = listed(name for name, groups in ran.items() if groups and name not in over)
+    ran = {name: trust.row(name, Setting.NAIVE.value) for name in engines}
+    over = {name: max(h.error or 0.0 for h in cells) for name, cells in ran.items() if any(h.failed for h in cells)}
+    within = listed(name for name, cells in ran.items() if cells and name not in over)
     return sentence("verdict_untuned", within=within, over=sorted(over.items(), key=lambda item: item[1]))
 
 

@@ -239,7 +239,8 @@ def _key_curves(panel: Panel, tall: float) -> list[Curve]:
     named = list({curve.name: curve for curve in panel.curves if curve.name}.values())
     if panel.names == "key":
         return named
-    if panel.names != "ends" or labels.LINE * sum(labels.lines(labels.wrap(curve.name)) for curve in named) <= tall:
+    lines = [line for curve in named for line in labels.wrap(curve.name).splitlines()]
+    if panel.names != "ends" or labels.LINE * len(lines) <= tall:
         return []
     below = [curve.y if curve.stacked else np.zeros(1) for curve in named]
     sizes = [float(np.nanmax(np.abs(curve.y - y))) for curve, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]

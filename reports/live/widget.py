@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final, Literal, NamedTuple
 
 from analytic.description import loading
@@ -202,22 +202,10 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
     return {
         "bodies": {name: dict(link.points) for name, link in linkage.links.items()} | {GROUND: dict(linkage.ground)},
         "centres": [name for name, link in linkage.links.items() if link.mass and link.inertia is not None],
-        "guides": [
-            {
-                "link": link,
-                "point": point,
-                "host": guide.host,
-                "name": name,
-                "through": guide.through,
-                "along": guide.along,
-            }
-            for link, point, guide, name in guides
-        ],
+        "guides": [{"link": link, "point": point, "name": name} | asdict(guide) for link, point, guide, name in guides],
         "springs": [{"points": spring.points, "bodies": spring.links} for spring in linkage.springs],
         "output": linkage.output.point if linkage.output else "",
         "crank": linkage.crank,
         "pivot": getattr(crank, "point", ""),
-        "pulls": {
-            point: [pull._asdict() for pull in several] for point, several in pulls(mechanism).items() if several
-        },
+        "pulls": {point: [pull._asdict() for pull in several] for point, several in pulls(mechanism).items()},
     }

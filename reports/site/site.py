@@ -122,7 +122,7 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     folder, links = out or contents.path, contents.links()
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
-    files = sorted((link.href for link in links), key=_write_order)
+    files = [link.href for link in (*links[1:], links[0])]  # slow pages first
     jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(saved) else []))]
     write = partial(_write, contents, folder, links, png)
     written: dict[int, tuple[str, ...]] = {}
@@ -136,11 +136,6 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
             written[job] = write(file)
     _remove_stale(folder, {name for names in written.values() for name in names})
     return folder / INDEX
-
-
-def _write_order(file: str) -> int:
-    """The rank of a page in the order of writing: slow pages first."""
-    return {BENCH.href: 1, STRESS.href: 2, INDEX: 3}.get(file, 0)
 
 
 def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: bool, file: str) -> tuple[str, ...]:
