@@ -20,9 +20,6 @@ Array = NDArray[np.float64]
 # The closed form is shown by the extremes of so many stretches, a run by the worst sample of each of these.
 EXTREMES: Final = 400
 STRETCHES: Final = 300
-# A packed number is one of so many steps between two ends, or none.
-STEPS: Final = 65534
-NOT_A_NUMBER: Final = 65535
 # Errors lie between these on their scale; nothing below is worth a decade.
 LEAST_ERROR: Final = 1e-16
 GREATEST_ERROR: Final = 1e8
@@ -89,7 +86,7 @@ def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
     """
     longest = max(traces, key=lambda trace: len(trace.time))
     chosen = extreme_samples(longest.reference, EXTREMES)
-    truth = pack(longest.time[chosen], longest.angle[chosen], longest.reference[chosen])
+    truth = packed(longest.time[chosen], longest.angle[chosen], longest.reference[chosen])
     return {"truth": truth, "runs": [_run(trace) for trace in traces]}
 
 
@@ -101,27 +98,14 @@ def _run(trace: Trace) -> dict[str, Any]:
         "setting": trace.record.setting,
         "limit": trace.record.limit,
         "largest": digits(trace.record.error_max or 0.0),
-        **pack(trace.time[chosen], trace.observed[chosen], decades),
+        "samples": packed(trace.time[chosen], trace.observed[chosen], decades),
     }
 
 
-def pack(*columns: Array) -> dict[str, Any]:
-    """Columns (n,) as 16-bit steps between the ``ends`` of each, the lower byte first, all in one text of base64."""
-    ends = [_ends(column) for column in columns]
-    steps = [_steps(column, *between) for column, between in zip(columns, ends, strict=True)]
-    return {"ends": ends, "samples": base64.b64encode(np.concatenate(steps).tobytes()).decode("ascii")}
-
-
-def _ends(values: Array) -> tuple[float, float]:
-    """The least and the greatest finite number, which differ."""
-    finite = values[np.isfinite(values)]
-    low, high = (float(np.min(finite)), float(np.max(finite))) if len(finite) else (0.0, 0.0)
-    return (low, high) if high > low else (low, low + (abs(low) or 1.0))
-
-
-def _steps(values: Array, low: float, high: float) -> NDArray[np.uint16]:
-    share = np.where(np.isfinite(values), (values - low) / (high - low), np.nan)
-    return np.where(np.isnan(share), NOT_A_NUMBER, np.round(share * STEPS)).astype("<u2")
+def packed(*columns: Array) -> str:
+    """Three columns (n,) after each other as numbers of 32 bits, the lower byte first, in base64."""
+    with np.errstate(over="ignore"):  # what is too large becomes infinite, and is not drawn
+        return base64.b64encode(np.concatenate(columns).astype("<f4").tobytes()).decode("ascii")
 
 
 def worst_samples(errors: Array, stretches: int) -> NDArray[np.intp]:
