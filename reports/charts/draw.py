@@ -30,7 +30,6 @@ ACROSS, UPWARD, EQUAL, TURN = 0.75, 0.22, 0.42, 3.75  # in, from tick to tick at
 
 _COORDINATES = re.compile(r'\b(?:d|x|y|x1|x2|y1|y2|width|height|transform|points)="[^"]*"')
 _LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
-_METADATA = re.compile(r"<metadata>.*?</metadata>\s*", re.DOTALL)
 _STYLE = re.compile(r"(<style[^>]*>)(.*?)(</style>)", re.DOTALL)
 
 
@@ -113,10 +112,7 @@ def svg(drawing: Figure, page: str = "none") -> str:
 
     ``page`` is the colour behind it.
     """
-    buffer = io.StringIO()
-    with matplotlib.rc_context(house_style()):
-        drawing.savefig(buffer, format="svg", facecolor=page, metadata={"Date": None, "Creator": None})
-    text = _METADATA.sub("", buffer.getvalue())
+    text = _saved(drawing, "svg", ("Creator", "Date", "Format", "Type"), facecolor=page).decode("utf-8")
     text = _COORDINATES.sub(lambda match: _LONG_NUMBER.sub(r"\1", match[0]), text)
     dark = "" if page != "none" else f"@media (prefers-color-scheme: dark){{{_dark(text)}}}"
     return _STYLE.sub(lambda match: f"{match[1]}{match[2].strip()}{dark}{match[3]}", text, count=1)
@@ -124,19 +120,19 @@ def svg(drawing: Figure, page: str = "none") -> str:
 
 def png(drawing: Figure, dots: int = DOTS_PER_INCH) -> bytes:
     """The figure as a PNG file on white, for papers, so many dots to the inch."""
-    return _saved(drawing, "png", ("Software",), dpi=dots)
+    return _saved(drawing, "png", ("Software",), facecolor="white", dpi=dots)
 
 
 def pdf(drawing: Figure) -> bytes:
     """The figure as a PDF file on white, for papers: lines as lines, its fonts within it."""
-    return _saved(drawing, "pdf", ("CreationDate", "Creator", "Producer"))
+    return _saved(drawing, "pdf", ("CreationDate", "Creator", "Producer"), facecolor="white")
 
 
-def _saved(drawing: Figure, kind: str, changing: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
-    """A figure as a file of a kind, without what would be ``changing`` from one time to the next."""
+def _saved(drawing: Figure, kind: str, left_out: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
+    """A figure as a file of a kind, without these words about it, some of which would change with time."""
     buffer = io.BytesIO()
     with matplotlib.rc_context(house_style()):
-        drawing.savefig(buffer, format=kind, facecolor="white", metadata=dict.fromkeys(changing), **more)
+        drawing.savefig(buffer, format=kind, metadata=dict.fromkeys(left_out), **more)
     return buffer.getvalue()
 
 

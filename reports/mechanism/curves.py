@@ -54,7 +54,7 @@ def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequen
     return {
         "name": regime.name,
         "conditions": regime.conditions,
-        "jumps": list(regime.jumps),
+        "jumps": list(regime.motion.jumps) if regime.motion else [],
         "setting": view.shown_setting(regime),
         "quantities": [
             {

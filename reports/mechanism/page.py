@@ -87,15 +87,9 @@ def released_section(sheet: Sheet) -> Section:
     parts: list[Part] = []
     for regime, motion in sheet.released.items():
         figures = (_speed(sheet, regime, motion), *_last_turn(sheet, regime, motion))
-        parts.append(
-            Section(anchor("released", regime), regime, (Bullets(tuple(sentences(motion))), FigureGroup(figures)))
-        )
+        words = Bullets(tuple(lines("released_sheet", one=motion.facts, rpm=RPM)))
+        parts.append(Section(anchor("released", regime), regime, (words, FigureGroup(figures))))
     return Section("released", "Released crank", tuple(parts))
-
-
-def sentences(motion: Released) -> list[str]:
-    """Sentences about a released crank, in this order: rest, rotation, own error, the articles' integrator."""
-    return lines("released_sheet", one=motion.facts, rpm=RPM)
 
 
 def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:

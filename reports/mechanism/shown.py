@@ -130,20 +130,16 @@ def key_table(sheet: Sheet) -> Table:
     return Table(f"{conditions[:1].upper()}{conditions[1:]}.", head, key_figures(sheet), align="lrr", style="key")
 
 
-def axis_name(sheet: Sheet) -> str:
-    """The axis in words."""
-    name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
-    return f"{name}, {sheet.axis_unit.on_page}"
-
-
 def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> PageFigure:
     """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
     return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing)
 
 
 def panel(sheet: Sheet, curves: Sequence[Curve], y_label: str, *, is_last: bool = True) -> Panel:
-    """Curves over the axis."""
-    return Panel(tuple(curves), axis_name(sheet) if is_last else "", y_label, turn=sheet.is_turn)
+    """Curves over the axis, which is named where the panel is the last of a column."""
+    name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
+    x_label = f"{name}, {sheet.axis_unit.on_page}" if is_last else ""
+    return Panel(tuple(curves), x_label, y_label, turn=sheet.is_turn)
 
 
 def signals_panel(sheet: Sheet, signals: Mapping[str, str], y_label: str, solid: float = math.inf) -> Panel:

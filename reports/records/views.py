@@ -36,11 +36,6 @@ class Regime:
     conditions: str
     motion: CrankMotion | None = None
 
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """Times at which the prescribed acceleration jumps, s."""
-        return self.motion.jumps if self.motion else ()
-
 
 @dataclass(frozen=True)
 class Trace:
@@ -69,8 +64,7 @@ class View:
     def records(self) -> tuple[Record, ...]:
         """Records and invariants of this mechanism, by regime, engine, setting and quantity."""
         mine = (self.linkage.name, self.linkage.variant)
-        every = (*self.results.records, *self.results.invariants)
-        return ordered(self.results, [record for record in every if record.run[:2] == mine])
+        return tuple(record for record in every_record(self.results) if record.run[:2] == mine)
 
     @cached_property
     def regimes(self) -> tuple[Regime, ...]:
@@ -193,8 +187,8 @@ def share(record: Record) -> float:
     return (record.error_max or 0.0) / (record.limit or 1.0)
 
 
-def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
-    """Records by mechanism, variant and regime as the campaign has them, then engine, setting, quantity."""
+def every_record(results: Results) -> tuple[Record, ...]:
+    """Records and invariants by mechanism, variant and regime in the campaign's order, engine, setting, quantity."""
     mechanisms = {(linkage.name, linkage.variant): number for number, linkage in enumerate(results.linkages)}
     names = [*(motion.regime for motion in results.motions), *(record.regime for record in results.records)]
     regimes = {name: number for number, name in enumerate(dict.fromkeys(names))}
@@ -204,7 +198,7 @@ def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
         run = mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting_rank(record.setting)
         return *run, families[family(record.quantity)], record.quantity
 
-    return tuple(sorted(records, key=rank))
+    return tuple(sorted((*results.records, *results.invariants), key=rank))
 
 
 def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -> Iterator[tuple[TableCell | str, ...]]:
@@ -216,12 +210,7 @@ def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -
         before = row[:heads]
 
 
-# All records of a campaign in order: their limits, and those that the baseline caught.
-
-
-def every_record(results: Results) -> tuple[Record, ...]:
-    """Records and invariants in stable order."""
-    return ordered(results, (*results.records, *results.invariants))
+# The limits of a campaign's records, and those that the baseline caught.
 
 
 def caught_by_baseline(results: Results) -> tuple[str, ...]:

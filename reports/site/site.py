@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Final
 
@@ -139,15 +138,11 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
 
 
 def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: bool, file: str) -> tuple[str, ...]:
-    """Write one page; returns the names of its files. The garbage collector is off, since it is slow."""
-    gc.disable()
-    try:
-        if file == SUMMARY and contents.campaign is not None:
-            write_text(folder / SUMMARY, markdown(contents.campaign, contents.sheets))
-            return (SUMMARY,)
-        return tuple(html.write(contents.page(file), folder, links, png=png))
-    finally:
-        gc.enable()
+    """Write one page; returns the names of its files."""
+    if file == SUMMARY and contents.campaign is not None:
+        write_text(folder / SUMMARY, markdown(contents.campaign, contents.sheets))
+        return (SUMMARY,)
+    return tuple(html.write(contents.page(file), folder, links, png=png))
 
 
 def _remove_stale(folder: Path, written: set[str]) -> None:
@@ -218,13 +213,10 @@ def _studies(folder: MergedFolder) -> Iterator[str]:
 
 def _machine_differences(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:
     """Errors that are not the same on two machines; times are not compared."""
-    for folders, other in combinations(groups, 2):
-        for first in folders:
-            for second in other:
-                folder_difference = _difference(first.campaign, second.campaign)
-                if folder_difference is not None:
-                    yield Paragraph(f"{first.name}, then {second.name}: {closing_line(folder_difference)}.")
-                    yield from [moved_table(folder_difference)] if folder_difference.moves else []
+    for first, second in (pair for machines in combinations(groups, 2) for pair in product(*machines)):
+        if moved := _difference(first.campaign, second.campaign):
+            yield Paragraph(f"{first.name}, then {second.name}: {closing_line(moved)}.")
+            yield from [moved_table(moved)] if moved.moves else []
 
 
 def _difference(before: Results | None, after: Results | None) -> FolderDifference | None:
