@@ -91,7 +91,8 @@ def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
 
 
 def _run(trace: Trace) -> dict[str, Any]:
-    chosen = worst_samples(trace.error, STRETCHES)
+    compared = np.flatnonzero(~np.isnan(trace.error))
+    chosen = compared[highest_samples(trace.error[compared], STRETCHES)]
     decades = np.log10(np.clip(trace.error[chosen], LEAST_ERROR, GREATEST_ERROR))
     return {
         "engine": trace.record.engine,
@@ -106,9 +107,3 @@ def packed(*columns: Array) -> str:
     """Three columns (n,) after each other as numbers of 32 bits, the lower byte first, in base64."""
     with np.errstate(over="ignore"):  # what is too large becomes infinite, and is not drawn
         return base64.b64encode(np.concatenate(columns).astype("<f4").tobytes()).decode("ascii")
-
-
-def worst_samples(errors: Array, stretches: int) -> NDArray[np.intp]:
-    """Indices of the sample with the largest error in every stretch; samples that were not compared are left out."""
-    compared = np.flatnonzero(~np.isnan(errors))
-    return compared[highest_samples(errors[compared], stretches)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Final
@@ -30,20 +30,15 @@ def engines_section(view: View, printed: Mapping[str, ByName] = MappingProxyType
 
     ``printed`` are the motions of models as printed, by erratum.
     """
-    imported = is_imported(view)
-    parts: list[Part] = [*_judged_curves(view), *([chart(view)] if any(map(view.shown_setting, view.regimes)) else [])]
+    judged = [JudgedCurve(**row) for row in view.results.document.get("judged_curves", ())]
+    parts: list[Part] = [PageFigure(anchor("judged", c.name), c.caption, c.caption, judged_chart([c])) for c in judged]
+    parts += [chart(view)] if any(map(view.shown_setting, view.regimes)) else []
     parts += [errors_section(view, regime) for regime in view.regimes]
     parts += _printed_models(view, printed)
-    if not imported:
-        parts.append(runs_section(view))
-    return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
-
-
-def _judged_curves(view: View) -> Iterator[PageFigure]:
-    """The curves of a file that was judged, the worst first."""
-    for row in view.results.document.get("judged_curves", ()):
-        curve = JudgedCurve(**row)
-        yield PageFigure(anchor("judged", curve.name), curve.caption, curve.caption, judged_chart([curve]))
+    if is_imported(view):
+        return Section(KEY, "Every error", tuple(parts))
+    runs = tuple(_runs_table(view, regime) for regime in view.regimes)
+    return Section(KEY, "How the engines did", (*parts, Fold("How each run was made, and what it cost", runs)))
 
 
 def is_imported(view: View) -> bool:
@@ -178,13 +173,8 @@ def _printed_model_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     return Table(sentence("printed_model", row=rows[0]), head, cells, align="lrrl")
 
 
-def runs_section(view: View) -> Fold:
-    """How every run was made, what it cost and where its figures come from."""
-    parts = tuple(_runs_table(view, regime) for regime in view.regimes)
-    return Fold("How each run was made, and what it cost", parts)
-
-
 def _runs_table(view: View, regime: Regime) -> Table:
+    """How every run was made, what it cost and where its figures come from."""
     details = {run.run: run.details for run in view.results.runs}
     rows = tuple(
         (

@@ -83,11 +83,10 @@ def printout(engine_name: str, checks: Sequence[CheckResult]) -> Printout:
 
 def _rows(results: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
     """A line of every check; of mutants that say the same, one line."""
-    groups: dict[tuple[str, Finding, str], int] = {}
+    groups: Counter[tuple[str, Finding, str]] = Counter()
     for each in results:
         alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
-        key = (MUTANT if alike else each.check, each.finding, each.detail)
-        groups[key] = groups.get(key, 0) + 1
+        groups[MUTANT if alike else each.check, each.finding, each.detail] += 1
     return [
         (
             f"{count} mutant{'s' if count > 1 else ''}" if name == MUTANT else name,
