@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 
 from comparisons.runs.files import write_bytes, write_text
 from reports.document.chart import Chart
-from reports.document.parts import JavaScript, Mono, Page, PageFigure, PageLink, Widget, Words
+from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Words
 from reports.document.templates import FOLDER, render
 
 STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
@@ -99,7 +99,7 @@ class _PageFiles:
         folder = f"data/{Path(self.page.file).stem}/"
         for key, data in widget.further.items():
             name = f"{widget.name}.{key}"
-            code = data.text if isinstance(data, JavaScript) else self.json(data)
+            code = data if isinstance(data, str) else self.json(data)
             write_text(self._file(f"{folder}{name}.js"), f"linkproof.loaded({self.json(name)}, {code});\n")
         return self.root + folder
 

@@ -15,7 +15,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
 from comparisons.datasheet.sheet import Sheet
-from reports.document.parts import JavaScript, Part, Widget
+from reports.document.parts import Part, Widget
 from reports.live.model import Model, is_of_table, load_of, model
 
 # A linkage's file as a template, in which a page puts other numbers: text and the places of numbers by turns.
@@ -127,7 +127,7 @@ def live_widget(sheet: Sheet, model: Model, instead: tuple[Part, ...]) -> Widget
     """The widget of a model; ``instead`` stands where no script runs."""
     label = f"{sheet.linkage.title or sheet.name}: pull at points and numbers"
     data = {**model.data, **_numbers(model), **_drawing_data(model.mechanism)}
-    return Widget("live", "live", label, data, {"model": JavaScript(model.source)}, instead=instead)
+    return Widget("live", "live", label, data, {"model": model.source}, instead=instead)
 
 
 def _numbers(model: Model) -> dict[str, Any]:

@@ -146,18 +146,18 @@ def _forces(sheet: Sheet) -> Section:
     magnitudes = chart(sheet, [signals_panel(sheet, named, f"|F|, {unit}")], 3.2, wide=True)
     table = figures_table(sheet, "forces", plain)
     parts = (
-        FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet, unit))),
-        _hodographs(sheet, joints, unit),
+        FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet))),
+        _hodographs(sheet, joints),
         Fold("Largest force of every joint, in figures", (replace(table, caption=ACTS),)),
     )
     return Section("forces", "Forces in the joints and on the frame", parts)
 
 
-def _on_frame(sheet: Sheet, unit: str) -> tuple[PageFigure, ...]:
+def _on_frame(sheet: Sheet) -> tuple[PageFigure, ...]:
     """Shaking force and shaking moment."""
     if "shaking_moment" not in sheet.values:
         return ()
-    tip = Chart((hodograph(sheet, "shaking_force", 0, unit),), 3.2)
+    tip = Chart((hodograph(sheet, "shaking_force", 0),), 3.2)
     moment = Curve(sheet.x, sheet.y("shaking_moment"), ink=1)
     label = f"shaking moment, {sheet.unit('shaking_moment').on_page}"
     force_caption = f"Shaking force on the frame{_dots_in_words(sheet)}."
@@ -174,10 +174,10 @@ def _dots_in_words(sheet: Sheet) -> str:
     return f": dots are {DOTS}° of the crank apart, the quarters of the turn named" if sheet.is_turn else ""
 
 
-def _hodographs(sheet: Sheet, joints: list[str], unit: str) -> PageFigure:
+def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
     """The tip of every joint's force, each to its own scale."""
     drawn = joints[:MOST_HODOGRAPHS]
-    panels = [hodograph(sheet, f"{JOINT}{name}", number, unit) for number, name in enumerate(drawn)]
+    panels = [hodograph(sheet, f"{JOINT}{name}", number) for number, name in enumerate(drawn)]
     rows = -(-len(drawn) // PER_ROW)
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
     caption = f"Fx against Fy of {which}, each to its own scale{_dots_in_words(sheet)}."
@@ -185,8 +185,9 @@ def _hodographs(sheet: Sheet, joints: list[str], unit: str) -> PageFigure:
     return page_figure(sheet, "hodographs", caption, "hodographs of the joint forces", chart)
 
 
-def hodograph(sheet: Sheet, vector: str, ink: int, unit: str) -> Panel:
+def hodograph(sheet: Sheet, vector: str, ink: int) -> Panel:
     """Fx against Fy from the origin; of a turn a dot every 30° and the quarters named."""
+    unit = sheet.unit(f"{vector}:x").on_page
     force = [sheet.y(f"{vector}:{component}") for component in "xy"]
     title = plain(vector.partition(":")[2])
     curves = [Curve(force[0], force[1], ink=ink)]
