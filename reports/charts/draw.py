@@ -13,13 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
-from numpy.typing import NDArray
 
 from reports.charts import labels, scales, surfaces
 from reports.charts.scales import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, WIDTH, house_style, ink
-from reports.document.chart import Chart, Curve, Hatch, Ink, Panel
+from reports.document.chart import Array, Chart, Curve, Hatch, Ink, Panel
 
-Array = NDArray[np.float64]
 Host = Figure | SubFigure
 
 BAR = 3.0  # points, of lines that are bars

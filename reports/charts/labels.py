@@ -13,11 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Bbox
-from numpy.typing import NDArray
 
 from reports.charts.scales import FONT, FONT_SIZE, INK
-
-Array = NDArray[np.float64]
+from reports.document.chart import Array
 
 LINE = FONT_SIZE * 1.2 / 72.0  # in, of one line of words
 BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S+$)")

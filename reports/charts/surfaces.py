@@ -8,13 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from reports.charts import scales
 from reports.charts.scales import FONT_SIZE, PLATE, REFERENCE
 from reports.document.chart import Surface
-
-Array = NDArray[np.float64]
 
 TICKS = 8
 # Lines and their words on darker and on brighter colours; as the image, they do not turn with the reader's scheme.

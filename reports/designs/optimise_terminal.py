@@ -8,7 +8,6 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from analytic.designs.derivatives import is_exact
 from analytic.errors import printable
@@ -18,12 +17,10 @@ from comparisons.designs.problem import Constraint
 from comparisons.designs.searches import Search
 from reports.charts import draw
 from reports.document import numbers
-from reports.document.chart import Chart, Curve, Note, Panel
+from reports.document.chart import Array, Chart, Curve, Note, Panel
 from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
-
-Array = NDArray[np.float64]
 
 DIGITS: Final = 6
 ROUNDED: Final = 1e-8  # share of its size by which a constrained figure may be off

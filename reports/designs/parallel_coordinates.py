@@ -5,15 +5,12 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from reports.charts import draw, labels, scales
 from reports.charts.scales import FULL_WIDTH, INK, SHADES, ink
 from reports.charts.scheme import BEHIND
 from reports.designs.drawn_designs import FAILS, OWN, DrawnDesigns
-from reports.document.chart import Curve
-
-Array = NDArray[np.float64]
+from reports.document.chart import Array, Curve
 
 APART, HIGH, TICKS = 1.7, 4.8, 6  # in, between axes at least, of the figure; ticks of an axis
 THIN = 0.6  # points, of a line among many

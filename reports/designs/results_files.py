@@ -8,13 +8,11 @@ import json
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.written import plain
 from comparisons.datasheet.linkage_warnings import warnings
 from comparisons.datasheet.sheet import Sheet
-
-Array = NDArray[np.float64]
+from reports.document.chart import Array
 
 
 def columns(sheet: Sheet) -> dict[str, Array]:

@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
 from reports.charts import draw
 from reports.designs.drawn_designs import FAILS, OWN, DrawnDesigns, drawn_designs
 from reports.designs.parallel_coordinates import parallel_figure
-from reports.document.chart import Chart, Curve, Hatch, Mark, Panel, Surface
+from reports.document.chart import Array, Chart, Curve, Hatch, Mark, Panel, Surface
 
 if TYPE_CHECKING:
     import xarray
 
-Array = NDArray[np.float64]
 
 CURVES, MAP = 2.2, 3.0  # in, height of a row of panels
 NOWHERE = np.zeros(0)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.written import csv_text, finite
 from comparisons.designs.saved_sweep import SavedSweep
@@ -18,12 +17,11 @@ from comparisons.designs.simulated_designs import EngineOverDesigns, TellingNumb
 from comparisons.designs.space import Grid
 from comparisons.designs.sweep import NO_DESIGN, RankedDesign, Summary, SweepRequest
 from comparisons.judging.records import Verdict
+from reports.document.chart import Array
 from reports.document.numbers import error, figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
 from reports.records.views import share
-
-Array = NDArray[np.float64]
 
 LEAST: Final = "least"
 ROWS: Final = 10_000  # of a CSV file, made into text at once

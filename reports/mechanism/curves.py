@@ -8,14 +8,12 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from comparisons.datasheet.instants import extreme_samples, highest_samples
 from comparisons.judging.quantities import JOINT_FORCE
+from reports.document.chart import Array
 from reports.records.views import Regime, Trace, View, setting_rank, short_title
 from reports.records.views import engines as all_engines
-
-Array = NDArray[np.float64]
 
 # The closed form is shown by the extremes of so many stretches, a run by the worst sample of each of these.
 EXTREMES: Final = 400

@@ -7,12 +7,11 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import Link
 from comparisons.datasheet.sheet import JOINT, ROUNDING, Sheet, UnitFunctionCurves
 from reports.charts.scheme import scheme_figure
-from reports.document.chart import Chart, Curve, Note, Panel
+from reports.document.chart import Array, Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import (
     Bullets,
@@ -29,8 +28,6 @@ from reports.document.parts import (
 )
 from reports.document.templates import lines, plain, sentence
 from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, signals_panel, stacked_chart, words
-
-Array = NDArray[np.float64]
 
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")

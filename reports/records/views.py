@@ -9,7 +9,6 @@ from functools import cached_property
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
@@ -19,11 +18,11 @@ from comparisons.judging.limits import LimitTable, grouped
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
 from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
 from engines.contract import Setting
+from reports.document.chart import Array
 from reports.document.numbers import bound
 from reports.document.parts import Table, TableCell
 from reports.document.templates import plain, worded
 
-Array = NDArray[np.float64]
 SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
 SETTINGS = tuple(setting.value for setting in Setting)
 
