@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from markupsafe import Markup
@@ -11,7 +11,7 @@ from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.limits import grouped
 from engines.contract import Setting
-from reports.campaign.verdict import CHECKS, EngineRanking, EngineRecords, listed, ratio, share, verdict
+from reports.campaign.verdict import CHECKS, EngineRanking, EngineRecords, listed, ratio, verdict
 from reports.charts.moving import moving_scheme
 from reports.document import numbers
 from reports.document.parts import (
@@ -38,7 +38,7 @@ from reports.mechanism.page import file_of
 from reports.mechanism.shown import key_figures
 from reports.records.differences import changed_figures
 from reports.records.origins import computed_or_shared, concurrency_note, environment_facts, origin_words, readout_table
-from reports.records.views import caught_by_baseline, every_record, family_title, limit_table, views
+from reports.records.views import caught_by_baseline, every_record, family_title, limit_table, share, views
 
 # A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
 
@@ -53,20 +53,13 @@ def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
     engine = _worst_engine(sheet, trust) if trust is not None else ""
-    rows = (*_key_figures(sheet), *((("worst error", engine),) if engine else ()))
-    return Card(PageLink(words, file_of(sheet)), (*_moving_scheme_part(sheet), Facts(rows)))
-
-
-def _moving_scheme_part(sheet: Sheet) -> Iterator[Part]:
-    if sheet.positions is not None:
-        markup = moving_scheme(
-            sheet.linkage, sheet.positions, f"card {sheet.name} {sheet.variant}", size=SIZE, frames=FRAMES
-        )
-        yield Drawn(markup, f"Moving scheme of {sheet.linkage.title}.")
-
-
-def _key_figures(sheet: Sheet) -> tuple[tuple[str, str], ...]:
-    return tuple((what, value) for what, value, _ in key_figures(sheet) if what in FIGURES)
+    figures = [(what, value) for what, value, _ in key_figures(sheet) if what in FIGURES]
+    facts = Facts((*figures, *((("worst error", engine),) if engine else ())))
+    if sheet.positions is None:
+        return Card(PageLink(words, file_of(sheet)), (facts,))
+    key = f"card {sheet.name} {sheet.variant}"
+    markup = moving_scheme(linkage, sheet.positions, key, size=SIZE, frames=FRAMES)
+    return Card(PageLink(words, file_of(sheet)), (Drawn(markup, f"Moving scheme of {linkage.title}."), facts))
 
 
 def _worst_engine(sheet: Sheet, trust: EngineRanking) -> str:
@@ -118,9 +111,9 @@ def _page_heading(results: Results | None) -> str:
 
 def _verdict(results: Results | None, trust: EngineRanking | None) -> tuple[Part, ...]:
     """The verdict on the engines, or the judgement of another tool's results."""
-    words = results.document.get("judgement", []) if results is not None else []
-    first, *rest = words or (verdict(trust) if trust else ()) or [""]
-    return (*([Paragraph(first, "verdict")] if first else []), *(Paragraph(line, "lead") for line in rest))
+    judgement = results.document.get("judgement") if results is not None else None
+    words = judgement or (verdict(trust) if trust else ())
+    return tuple(Paragraph(line, "lead" if number else "verdict") for number, line in enumerate(words))
 
 
 def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, ...]:
@@ -130,15 +123,14 @@ def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, .
             part for view in views(results) for regime in view.regimes for part in errors_section(view, regime).parts
         ]
         return (Section("signals", "The signals", tuple(signals)),)
-    parts = (_settings_table(trust), families_table(trust))
-    caught = caught_by_baseline(results)
-    worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
-    notes = map(Paragraph, (*results.document.get("notes", ()), *results.document.get("departures", ())))
-    moved: tuple[Part, ...] = (*notes, *changed_figures(results.figures))
-    return (Section("engines", "The engines", (*parts, *(worse if caught else ()), *moved)),)
+    parts: list[Part] = [settings_table(trust), families_table(trust)]
+    if caught := caught_by_baseline(results):
+        parts.append(Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)))
+    parts += map(Paragraph, (*results.document.get("notes", ()), *results.document.get("departures", ())))
+    return (Section("engines", "The engines", (*parts, *changed_figures(results.figures))),)
 
 
-def _settings_table(trust: EngineRanking) -> Table:
+def settings_table(trust: EngineRanking) -> Table:
     """Engines down, settings across: how much of a limit is used at worst, what a run takes, what its figures are."""
     rows: list[list[TableCell | str]] = []
     for engine in trust.engines:
@@ -151,15 +143,10 @@ def _settings_table(trust: EngineRanking) -> Table:
         f"The worst error over its limit, where it is, and the median times of set-up and of stepping{beside}.",
         ("engine", *(("error / limit", "set-up + stepping") * len(trust.settings))),
         rows,
-        groups=(("", 1), *((_setting_words(trust, setting), 2) for setting in trust.settings)),
+        groups=(("", 1), *((setting + " (decides nothing)" * trust.is_idle(setting), 2) for setting in trust.settings)),
         note=sentence("index_settings", has_control=bool(trust.controls)),
         style="standings",
     )
-
-
-def _setting_words(trust: EngineRanking, setting: str) -> str:
-    untuned = setting == Setting.NAIVE.value and setting != trust.settings[0]
-    return f"{setting} (decides nothing)" if untuned else setting
 
 
 def _error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
@@ -192,7 +179,7 @@ def _first_reason(records: EngineRecords) -> str:
 
 def _cell_style(trust: EngineRanking, setting: str, records: EngineRecords) -> str:
     """A class of the style sheet; what decides nothing has no colour."""
-    if setting == Setting.NAIVE.value and setting != trust.settings[0]:
+    if trust.is_idle(setting):
         return "muted"
     return "over" if records.failed else "pass"
 
@@ -202,8 +189,7 @@ def families_table(trust: EngineRanking) -> Table:
     rows: list[list[TableCell | str]] = []
     for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
         for engine in trust.engines:
-            cells = [trust.cell(engine, setting, name) for name in trust.families]
-            if any(cell.judged for cell in cells):
+            if trust.row(engine, setting):
                 rows.append([engine, setting, *(_family_cell(trust, engine, setting, name) for name in trust.families)])
     return Table(
         "The largest error over the peak, by quantity; the least of each column is marked.",
@@ -232,12 +218,8 @@ def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str) -> 
 
 def _reasons(trust: EngineRanking) -> list[str]:
     """Why engines gave nothing, each reason of an engine once, with the settings that it holds for."""
-    records = [
-        record
-        for families in trust.by_engine.values()
-        for engine_records in families.values()
-        for record in engine_records.records
-    ]
+    runs = dict.fromkeys((record.engine, record.setting) for record in trust.results.records)
+    records = [record for run in runs for record in trust.records(*run)]
     groups = grouped(((r.engine, r.detail), r.setting) for r in records if r.error_max is None and r.detail)
     return [
         f"{engine}{'' if len({*settings}) == len(trust.settings) else f' {listed(dict.fromkeys(settings))}'}: {detail}"

@@ -6,7 +6,7 @@ Same rows, same order, same digits; no date, machine or time. Those stand on the
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 from xml.etree import ElementTree
 
@@ -37,43 +37,35 @@ def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
         "; the pages beside it have curves, machine and times.",
     )
     lines = facts or verdict(trust, timed=False)
+    errors = [
+        Section("", f"{view.linkage.name} ({view.linkage.variant}), {regime.name}", errors_section(view, regime).parts)
+        for view in views(results)
+        for regime in view.regimes
+    ]
+    printed_figures = {sheet.name: sheet.published for sheet in sheets if sheet.published}
+    published = [Section("", name, published_section(rows).parts) for name, rows in printed_figures.items()]
     parts: tuple[Part, ...] = (
         Paragraph(words),
         Section("", "Verdict", (*map(Paragraph, lines), families_table(trust))),
-        *_section_with_parts("Errors", _error_sections(results)),
+        *_section_with_parts("Errors", errors),
         *_section_with_parts("Key figures", changed_figures(results.figures)),
         *_section_with_parts("Printed models", _printed_models(results)),
-        *_section_with_parts("Published figures against ours", _published_sections(sheets)),
+        *_section_with_parts("Published figures against ours", published),
         Section("", "Limits", (limit_table(results),)),
     )
     return f"# {title}\n\n{written(parts)}\n"
 
 
-def _section_with_parts(heading: str, parts: Iterable[Part]) -> tuple[Section, ...]:
-    entries = tuple(parts)
-    return (Section("", heading, entries),) if entries else ()
+def _section_with_parts(heading: str, parts: Sequence[Part]) -> tuple[Section, ...]:
+    return (Section("", heading, tuple(parts)),) if parts else ()
 
 
-def _error_sections(results: Results) -> Iterator[Section]:
-    for view in views(results):
-        for regime in view.regimes:
-            title = f"{view.linkage.name} ({view.linkage.variant}), {regime.name}"
-            yield Section("", title, errors_section(view, regime).parts)
-
-
-def _printed_models(results: Results) -> Iterator[Bullets]:
+def _printed_models(results: Results) -> list[Bullets]:
     """The engines' verdicts on printed models, in the order of the mechanisms."""
     every = results.document.get("errata", [])
     names = dict.fromkeys(linkage.name for linkage in results.linkages if linkage.variant == linkage.variants[0])
     lines = tuple(row["sentence"] for name in names for row in every if row["mechanism"] == name)
-    if lines:
-        yield Bullets(lines)
-
-
-def _published_sections(sheets: Sequence[Sheet]) -> Iterator[Section]:
-    for name, rows in {sheet.name: sheet.published for sheet in sheets}.items():
-        if rows:
-            yield Section("", name, published_section(rows).parts)
+    return [Bullets(lines)] if lines else []
 
 
 # A campaign as test cases in JUnit's XML, which CI services show: one for every record and every key figure.

@@ -16,7 +16,7 @@ from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
 from reports.records.origins import concurrency_note
-from reports.records.views import family
+from reports.records.views import family, share
 
 # Quantities that go together; any other quantity that is no check stands under OTHER.
 FAMILIES: Final = {
@@ -67,28 +67,27 @@ class EngineRanking:
     results: Results
 
     @cached_property
-    def by_engine(self) -> Mapping[tuple[str, str], Mapping[str, EngineRecords]]:
-        """Records and invariants by engine and setting, then by family of quantities."""
-        groups: dict[tuple[str, str], dict[str, list[Record]]] = {}
-        for record in (*self.results.records, *self.results.invariants):
-            families = groups.setdefault((record.engine, record.setting), {})
-            families.setdefault(self._family_of_record(record), []).append(record)
-        return {
-            run: {name: EngineRecords(tuple(records)) for name, records in table.items()}
-            for run, table in groups.items()
-        }
+    def cells(self) -> Mapping[tuple[str, str, str], EngineRecords]:
+        """The records by engine, setting and family."""
+        every = (*self.results.records, *self.results.invariants)
+        groups = grouped(((record.engine, record.setting, self._family_of_record(record)), record) for record in every)
+        return {key: EngineRecords(tuple(records)) for key, records in groups.items()}
 
     @cached_property
     def families(self) -> tuple[str, ...]:
         """The families in which any engine was judged, in the order of the table."""
-        some = {name for groups in self.by_engine.values() for name, own in groups.items() if own.judged}
+        some = {name for (_, _, name), cell in self.cells.items() if cell.judged}
         return tuple(name for name in (*FAMILIES, OTHER, RELEASED, CHECKS) if name in some)
 
     @cached_property
     def settings(self) -> tuple[str, ...]:
         """The settings that ran, the decisive one first."""
-        ran = {setting for _, setting in self.by_engine}
+        ran = {setting for _, setting, _ in self.cells}
         return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
+
+    def is_idle(self, setting: str) -> bool:
+        """Whether a setting decides nothing: the naive one beside others."""
+        return setting == Setting.NAIVE.value and setting in self.settings[1:]
 
     @cached_property
     def controls(self) -> frozenset[str]:
@@ -98,15 +97,20 @@ class EngineRanking:
     @cached_property
     def engines(self) -> tuple[str, ...]:
         """Names of the engines, sorted, those of controls last."""
-        return tuple(sorted({engine for engine, _ in self.by_engine}, key=lambda name: (name in self.controls, name)))
+        return tuple(sorted({engine for engine, _, _ in self.cells}, key=lambda name: (name in self.controls, name)))
 
     def records(self, engine: str, setting: str) -> tuple[Record, ...]:
         """All records of an engine at a setting."""
-        return tuple(r for own in self.by_engine.get((engine, setting), {}).values() for r in own.records)
+        return tuple(r for key, cell in self.cells.items() if key[:2] == (engine, setting) for r in cell.records)
 
     def cell(self, engine: str, setting: str, family_name: str) -> EngineRecords:
         """The records of an engine at a setting in a family of quantities; empty without any."""
-        return self.by_engine.get((engine, setting), {}).get(family_name, EngineRecords(()))
+        return self.cells.get((engine, setting, family_name), EngineRecords(()))
+
+    def row(self, engine: str, setting: str) -> list[EngineRecords]:
+        """The judged families of an engine at a setting."""
+        cells = (self.cell(engine, setting, name) for name in self.families)
+        return [cell for cell in cells if cell.judged]
 
     def most_accurate(self, setting: str, family_name: str) -> str:
         """The engine with the least maximum error in a family, of those that failed in none of it.
@@ -149,11 +153,6 @@ class EngineRanking:
         )
 
 
-def share(record: Record) -> float:
-    """An error over its limit."""
-    return (record.error_max or 0.0) / (record.limit or 1.0)
-
-
 def ratio(record: Record) -> str:
     """An error over its limit for a reader."""
     value = share(record)
@@ -165,28 +164,17 @@ def verdict(trust: EngineRanking, *, timed: bool = True) -> tuple[str, ...]:
 
     Nobody is to be trusted where the campaign has not passed.
     """
-    setting = trust.settings[0]
+    setting, results = trust.settings[0], trust.results
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
+    departures, moved = results.document.get("departures", []), [figure for figure in results.figures if figure.changed]
     lines = (
-        _departures_sentence(trust.results),
-        _changed_figures_sentence(trust.results),
+        sentence("verdict_departures", departures=departures) if departures else "",
+        sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else "",
         _trust_sentence(trust, engines, setting),
         _accuracy_sentence(trust, engines, setting, timed=timed),
-        _naive_sentence(trust, engines) if Setting.NAIVE.value in trust.settings[1:] else "",
+        _naive_sentence(trust, engines) if trust.is_idle(Setting.NAIVE.value) else "",
     )
     return tuple(line for line in lines if line)
-
-
-def _departures_sentence(results: Results) -> str:
-    """A sentence on linkages and motions that are not those of the baseline; empty without any."""
-    departures = results.document.get("departures", [])
-    return sentence("verdict_departures", departures=departures) if departures else ""
-
-
-def _changed_figures_sentence(results: Results) -> str:
-    """A sentence on key figures that differ from their record; empty without any."""
-    moved = [figure for figure in results.figures if figure.changed]
-    return sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else ""
 
 
 def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
@@ -202,7 +190,7 @@ def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) 
         wrong=_engines_by_families(wrong),
         silent=listed(name for name in engines if not judged[name]),
         red=_has_failed(trust.results),
-        count=sum(len(records.judged) for name in right for records in trust.by_engine[name, setting].values()),
+        count=sum(len(cell.judged) for name in right for cell in trust.row(name, setting)),
     )
 
 
@@ -221,11 +209,7 @@ def _accuracy_sentence(trust: EngineRanking, engines: Sequence[str], setting: st
         return ""
     most_accurate = {name: trust.most_accurate(setting, name) for name in trust.families if name != CHECKS}
     leaders = grouped((leader, name) for name, leader in most_accurate.items() if leader)
-    right = [
-        name
-        for name in engines
-        if not any(records.failed for records in trust.by_engine.get((name, setting), {}).values())
-    ]
+    right = [name for name in engines if not any(cell.failed for cell in trust.row(name, setting))]
     times = {name: sum(seconds) for name in right if (seconds := trust.seconds(name, setting)) is not None}
     quickest = min(times, key=lambda name: times[name], default="") if timed else ""
     worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in names) for name, names in leaders.items()}
@@ -236,10 +220,9 @@ def _accuracy_sentence(trust: EngineRanking, engines: Sequence[str], setting: st
 
 def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
     """A sentence on the engines' naive settings, which decide nothing."""
-    naive = Setting.NAIVE.value
-    ran = {name: [h for h in trust.by_engine.get((name, naive), {}).values() if h.judged] for name in engines}
-    over = {name: max(h.error or 0.0 for h in groups) for name, groups in ran.items() if any(h.failed for h in groups)}
-    within = listed(name for name, groups in ran.items() if groups and name not in over)
+    ran = {name: trust.row(name, Setting.NAIVE.value) for name in engines}
+    over = {name: max(h.error or 0.0 for h in cells) for name, cells in ran.items() if any(h.failed for h in cells)}
+    within = listed(name for name, cells in ran.items() if cells and name not in over)
     return sentence("verdict_untuned", within=within, over=sorted(over.items(), key=lambda item: item[1]))
 
 

@@ -13,13 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
-from numpy.typing import NDArray
 
 from reports.charts import labels, scales, surfaces
 from reports.charts.scales import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, STYLE, WIDTH, ink
-from reports.document.chart import Chart, Curve, Hatch, Ink, Panel
+from reports.document.chart import Array, Chart, Curve, Hatch, Ink, Panel
 
-Array = NDArray[np.float64]
 Host = Figure | SubFigure
 
 BAR = 3.0  # points, of lines that are bars
@@ -94,6 +92,11 @@ def head(host: Host, lines: Sequence[str], key: Sequence[Curve | Hatch] = ()) ->
     if key:
         host.legend(loc="outside upper left", **_key(key, wide))
     return host
+
+
+def is_wide(drawing: Figure) -> bool:
+    """Whether a figure takes a page's whole width."""
+    return drawing.get_figwidth() == FULL_WIDTH
 
 
 def edges(quantity: Figure) -> tuple[float, float]:
@@ -233,7 +236,8 @@ def _key_curves(panel: Panel, tall: float) -> list[Curve]:
     named = list({curve.name: curve for curve in panel.curves if curve.name}.values())
     if panel.names == "key":
         return named
-    if panel.names != "ends" or labels.LINE * sum(labels.lines(labels.wrap(curve.name)) for curve in named) <= tall:
+    lines = [line for curve in named for line in labels.wrap(curve.name).splitlines()]
+    if panel.names != "ends" or labels.LINE * len(lines) <= tall:
         return []
     below = [curve.y if curve.stacked else np.zeros(1) for curve in named]
     sizes = [float(np.nanmax(np.abs(curve.y - y))) for curve, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]

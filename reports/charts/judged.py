@@ -84,7 +84,9 @@ LEAST_ERROR: Final = 1e-16
 
 def errors_chart(view: View, regime: Regime) -> Chart:
     """Every error of a mechanism under a regime: a row per quantity or invariant, within it a lane per engine."""
-    records = worst_of_families([record for record in view.of(regime) if record.error_max is not None])
+    known = [record for record in view.of(regime) if record.error_max is not None]
+    groups = grouped(((*record.run, family(record.quantity)), record) for record in known)
+    records = [worst(group) for group in groups.values()]
     families = {family(record.quantity) for record in records}
     quantities, invariants = ([name for name in part if name in families] for part in columns(view.results))
     rows, lanes = [*quantities, *invariants], sorted({record.engine for record in records})
@@ -108,9 +110,3 @@ def errors_chart(view: View, regime: Regime) -> Chart:
     words = tuple(plain(name) for name in rows)
     panel = Panel(tuple(curves), "largest |error| / peak", "", marks, scale="logx", names="key", rows=words)
     return Chart((panel,), ROW * len(rows) * (1.0 + 0.2 * max(len(lanes) - 1, 0)) + FRAME, wide=True)
-
-
-def worst_of_families(records: Sequence[Record]) -> list[Record]:
-    """One record per run and family of quantities."""
-    groups = grouped(((*record.run, family(record.quantity)), record) for record in records)
-    return [worst(group) for group in groups.values()]

@@ -13,8 +13,7 @@ from analytic.description.file_units import file_unit
 from analytic.description.linkage import GROUND, CylinderDrive, Guide, Linkage, Spring
 from comparisons.datasheet.sheet import Positions
 from reports.charts import symbols
-
-Array = NDArray[np.float64]
+from reports.document.chart import Array
 
 POSITIONS = 12
 

@@ -13,11 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Bbox
-from numpy.typing import NDArray
 
 from reports.charts.scales import FONT, FONT_SIZE, INK
-
-Array = NDArray[np.float64]
+from reports.document.chart import Array
 
 LINE = FONT_SIZE * 1.2 / 72.0  # in, of one line of words
 BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S+$)")
@@ -43,11 +41,6 @@ def wrap(text: str, room: float = LONGEST) -> str:
     longest = max(int(len(text) * room / (BOLD * width(text) or 1.0)), 1)
     joined = INSIDE_NAME.sub(f"{JOINT} ", BEFORE_UNIT.sub("\u00a0", text))
     return "\n".join(textwrap.wrap(joined, longest, break_long_words=False)).replace(f"{JOINT} ", "").replace(JOINT, "")
-
-
-def lines(text: str) -> int:
-    """Number of lines of a text."""
-    return text.count("\n") + bool(text)
 
 
 def spread(places: Sequence[float], sizes: Sequence[float], room: float) -> Array:

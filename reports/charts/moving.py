@@ -12,7 +12,6 @@ from typing import Final
 import numpy as np
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.written import fixed
@@ -21,8 +20,7 @@ from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scales import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
 from reports.charts.scheme import draw_paths, draw_position
-
-Array = NDArray[np.float64]
+from reports.document.chart import Array
 
 SECONDS: Final = 6.0
 # Points: of the drawing, around all places, of a pin's radius; the last two of a small drawing, without mass centres.

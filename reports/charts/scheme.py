@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from analytic.description.file_units import file_unit
 from analytic.description.linkage import GROUND, Linkage
@@ -19,8 +18,7 @@ from reports.charts import symbols
 from reports.charts.draw import Host, drawn, inches
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scales import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER
-
-Array = NDArray[np.float64]
+from reports.document.chart import Array
 
 # Inches: the largest drawing, the narrowest, room for words left and below, around the linkage, a pin's radius.
 LARGEST, NARROWEST, WORDS, ROOM, PIN = np.array([5.4, 5.4]), 2.4, np.array([0.68, 0.58]), 0.42, 0.042

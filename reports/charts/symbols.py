@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Wedge
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from reports.charts.scales import INK, MUTED, PAPER, PLATE
+from reports.document.chart import Array
 
-Array = NDArray[np.float64]
 SLOT = (PAPER, 0.7)  # lines behind a slot stay visible
 AROUND = np.exp(1j * np.arange(0.1, 2.0 * np.pi, 0.01))  # directions, none of them one that a drawing is likely to have
 

@@ -8,17 +8,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.errors import printable
 from comparisons.designs.space import ONE_BY_ONE
 from reports.document import numbers
-from reports.document.chart import axis_label
+from reports.document.chart import Array, axis_label
 
 if TYPE_CHECKING:
     import xarray
 
-Array = NDArray[np.float64]
 
 MOST: Final = 9  # figures in one picture
 SAMPLE: Final = 20_000  # designs in a curve or a map

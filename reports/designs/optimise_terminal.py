@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import signals
 from analytic.description.file_units import file_unit
@@ -18,12 +17,10 @@ from analytic.written import change, finite
 from comparisons.designs.optimisation import Optimum
 from comparisons.designs.problem import Constraint
 from comparisons.designs.searches import Search
-from reports.document.chart import Chart, Curve, Ink, Note, Panel, axis_label
+from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel, axis_label
 from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
-
-Array = NDArray[np.float64]
 
 DIGITS: Final = 6
 ROUNDED: Final = 1e-8  # share of its size by which a constrained figure may be off

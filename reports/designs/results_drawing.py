@@ -84,7 +84,7 @@ def _title(sheet: Sheet, name: str) -> str:
 
 def _hodograph(sheet: Sheet, vector: str) -> Panel:
     """The tip of a force, named with its peak."""
-    panel = hodograph(sheet, vector, 0, sheet.unit(f"{vector}:x").on_page)
+    panel = hodograph(sheet, vector, 0)
     name, peak = printable(panel.title or "shaking force"), sheet.peaks[vector + MAGNITUDE]
     return replace(panel, title=f"{name}, {words(sheet, peak)}")
 

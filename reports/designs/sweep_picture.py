@@ -12,18 +12,16 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from reports.charts import draw, labels, scales
 from reports.charts.scales import FULL_WIDTH, INK, ink
 from reports.charts.scheme import BEHIND
 from reports.designs.drawn_designs import FAILS, OWN, DrawnDesigns, drawn_designs
-from reports.document.chart import Chart, Curve, Hatch, Mark, Panel, Surface, axis_label
+from reports.document.chart import Array, Chart, Curve, Hatch, Mark, Panel, Surface, axis_label
 
 if TYPE_CHECKING:
     import xarray
 
-Array = NDArray[np.float64]
 
 CURVES, MAP = 2.2, 3.0  # in, height of a row of panels
 STAR = Curve(ink="limit", line="", marker="*", size=9.0)  # the best design

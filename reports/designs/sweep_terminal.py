@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.written import csv_text, finite
 from comparisons.designs.saved_sweep import SavedSweep
@@ -18,11 +17,11 @@ from comparisons.designs.simulated_designs import EngineOverDesigns, TellingNumb
 from comparisons.designs.space import Grid
 from comparisons.designs.sweep import NO_DESIGN, RankedDesign, Summary, SweepRequest
 from comparisons.judging.records import Verdict
+from reports.document.chart import Array
 from reports.document.numbers import error, figure, grouped, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
-
-Array = NDArray[np.float64]
+from reports.records.views import share
 
 LEAST: Final = "least"
 ROWS: Final = 10_000  # of a CSV file, made into text at once
@@ -160,17 +159,10 @@ def _sentences(designs: EngineOverDesigns) -> Iterator[str]:
         yield f"{designs.engine}: {_where(designs.telling)}"
     elif designs.failing and within:
         yield f"{designs.engine}: no number separates the {len(designs.failing)} failing designs from the others"
-    if designs.worst is not None:
-        lost = designs.worst.error_max is None or designs.worst.outcome not in (Verdict.PASSED, Verdict.OVER_LIMIT)
-        share = (
-            designs.worst.error_max / designs.worst.limit
-            if designs.worst.error_max is not None and designs.worst.limit
-            else 0.0
-        )
-        worst = (
-            designs.worst.detail if lost else f"{designs.worst.quantity} has an error of {error(share)} of its limit"
-        )
-        yield f"{designs.engine}: worst in {designs.worst.mechanism}: {worst}"
+    if (worst := designs.worst) is not None:
+        lost = worst.error_max is None or worst.outcome not in (Verdict.PASSED, Verdict.OVER_LIMIT)
+        words = worst.detail if lost else f"{worst.quantity} has an error of {error(share(worst))} of its limit"
+        yield f"{designs.engine}: worst in {worst.mechanism}: {words}"
 
 
 def _where(number: TellingNumber) -> str:

@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 
 from comparisons.runs.files import write_bytes, write_text
 from reports.document.chart import Chart
-from reports.document.parts import JavaScript, Mono, Page, PageFigure, PageLink, Widget, Words
+from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Words
 from reports.document.templates import FOLDER, render
 
 STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
@@ -31,13 +31,14 @@ ELSEWHERE: Final = re.compile(r"#|[a-z][a-z0-9+.-]*:")  # a link that leaves the
 class Picture(NamedTuple):
     """A figure as a page shows it: where its file is, its size in CSS pixels, and its axes' edges, shares of the width.
 
-    ``edges`` is empty where the figure has no axis that a page may point at.
+    ``edges`` is empty where the figure has no axis that a page may point at; ``wide``: it takes the page's whole width.
     """
 
     source: str
     width: int
     height: int
     edges: tuple[float, ...]
+    wide: bool
 
 
 def write(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> list[str]:
@@ -98,7 +99,7 @@ class _PageFiles:
         folder = f"data/{Path(self.page.file).stem}/"
         for key, data in widget.further.items():
             name = f"{widget.name}.{key}"
-            code = data.text if isinstance(data, JavaScript) else self.json(data)
+            code = data if isinstance(data, str) else self.json(data)
             write_text(self._file(f"{folder}{name}.js"), f"linkproof.loaded({self.json(name)}, {code});\n")
         return self.root + folder
 
@@ -114,7 +115,7 @@ class _PageFiles:
         if self.png:
             self._file(f"{name}.png").write_bytes(draw.png(drawing))
         width, height = (round(PIXELS * inches) for inches in drawing.get_size_inches())
-        return Picture(f"{self.root}{name}.svg", width, height, edges)
+        return Picture(f"{self.root}{name}.svg", width, height, edges, draw.is_wide(drawing))
 
     def _file(self, name: str) -> Path:
         self.names.append(name)

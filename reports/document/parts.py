@@ -118,14 +118,13 @@ class Table:
 class PageFigure:
     """A figure, written as a file beside the page: ``name`` is that of its file, unique on the page.
 
-    ``alt`` is for a reader without pictures; ``wide`` takes the page's whole width. ``drawing`` is a chart, or draws.
+    ``alt`` is for a reader without pictures; ``drawing`` is a chart, or draws.
     """
 
     name: str
     caption: Words
     alt: str
     drawing: Chart | Callable[[], Drawing]
-    wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -140,7 +139,7 @@ class Widget:
     """An interactive part of a page: ``kind`` names its script, ``label`` describes it for a reader.
 
     ``data`` is JSON-ready (no number that is not finite) and on the page; each of ``further`` is a file of its own,
-    loaded when it is chosen, JSON-ready too or an expression: ``name`` and keys are plain file names. ``markup`` stands
+    loaded when it is chosen, JSON-ready too or a script's text: ``name`` and keys are plain file names. ``markup`` is
     in its place until the script runs, and ``instead`` where no script runs.
     """
 
@@ -148,7 +147,7 @@ class Widget:
     name: str
     label: str
     data: Mapping[str, Any]
-    further: Mapping[str, Mapping[str, Any] | JavaScript] = field(default_factory=dict)
+    further: Mapping[str, Mapping[str, Any] | str] = field(default_factory=dict)
     markup: Markup = NOTHING
     instead: tuple[Part, ...] = ()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final, Literal, NamedTuple
 
 from analytic.description import loading
@@ -15,7 +15,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
 from comparisons.datasheet.sheet import Sheet
-from reports.document.parts import JavaScript, Part, Widget
+from reports.document.parts import Part, Widget
 from reports.live.model import Model, is_of_table, load_of, model
 
 # A linkage's file as a template, in which a page puts other numbers: text and the places of numbers by turns.
@@ -127,7 +127,7 @@ def live_widget(sheet: Sheet, model: Model, instead: tuple[Part, ...]) -> Widget
     """The widget of a model; ``instead`` stands where no script runs."""
     label = f"{sheet.linkage.title or sheet.name}: pull at points and numbers"
     data = {**model.data, **_numbers(model), **_drawing_data(model.mechanism)}
-    return Widget("live", "live", label, data, {"model": JavaScript(model.source)}, instead=instead)
+    return Widget("live", "live", label, data, {"model": model.source}, instead=instead)
 
 
 def _numbers(model: Model) -> dict[str, Any]:
@@ -208,22 +208,10 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
     return {
         "bodies": {name: dict(link.points) for name, link in linkage.links.items()} | {GROUND: dict(linkage.ground)},
         "centres": [name for name, link in linkage.links.items() if link.mass and link.inertia is not None],
-        "guides": [
-            {
-                "link": link,
-                "point": point,
-                "host": guide.host,
-                "name": name,
-                "through": guide.through,
-                "along": guide.along,
-            }
-            for link, point, guide, name in guides
-        ],
+        "guides": [{"link": link, "point": point, "name": name} | asdict(guide) for link, point, guide, name in guides],
         "springs": [{"points": spring.points, "bodies": spring.links} for spring in linkage.springs],
         "output": linkage.output.point if linkage.output else "",
         "crank": linkage.crank,
         "pivot": getattr(crank, "point", ""),
-        "pulls": {
-            point: [pull._asdict() for pull in several] for point, several in pulls(mechanism).items() if several
-        },
+        "pulls": {point: [pull._asdict() for pull in several] for point, several in pulls(mechanism).items()},
     }

@@ -8,21 +8,16 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from comparisons.datasheet.instants import extreme_samples, highest_samples
 from comparisons.judging.quantities import JOINT_FORCE
+from reports.document.chart import Array
 from reports.records.views import Regime, Trace, View, setting_rank, short_title
 from reports.records.views import engines as all_engines
-
-Array = NDArray[np.float64]
 
 # The closed form is shown by the extremes of so many stretches, a run by the worst sample of each of these.
 EXTREMES: Final = 400
 STRETCHES: Final = 300
-# A packed number is one of so many steps between two ends, or none.
-STEPS: Final = 65534
-NOT_A_NUMBER: Final = 65535
 # Errors lie between these on their scale; nothing below is worth a decade.
 LEAST_ERROR: Final = 1e-16
 GREATEST_ERROR: Final = 1e8
@@ -57,14 +52,14 @@ def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequen
     return {
         "name": regime.name,
         "conditions": regime.conditions,
-        "jumps": list(regime.jumps),
+        "jumps": list(regime.motion.jumps) if regime.motion else [],
         "setting": view.shown_setting(regime),
         "quantities": [
             {
                 "title": view.title(name),
                 "short": short_title(name),
                 "unit": first[name].unit,
-                "curves": (regime.name, name) in view.curved,
+                "curves": bool(view.curved(regime, name)),
                 "vector": name.startswith(JOINT_FORCE),
             }
             for name in names
@@ -89,42 +84,24 @@ def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
     """
     longest = max(traces, key=lambda trace: len(trace.time))
     chosen = extreme_samples(longest.reference, EXTREMES)
-    truth = pack(longest.time[chosen], longest.angle[chosen], longest.reference[chosen])
+    truth = packed(longest.time[chosen], longest.angle[chosen], longest.reference[chosen])
     return {"truth": truth, "runs": [_run(trace) for trace in traces]}
 
 
 def _run(trace: Trace) -> dict[str, Any]:
-    chosen = worst_samples(trace.error, STRETCHES)
+    compared = np.flatnonzero(~np.isnan(trace.error))
+    chosen = compared[highest_samples(trace.error[compared], STRETCHES)]
     decades = np.log10(np.clip(trace.error[chosen], LEAST_ERROR, GREATEST_ERROR))
     return {
         "engine": trace.record.engine,
         "setting": trace.record.setting,
         "limit": trace.record.limit,
         "largest": digits(trace.record.error_max or 0.0),
-        **pack(trace.time[chosen], trace.observed[chosen], decades),
+        "samples": packed(trace.time[chosen], trace.observed[chosen], decades),
     }
 
 
-def pack(*columns: Array) -> dict[str, Any]:
-    """Columns (n,) as 16-bit steps between the ``ends`` of each, the lower byte first, all in one text of base64."""
-    ends = [_ends(column) for column in columns]
-    steps = [_steps(column, *between) for column, between in zip(columns, ends, strict=True)]
-    return {"ends": ends, "samples": base64.b64encode(np.concatenate(steps).tobytes()).decode("ascii")}
-
-
-def _ends(values: Array) -> tuple[float, float]:
-    """The least and the greatest finite number, which differ."""
-    finite = values[np.isfinite(values)]
-    low, high = (float(np.min(finite)), float(np.max(finite))) if len(finite) else (0.0, 0.0)
-    return (low, high) if high > low else (low, low + (abs(low) or 1.0))
-
-
-def _steps(values: Array, low: float, high: float) -> NDArray[np.uint16]:
-    share = np.where(np.isfinite(values), (values - low) / (high - low), np.nan)
-    return np.where(np.isnan(share), NOT_A_NUMBER, np.round(share * STEPS)).astype("<u2")
-
-
-def worst_samples(errors: Array, stretches: int) -> NDArray[np.intp]:
-    """Indices of the sample with the largest error in every stretch; samples that were not compared are left out."""
-    compared = np.flatnonzero(~np.isnan(errors))
-    return compared[highest_samples(errors[compared], stretches)]
+def packed(*columns: Array) -> str:
+    """Three columns (n,) after each other as numbers of 32 bits, the lower byte first, in base64."""
+    with np.errstate(over="ignore"):  # what is too large becomes infinite, and is not drawn
+        return base64.b64encode(np.concatenate(columns).astype("<f4").tobytes()).decode("ascii")

@@ -7,12 +7,11 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import Link
 from comparisons.datasheet.sheet import JOINT, ROUNDING, Sheet, UnitFunctionCurves
 from reports.charts.scheme import scheme_figure
-from reports.document.chart import Chart, Curve, Note, Panel
+from reports.document.chart import Array, Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import (
     Bullets,
@@ -29,8 +28,6 @@ from reports.document.parts import (
 )
 from reports.document.templates import lines, plain, sentence
 from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, signals_panel, stacked_chart, words
-
-Array = NDArray[np.float64]
 
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
@@ -89,20 +86,16 @@ def _drive(sheet: Sheet) -> Section:
     """Torque, power and kinetic energy, and where the inertia behind them comes from."""
     names = [name for name in DRIVE if name in sheet.values]
     if not names:
-        sentence = "No link has mass and there are no loads: there is no torque, power or joint force."
-        return Section("drive", "Drive", (Paragraph(sentence, "small"),))
+        reason = "No link has mass and there are no loads: there is no torque, power or joint force."
+        return Section("drive", "Drive", (Paragraph(reason, "small"),))
     force = "force" if sheet.linkage.is_linear else "torque"
     caption = f"Driving {force} Mkr, power Peq and kinetic energy Teq; dots are peaks."
     drive = page_figure(sheet, "drive", caption, caption, stacked_chart(sheet, names, TALL))
-    words = (Paragraph(_jeq(sheet)),) if "Jeq" in sheet.facts else ()
-    figures = FigureGroup((drive, *_inertia(sheet)))
-    return Section("drive", "Torque, power and inertia", (*words, figures))
-
-
-def _jeq(sheet: Sheet) -> str:
-    """The reduced moment of inertia in words."""
-    names = {end: jeq(sheet, end) for end in ("min", "max", "mean")}
-    return sentence("sheet_inertia", facts=sheet.facts["Jeq"], **names)
+    parts: list[Part] = [FigureGroup((drive, *_inertia(sheet)))]
+    if "Jeq" in sheet.facts:
+        ends = {end: jeq(sheet, end) for end in ("min", "max", "mean")}
+        parts.insert(0, Paragraph(sentence("sheet_inertia", facts=sheet.facts["Jeq"], **ends)))
+    return Section("drive", "Torque, power and inertia", tuple(parts))
 
 
 def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
@@ -150,18 +143,18 @@ def _forces(sheet: Sheet) -> Section:
     magnitudes = chart(sheet, [signals_panel(sheet, named, f"|F|, {unit}")], 3.2, wide=True)
     table = figures_table(sheet, "forces", plain)
     parts = (
-        FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet, unit))),
-        _hodographs(sheet, joints, unit),
+        FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet))),
+        _hodographs(sheet, joints),
         Fold("Largest force of every joint, in figures", (replace(table, caption=ACTS),)),
     )
     return Section("forces", "Forces in the joints and on the frame", parts)
 
 
-def _on_frame(sheet: Sheet, unit: str) -> tuple[PageFigure, ...]:
+def _on_frame(sheet: Sheet) -> tuple[PageFigure, ...]:
     """Shaking force and shaking moment."""
     if "shaking_moment" not in sheet.values:
         return ()
-    tip = Chart((hodograph(sheet, "shaking_force", 0, unit),), 3.2)
+    tip = Chart((hodograph(sheet, "shaking_force", 0),), 3.2)
     moment = Curve(sheet.x, sheet.y("shaking_moment"), ink=1)
     label = f"shaking moment, {sheet.unit('shaking_moment').on_page}"
     force_caption = f"Shaking force on the frame{_dots_in_words(sheet)}."
@@ -178,10 +171,10 @@ def _dots_in_words(sheet: Sheet) -> str:
     return f": dots are {DOTS}° of the crank apart, the quarters of the turn named" if sheet.is_turn else ""
 
 
-def _hodographs(sheet: Sheet, joints: list[str], unit: str) -> PageFigure:
+def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
     """The tip of every joint's force, each to its own scale."""
     drawn = joints[:MOST_HODOGRAPHS]
-    panels = [hodograph(sheet, f"{JOINT}{name}", number, unit) for number, name in enumerate(drawn)]
+    panels = [hodograph(sheet, f"{JOINT}{name}", number) for number, name in enumerate(drawn)]
     rows = -(-len(drawn) // PER_ROW)
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
     caption = f"Fx against Fy of {which}, each to its own scale{_dots_in_words(sheet)}."
@@ -189,8 +182,9 @@ def _hodographs(sheet: Sheet, joints: list[str], unit: str) -> PageFigure:
     return page_figure(sheet, "hodographs", caption, "hodographs of the joint forces", chart)
 
 
-def hodograph(sheet: Sheet, vector: str, ink: int, unit: str) -> Panel:
+def hodograph(sheet: Sheet, vector: str, ink: int) -> Panel:
     """Fx against Fy from the origin; of a turn a dot every 30° and the quarters named."""
+    unit = sheet.unit(f"{vector}:x").on_page
     force = [sheet.y(f"{vector}:{component}") for component in "xy"]
     title = plain(vector.partition(":")[2])
     curves = [Curve(force[0], force[1], ink=ink)]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any, Final
 
 from comparisons.datasheet.instants import extreme_samples
 from comparisons.datasheet.sheet import ByName
 from comparisons.faults.symptoms import probable_faults
+from comparisons.judging.limits import grouped
 from comparisons.judging.records import Record, Verdict
 from reports.charts.judged import JudgedCurve, errors_chart, judged_chart
 from reports.document import numbers
@@ -28,20 +29,15 @@ def engines_section(view: View, printed: Mapping[str, ByName]) -> Section:
 
     ``printed`` are the motions of models as printed, by erratum.
     """
-    imported = is_imported(view)
-    parts: list[Part] = [*_judged_curves(view), *([chart(view)] if any(map(view.shown_setting, view.regimes)) else [])]
+    judged = [JudgedCurve(**row) for row in view.results.document.get("judged_curves", ())]
+    parts: list[Part] = [PageFigure(anchor("judged", c.name), c.caption, c.caption, judged_chart([c])) for c in judged]
+    parts += [chart(view)] if any(map(view.shown_setting, view.regimes)) else []
     parts += [errors_section(view, regime) for regime in view.regimes]
     parts += _printed_models(view, printed)
-    if not imported:
-        parts.append(runs_section(view))
-    return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
-
-
-def _judged_curves(view: View) -> Iterator[PageFigure]:
-    """The curves of a file that was judged, the worst first."""
-    for row in view.results.document.get("judged_curves", ()):
-        curve = JudgedCurve(**row)
-        yield PageFigure(anchor("judged", curve.name), curve.caption, curve.caption, judged_chart([curve]), wide=True)
+    if is_imported(view):
+        return Section(KEY, "Every error", tuple(parts))
+    runs = tuple(_runs_table(view, regime) for regime in view.regimes)
+    return Section(KEY, "How the engines did", (*parts, Fold("How each run was made, and what it cost", runs)))
 
 
 def is_imported(view: View) -> bool:
@@ -63,7 +59,7 @@ def errors_figure(view: View, regime: Regime) -> PageFigure:
     """Every error of a regime as a figure."""
     caption = sentence("errors", regime=regime, setting=view.shown_setting(regime))
     alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
-    return PageFigure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime), wide=True)
+    return PageFigure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime))
 
 
 def errors_section(view: View, regime: Regime) -> Fold:
@@ -114,14 +110,14 @@ def _cell(record: Record | None) -> TableCell | str:
 
 def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
     """Why there is no error of a run or of a quantity of it, each reason once."""
-    groups: dict[tuple[str, str], list[str]] = {}
+    rows = []
     for run in runs:
         without = [record for record in run if record.error_max is None]
         for record in without:
             names = "" if len(without) == len(run) else f", {plain(record.quantity)}"
             reason = f"{RUNS[record.outcome].word}: {record.detail}".removesuffix(": ")
-            who = groups.setdefault((record.engine, reason), [])
-            who += [words] if (words := record.setting + names) not in who else []
+            rows.append(((record.engine, reason), record.setting + names))
+    groups = grouped(dict.fromkeys(rows))
     return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in groups.items())
 
 
@@ -158,7 +154,7 @@ def _printed_figure(view: View, regime: str, name: str, motion: ByName) -> PageF
     curves.append(Curve(motion["time"], motion["printed"], "as printed", "limit"))
     panel = Panel(tuple(curves), "time, s", "ω, rad/s", names="key")
     caption = f"Crank speed by the corrected model, by the engines and as printed: {name}."
-    return PageFigure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True), wide=True)
+    return PageFigure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True))
 
 
 def _printed_model_table(rows: Sequence[Mapping[str, Any]]) -> Table:
@@ -176,13 +172,8 @@ def _printed_model_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     return Table(sentence("printed_model", row=rows[0]), head, cells, align="lrrl")
 
 
-def runs_section(view: View) -> Fold:
-    """How every run was made, what it cost and where its figures come from."""
-    parts = tuple(_runs_table(view, regime) for regime in view.regimes)
-    return Fold("How each run was made, and what it cost", parts)
-
-
 def _runs_table(view: View, regime: Regime) -> Table:
+    """How every run was made, what it cost and where its figures come from."""
     details = {run.run: run.details for run in view.results.runs}
     rows = tuple(
         (

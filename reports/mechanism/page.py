@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import numpy as np
 from markupsafe import Markup
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
@@ -17,7 +16,7 @@ from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
 from reports.charts import thread as drawings
 from reports.charts.moving import moving_scheme
-from reports.document.chart import Chart, Curve, Mark, Panel
+from reports.document.chart import Array, Chart, Curve, Mark, Panel
 from reports.document.parts import (
     Bullets,
     Card,
@@ -38,8 +37,6 @@ from reports.mechanism.engines import engines_section
 from reports.mechanism.published import published_section
 from reports.mechanism.shown import key_table, page_figure
 from reports.records.views import anchor, views
-
-Array = NDArray[np.float64]
 
 # Sections of a mechanism's page that some linkages have: the thread, and released cranks.
 
@@ -87,15 +84,9 @@ def released_section(sheet: Sheet) -> Section:
     parts: list[Part] = []
     for regime, motion in sheet.released.items():
         figures = (_speed(sheet, regime, motion), *_last_turn(sheet, regime, motion))
-        parts.append(
-            Section(anchor("released", regime), regime, (Bullets(tuple(sentences(motion))), FigureGroup(figures)))
-        )
+        words = Bullets(tuple(lines("released_sheet", one=motion.facts, rpm=RPM)))
+        parts.append(Section(anchor("released", regime), regime, (words, FigureGroup(figures))))
     return Section("released", "Released crank", tuple(parts))
-
-
-def sentences(motion: Released) -> list[str]:
-    """Sentences about a released crank, in this order: rest, rotation, own error, the articles' integrator."""
-    return lines("released_sheet", one=motion.facts, rpm=RPM)
 
 
 def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:

@@ -75,13 +75,10 @@ def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) ->
     whats, labels = HEADS[name]
     if sheet.is_linear:
         labels = tuple(label.replace("torque", "force") for label in labels)
-    groups = [
-        [*part]
-        for _, part in groupby(sheet.figures[name], key=lambda signal_figure: (signal_figure.what, signal_figure.on))
-    ]
+    groups = [[*part] for _, part in groupby(sheet.figures[name], key=lambda entry: (entry.what, entry.on))]
     rows = []
     for group in groups:
-        numbers = [number(sheet, signal_figure) for signal_figure in group] + [ABSENT] * (len(labels) - len(group))
+        numbers = [number(sheet, entry) for entry in group] + [ABSENT] * (len(labels) - len(group))
         names = map(named, (group[0].what, group[0].on)[: len(whats)])
         rows.append((*names, *numbers, *place_cells(sheet, group[0])))
     units = [sheet.unit_of(signal_figure).name for signal_figure in groups[0]]
@@ -105,37 +102,24 @@ def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
 
 def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
     """Drive, output, largest forces, worst transmission angle: what, value with unit, where."""
-    drive = [
-        signal_figure for signal_figure in sheet.figures["drive"] if signal_figure.what not in (MEAN, "peak speed")
-    ]
-    chosen = [
-        signal_figure
-        for signal_figure in drive
-        if signal_figure.signal == ("Peq" if "power" in signal_figure.what else "Mkr")
-    ]
-    rows = [
-        (signal_figure.what, words(sheet, signal_figure), place(sheet, signal_figure))
-        for signal_figure in (*chosen, *_further_figures(sheet))
-    ]
+    drive = [entry for entry in sheet.figures["drive"] if entry.what not in (MEAN, "peak speed")]
+    chosen = [entry for entry in drive if entry.signal == ("Peq" if "power" in entry.what else "Mkr")]
+    rows = [(entry.what, words(sheet, entry), place(sheet, entry)) for entry in (*chosen, *_further_figures(sheet))]
     inertia = [("mean Jeq", jeq(sheet, "mean"), "")] if "Jeq" in sheet.facts else []
     return (*rows[: len(chosen)], *inertia, *rows[len(chosen) :])
 
 
 def _further_figures(sheet: Sheet) -> Iterator[SignalFigure]:
     """Key figures besides those of the drive."""
-    yield from (
-        signal_figure
-        for signal_figure in sheet.figures["output"]
-        if signal_figure.signal in "va" or signal_figure.what == "stroke"
-    )
-    forces = [signal_figure for signal_figure in sheet.figures["forces"] if signal_figure.unit == "N"]
+    yield from (entry for entry in sheet.figures["output"] if entry.signal in "va" or entry.what == "stroke")
+    forces = [entry for entry in sheet.figures["forces"] if entry.unit == "N"]
     joints = [force for force in forces if force.what != SHAKING]
-    for joint in sorted(joints, key=lambda signal_figure: -(signal_figure.value or 0.0))[:1]:
+    for joint in sorted(joints, key=lambda entry: -(entry.value or 0.0))[:1]:
         yield replace(joint, what=f"largest joint force, {plain(joint.what)}")
     yield from (force for force in forces if force.what == SHAKING)
-    yield from (replace(signal_figure, what="shaking moment") for signal_figure in sheet.figures["moment"])
-    groups = [signal_figure for signal_figure in sheet.figures["transmission"] if signal_figure.value is not None]
-    for joint in sorted(groups, key=lambda signal_figure: signal_figure.value or 0.0)[:1]:
+    yield from (replace(entry, what="shaking moment") for entry in sheet.figures["moment"])
+    groups = [entry for entry in sheet.figures["transmission"] if entry.value is not None]
+    for joint in sorted(groups, key=lambda entry: entry.value or 0.0)[:1]:
         yield replace(joint, what=f"least transmission angle, {plain(joint.what)}")
 
 
@@ -146,21 +130,16 @@ def key_table(sheet: Sheet) -> Table:
     return Table(f"{conditions[:1].upper()}{conditions[1:]}.", head, key_figures(sheet), align="lrr", style="key")
 
 
-def axis_name(sheet: Sheet) -> str:
-    """The axis in words."""
-    name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
-    return f"{name}, {sheet.axis_unit.on_page}"
-
-
 def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> PageFigure:
     """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
-    is_wide = isinstance(drawing, Chart) and drawing.wide
-    return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing, wide=is_wide)
+    return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing)
 
 
 def panel(sheet: Sheet, curves: Sequence[Curve], y_label: str, *, is_last: bool = True) -> Panel:
-    """Curves over the axis."""
-    return Panel(tuple(curves), axis_name(sheet) if is_last else "", y_label, turn=sheet.is_turn)
+    """Curves over the axis, which is named where the panel is the last of a column."""
+    name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
+    x_label = f"{name}, {sheet.axis_unit.on_page}" if is_last else ""
+    return Panel(tuple(curves), x_label, y_label, turn=sheet.is_turn)
 
 
 def signals_panel(sheet: Sheet, signals: Mapping[str, str], y_label: str, solid: float = math.inf) -> Panel:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -27,13 +27,10 @@ def catalogue(shelves: Mapping[str, Sequence[Linkage]]) -> list[Printed]:
     """Mechanisms with their variants and sources, shelf by shelf: a table each, its heading before it."""
     blocks: list[Printed] = []
     for heading, linkages in shelves.items():
-        blocks += ["", Paragraph(f"{heading}:", colour="bold"), _shelf(linkages)] if linkages else []
+        rows = [(linkage.name, linkage.title, ", ".join(linkage.variants), linkage.source) for linkage in linkages]
+        table = Table("", ("mechanism", "what", "variants", "source"), rows, "l")
+        blocks += ["", Paragraph(f"{heading}:", colour="bold"), table] if rows else []
     return blocks[1:]
-
-
-def _shelf(linkages: Iterable[Linkage]) -> Table:
-    rows = [(linkage.name, linkage.title, ", ".join(linkage.variants), linkage.source) for linkage in linkages]
-    return Table("", ("mechanism", "what", "variants", "source"), rows, "l")
 
 
 def portrait(facts: Mapping[str, Any]) -> list[Printed]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Final
 
 from comparisons.conformance.mutants import MUTANT
@@ -14,6 +14,7 @@ from reports.document.numbers import ABSENT
 from reports.document.parts import Table, TableCell, Words
 from reports.document.templates import plain
 from reports.document.terminal import Printout
+from reports.records.views import family
 
 READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
 
@@ -34,16 +35,12 @@ def origin_words(records: Sequence[Record]) -> str:
 def computed_or_shared(records: Sequence[Record]) -> str:
     """The quantities that the adapter computes or shares with the reference, in words; empty without any."""
     families = {
-        origin: _family_titles(record.quantity for record in records if record.origin == origin)
+        origin: ", ".join(dict.fromkeys(family(record.quantity) for record in records if record.origin == origin))
         for origin in (Origin.COMPUTED, Origin.PARTLY)
     }
     shared = dict.fromkeys(f"{r.shared} of {r.quantity.replace('_', ' ')}" for r in records if r.shared)
     words = [f"{origin} by its adapter: {names}" for origin, names in families.items() if names]
     return "; ".join([*words, *([f"shared with the reference: {', '.join(shared)}"] if shared else [])])
-
-
-def _family_titles(quantities: Iterable[str]) -> str:
-    return ", ".join(dict.fromkeys(name.partition(":")[0] for name in quantities))
 
 
 def readout_table(engine_name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
@@ -86,11 +83,10 @@ def printout(engine_name: str, checks: Sequence[CheckResult]) -> Printout:
 
 def _rows(results: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
     """A line of every check; of mutants that say the same, one line."""
-    groups: dict[tuple[str, Finding, str], int] = {}
+    groups: Counter[tuple[str, Finding, str]] = Counter()
     for each in results:
         alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
-        key = (MUTANT if alike else each.check, each.finding, each.detail)
-        groups[key] = groups.get(key, 0) + 1
+        groups[MUTANT if alike else each.check, each.finding, each.detail] += 1
     return [
         (
             f"{count} mutant{'s' if count > 1 else ''}" if name == MUTANT else name,

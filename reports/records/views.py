@@ -9,7 +9,6 @@ from functools import cached_property
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
@@ -19,11 +18,11 @@ from comparisons.judging.limits import LimitTable, grouped
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
 from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
 from engines.contract import Setting
+from reports.document.chart import Array
 from reports.document.numbers import bound
 from reports.document.parts import Table, TableCell
 from reports.document.templates import plain, worded
 
-Array = NDArray[np.float64]
 SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
 SETTINGS = tuple(setting.value for setting in Setting)
 
@@ -35,11 +34,6 @@ class Regime:
     name: str
     conditions: str
     motion: CrankMotion | None = None
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """Times at which the prescribed acceleration jumps, s."""
-        return self.motion.jumps if self.motion else ()
 
 
 @dataclass(frozen=True)
@@ -69,8 +63,7 @@ class View:
     def records(self) -> tuple[Record, ...]:
         """Records and invariants of this mechanism, by regime, engine, setting and quantity."""
         mine = (self.linkage.name, self.linkage.variant)
-        every = (*self.results.records, *self.results.invariants)
-        return ordered(self.results, [record for record in every if record.run[:2] == mine])
+        return tuple(record for record in every_record(self.results) if record.run[:2] == mine)
 
     @cached_property
     def regimes(self) -> tuple[Regime, ...]:
@@ -105,12 +98,10 @@ class View:
         symbol = short_title(quantity) if quantity in QUANTITIES and "_" not in quantity else ""
         return " ".join(filter(None, (symbol, words or title(quantity))))
 
-    @cached_property
-    def curved(self) -> frozenset[tuple[str, str]]:
-        """Regime and name of every quantity that some run gave a curve of."""
-        mine = (self.linkage.name, self.linkage.variant)
-        compared = (r for r in self.results.records if r.run[:2] == mine and r.error_max is not None)
-        return frozenset((record.regime, record.quantity) for record in compared)
+    def curved(self, regime: Regime, quantity: str) -> list[Record]:
+        """The records of a quantity under a regime whose runs gave a curve of it."""
+        mine = self.of(regime) if quantity not in self.invariants else ()
+        return [record for record in mine if record.quantity == quantity and record.error_max is not None]
 
     def shown_setting(self, regime: Regime) -> str:
         """The setting whose curves are shown first: tuned if any run of the regime at it gave one; "" without any."""
@@ -119,8 +110,7 @@ class View:
 
     def traces(self, regime: Regime, quantity: str) -> list[Trace]:
         """The curves of a quantity under a regime, of every run that gave one."""
-        mine = self.of(regime) if (regime.name, quantity) in self.curved else ()
-        return [self._read_trace(regime, r) for r in mine if r.quantity == quantity and r.error_max is not None]
+        return [self._read_trace(regime, record) for record in self.curved(regime, quantity)]
 
     def _read_trace(self, regime: Regime, record: Record) -> Trace:
         time, angle, observed, reference = self.results.curve(record.run, record.quantity)
@@ -188,11 +178,16 @@ def columns(results: Results) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 def worst(records: Iterable[Record]) -> Record:
     """Of the records of one family in one run, the one that uses most of its limit; one without an error is worst."""
-    return max(records, key=lambda r: np.inf if r.error_max is None else r.error_max / (r.limit or 1.0))
+    return max(records, key=lambda record: np.inf if record.error_max is None else share(record))
 
 
-def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
-    """Records by mechanism, variant and regime as the campaign has them, then engine, setting, quantity."""
+def share(record: Record) -> float:
+    """An error over its limit; 0 without an error."""
+    return (record.error_max or 0.0) / (record.limit or 1.0)
+
+
+def every_record(results: Results) -> tuple[Record, ...]:
+    """Records and invariants by mechanism, variant and regime in the campaign's order, engine, setting, quantity."""
     mechanisms = {(linkage.name, linkage.variant): number for number, linkage in enumerate(results.linkages)}
     names = [*(motion.regime for motion in results.motions), *(record.regime for record in results.records)]
     regimes = {name: number for number, name in enumerate(dict.fromkeys(names))}
@@ -202,7 +197,7 @@ def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
         run = mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting_rank(record.setting)
         return *run, families[family(record.quantity)], record.quantity
 
-    return tuple(sorted(records, key=rank))
+    return tuple(sorted((*results.records, *results.invariants), key=rank))
 
 
 def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -> Iterator[tuple[TableCell | str, ...]]:
@@ -214,12 +209,7 @@ def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -
         before = row[:heads]
 
 
-# All records of a campaign in order: their limits, and those that the baseline caught.
-
-
-def every_record(results: Results) -> tuple[Record, ...]:
-    """Records and invariants in stable order."""
-    return ordered(results, (*results.records, *results.invariants))
+# The limits of a campaign's records, and those that the baseline caught.
 
 
 def caught_by_baseline(results: Results) -> tuple[str, ...]:

@@ -10,7 +10,6 @@ from dataclasses import fields, is_dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final
-from urllib.parse import quote
 
 from comparisons.runs.files import write_text
 from engines.contract import Setting
@@ -25,7 +24,6 @@ STYLE: Final = re.compile(r'<link rel="stylesheet" href="([^"]*)">')
 NAME: Final = re.compile(r'(?<=\bid=")[^"]+(?=")')
 FILES: Final = "'self' file:"  # where scripts come from, in the policy of a page in a folder: the first of it
 MAIN: Final = "main"  # the anchor of the first page
-PLAIN: Final = " !$&'()*+,-./:;<=>?@[]^_`{|}~"  # characters that the address of a picture does not escape
 MAILED_SETTINGS: Final = frozenset({Setting.TUNED.value, Setting.BEST.value})  # whose curves are mailed
 
 
@@ -137,14 +135,6 @@ def _script_text(path: Path) -> str:
 
 
 def _picture(path: Path, style: str, attributes: str) -> str:
-    """A drawing inside the page, without its invisible parts."""
-    text = " ".join(path.read_text(encoding="utf-8").partition("<svg")[2].split())
-    used = set(re.findall(r"#([\w-]+)", text))
-    text = re.sub(r' id="([^"]*)"', lambda match: match[0] if match[1] in used else "", text)
-    text = re.sub(r"(\d\.\d)\d(?=[ L])", r"\1", text)  # the points of a path
-    text = re.sub(r"(?<=[\d.z\"]) ?([MLQCz]) ?(?=[-\d\"])", r"\1", text)
-    for long in ("> <", ": #", "; stroke", "; fill"):
-        text = text.replace(long, long.replace(" ", ""))
-    text = re.sub(r"font-family: '([^']*)'", r"font-family: \1", text).replace('"', "'")
-    drawing = quote(f"<svg {text}", safe=PLAIN)
-    return f'<span class="picture"{style}><img src="data:image/svg+xml,{drawing}"{attributes}></span>'
+    """A drawing inside the page."""
+    data = b64encode(path.read_bytes()).decode()
+    return f'<span class="picture"{style}><img src="data:image/svg+xml;base64,{data}"{attributes}></span>'

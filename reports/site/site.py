@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import gc
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Final
 
@@ -20,18 +18,16 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.folders.difference import FolderDifference, difference
 from comparisons.folders.merging import MergedFolder
 from comparisons.folders.studies import StudyFolder
-from comparisons.judging.records import Verdict
 from comparisons.runs.files import claim, write_text
 from comparisons.runs.run_engine import Lost
 from comparisons.runs.workers import run_jobs, usual_processes
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
-from reports.campaign.index import index
+from reports.campaign.index import index, settings_table
 from reports.campaign.summary import markdown
+from reports.campaign.verdict import EngineRanking
 from reports.document import html
-from reports.document.numbers import error as error_words
-from reports.document.numbers import seconds
-from reports.document.parts import Facts, Page, PageLink, Paragraph, Part, Section, Table, Words
+from reports.document.parts import Facts, Page, PageLink, Paragraph, Part, Section, Words
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
 from reports.records.differences import closing_line, moved_table
@@ -125,7 +121,7 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     folder, links = out or contents.path, contents.links()
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
-    files = sorted((link.href for link in links), key=_write_order)
+    files = [link.href for link in (*links[1:], links[0])]  # slow pages first
     jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(saved) else []))]
     write = partial(_write, contents, folder, links, png)
     written: dict[int, tuple[str, ...]] = {}
@@ -141,21 +137,12 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     return folder / INDEX
 
 
-def _write_order(file: str) -> int:
-    """The rank of a page in the order of writing: slow pages first."""
-    return {BENCH.href: 1, STRESS.href: 2, INDEX: 3}.get(file, 0)
-
-
 def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: bool, file: str) -> tuple[str, ...]:
-    """Write one page; returns the names of its files. The garbage collector is off, since it is slow."""
-    gc.disable()
-    try:
-        if file == SUMMARY and contents.campaign is not None:
-            write_text(folder / SUMMARY, markdown(contents.campaign, contents.sheets))
-            return (SUMMARY,)
-        return tuple(html.write(contents.page(file), folder, links, png=png))
-    finally:
-        gc.enable()
+    """Write one page; returns the names of its files."""
+    if file == SUMMARY and contents.campaign is not None:
+        write_text(folder / SUMMARY, markdown(contents.campaign, contents.sheets))
+        return (SUMMARY,)
+    return tuple(html.write(contents.page(file), folder, links, png=png))
 
 
 def _replace_file_list(folder: Path, written: set[str]) -> None:
@@ -206,12 +193,12 @@ def machines_page(folders: Sequence[MergedFolder]) -> Page:
 
 
 def _folder(folder: MergedFolder) -> Iterator[Part]:
-    """The link to a folder's report, its environment, and the verdicts of its engines."""
+    """The link to a folder's report, its environment, and its engines with their settings, as on its first page."""
     yield Paragraph((PageLink(folder.name, f"{folder.name}/{INDEX}"), f": {'; '.join(_studies(folder))}"))
     environment = {name: value for name, value in folder.environment.items() if name != "machine"}
     yield Facts(tuple(environment_facts(environment)))
     if folder.campaign is not None:
-        yield _engines(folder.campaign)
+        yield settings_table(EngineRanking(folder.campaign))
 
 
 def _studies(folder: MergedFolder) -> Iterator[str]:
@@ -224,37 +211,12 @@ def _studies(folder: MergedFolder) -> Iterator[str]:
         yield f"{len(folder.stress.results)} cells of stability maps"
 
 
-def _engines(results: Results) -> Table:
-    """Engines and settings by name: verdicts, the error that takes most of its limit, the time of all runs."""
-    rows = []
-    every = (*results.records, *results.invariants)
-    for engine, setting in sorted({(record.engine, record.setting) for record in every}):
-        mine = [record for record in every if (record.engine, record.setting) == (engine, setting)]
-        counts = Counter(Verdict(record.outcome) for record in mine)
-        spent = {record.run: (record.setup_seconds, record.seconds) for record in mine}
-        shares = [r.error_max / r.limit for r in mine if r.error_max is not None and r.limit]
-        rows.append((
-            engine, mine[0].engine_version, setting, f"{len({record.run for record in mine})}",
-            f"{counts[Verdict.PASSED]}", f"{sum(n for verdict, n in counts.items() if verdict.failed)}",
-            f"{sum(n for verdict, n in counts.items() if not verdict.judged)}", error_words(max(shares, default=None)),
-            *(seconds(sum(times)) for times in zip(*spent.values(), strict=True)),
-        ))  # fmt: skip
-    head = (
-        *("engine", "version", "setting", "runs", "passed", "failed", "not judged", "worst error / limit"),
-        *("set-up", "stepping"),
-    )
-    return Table("Verdicts of every engine, and the times of its runs together, on this machine.", head, rows, "lllr")
-
-
 def _machine_differences(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:
     """Errors that are not the same on two machines; times are not compared."""
-    for folders, other in combinations(groups, 2):
-        for first in folders:
-            for second in other:
-                folder_difference = _difference(first.campaign, second.campaign)
-                if folder_difference is not None:
-                    yield Paragraph(f"{first.name}, then {second.name}: {closing_line(folder_difference)}.")
-                    yield from [moved_table(folder_difference)] if folder_difference.moves else []
+    for first, second in (pair for machines in combinations(groups, 2) for pair in product(*machines)):
+        if moved := _difference(first.campaign, second.campaign):
+            yield Paragraph(f"{first.name}, then {second.name}: {closing_line(moved)}.")
+            yield from [moved_table(moved)] if moved.moves else []
 
 
 def _difference(before: Results | None, after: Results | None) -> FolderDifference | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from comparisons.judging.limits import grouped
@@ -55,11 +55,6 @@ def value_words(value: float | None) -> str:
 def border_words(border: Border) -> str:
     """``0.001, over limit at 7.2e-4``."""
     return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
-
-
-def error_and_limit(record: QuantityRecord | None, name: Callable[[str], str] = str) -> str:
-    """An error and its limit, both over the peak, with the name of its quantity; empty without a record."""
-    return "" if record is None else f"{name(record.quantity)} {error(record.error_max)}, limit {bound(record.limit)}"
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:
@@ -120,12 +115,19 @@ def cell_facts(result: CellResult) -> dict[str, str]:
     parts = {
         "Wrong" if result.wrong else "Reason": wrong.rstrip(". "),
         "Flagged by the checks": flagged,
-        "Worst deviation, over the peak": error_and_limit(result.nearest, worded),
-        "Worst invariant": error_and_limit(result.worst_check, plain),
+        "Worst deviation, over the peak": _error_and_limit(result.nearest),
+        "Worst invariant": _error_and_limit(result.worst_check),
         "Work": f"{result.steps} steps in {seconds(result.seconds)}" if result.steps else "",
         "Conditions": "; ".join(f"{plain(name)} {_condition_text(value)}" for name, value in result.differing.items()),
     }
     return {name: words for name, words in parts.items() if words}
+
+
+def _error_and_limit(record: QuantityRecord | None) -> str:
+    """An error and its limit, both over the peak, with the name of its quantity; empty without a record."""
+    if record is None:
+        return ""
+    return f"{worded(record.quantity)} {error(record.error_max)}, limit {bound(record.limit)}"
 
 
 def _condition_text(value: object) -> str:

@@ -151,7 +151,7 @@ def _map_figure(stress: Stress, table: Mapping[str, Any]) -> PageFigure:
     shown = [(sign.symbol, verdict.value) for verdict, sign in SIGNS.items() if seen[verdict]]
     caption = sentence("stress_caption", title=table["title"], label=table["label"], easy=table["easy"], signs=shown)
     alt = f"Verdicts over {table['label']} for every engine and usage"
-    return PageFigure(f"map-{table['axis']}", caption, alt, partial(draw_map, table), wide=True)
+    return PageFigure(f"map-{table['axis']}", caption, alt, partial(draw_map, table))
 
 
 def _incidents(stress: Stress) -> Iterator[parts.Part]:

@@ -17,7 +17,6 @@ from reports.work_precision.words import judged_by, label_of, way_words
 
 # Errors that the page begins with, by their places among those wanted.
 NAMED = (0, 1, 4)
-EnginePoint = tuple[EngineFacts, BenchRecord]
 
 
 def verdicts(regimes: Regimes) -> tuple[Paragraph, ...]:
@@ -36,27 +35,23 @@ def _share(error: float) -> str:
 
 def _winners(places: Sequence[PlaceFacts], column: int) -> list[tuple[str, str, int]]:
     """The engines that are the cheapest somewhere, their times and in how many places, those of most first."""
-    groups = [
-        _points_reaching((facts for facts in place.engines(place.foremost) if not facts.is_control), column)
-        for place in places
-    ]
-    wins = grouped((best[0].engine, best) for met in groups if met for best in (min(met, key=_time),))
+    best = []
+    for place in places:
+        engines = [facts for facts in place.engines(place.foremost) if not facts.is_control]
+        records = [record for _, record in _points_reaching(engines, column)]
+        best += sorted(records, key=lambda record: record.total_seconds)[:1]
+    wins = grouped((record.engine, record) for record in best)
     return [(name, _time_span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
 
 
-def _points_reaching(engines: Iterable[EngineFacts], column: int) -> list[EnginePoint]:
+def _points_reaching(engines: Iterable[EngineFacts], column: int) -> list[tuple[EngineFacts, BenchRecord]]:
     """Every engine that reaches the error of a column, with its cheapest point that does."""
     return [(engine, record) for engine in engines if engine.choices and (record := engine.choices[column].record)]
 
 
-def _time(pair: EnginePoint) -> float:
-    """Time of a point, set-up and stepping, s."""
-    return pair[1].total_seconds
-
-
-def _time_span(pairs: Sequence[EnginePoint]) -> str:
-    """The shortest and the longest time; one where they read alike."""
-    times = [_time(pair) for pair in pairs]
+def _time_span(records: Sequence[BenchRecord]) -> str:
+    """The shortest and the longest time, set-up and stepping; one where they read alike."""
+    times = [record.total_seconds for record in records]
     return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
 
 
@@ -95,4 +90,4 @@ def _cell(engines: Sequence[EngineFacts], column: int) -> TableCell:
         return TableCell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
     share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
     taken = Counter(way_words(*pair) for pair in met).most_common(1)[0][0]
-    return TableCell(_time_span(met), note=f"{taken}{share}")
+    return TableCell(_time_span([record for _, record in met]), note=f"{taken}{share}")

@@ -31,9 +31,7 @@ def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, .
     """A figure for every regime."""
     alt = "error over the time of set-up and stepping, {}, every engine, {} mechanisms"
     return tuple(
-        PageFigure(
-            name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours), True
-        )
+        PageFigure(name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours))
         for name, places in regimes.items()
     )
 
@@ -56,20 +54,14 @@ def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
     notes = []
     for facts in place.engines(place.foremost):
         curves += _engine(facts, colours[facts.engine])
-        notes += [_note(sweep) for sweep in facts.methods if sweep.order]
+        notes += [_order_note(sweep) for sweep in facts.methods if sweep.order]
     title, names = f"{place.mechanism}: {plain(place.foremost)}", ("set-up and stepping, s", "largest |error| / peak")
     return Panel(tuple(curves), *names, notes=tuple(notes), scale="loglog", title=title)
 
 
-def _note(sweep: MethodSweep) -> Note:
+def _order_note(sweep: MethodSweep) -> Note:
     """The observed order, at the least error of a method."""
-    (x,), (y,) = _least(sweep)
-    return Note(x, y, f"{sweep.order:.0f}")
-
-
-def _least(sweep: MethodSweep) -> tuple[Array, Array]:
-    """The point of a sweep's least error."""
-    return _places([sweep.least])
+    return Note(sweep.least.total_seconds, drawn_error(sweep.least), f"{sweep.order:.0f}")
 
 
 def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
@@ -78,7 +70,7 @@ def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
         line = LINES[sweep.first.is_extrapolated]
         yield Curve(*_places(sweep.records), ink=ink, line=line, width=0.6, marker=".")
         if sweep.floor.cause.is_floor:
-            yield Curve(*_least(sweep), ink=ink, line="", marker="_", size=11.0)
+            yield Curve(*_places([sweep.least]), ink=ink, line="", marker="_", size=11.0)
     fronts = _fronts(facts.records)
     lowest = min((y[-1] for _, y in fronts if len(y)), default=0.0)
     for (x, y), line in zip(fronts, LINES, strict=True):

@@ -49,11 +49,6 @@ from reports.work_precision.words import (
 # The cost of a whole scene beside those of scenes with less in them.
 
 
-def cost_section(costs: Sequence[MeasuredCost]) -> Section:
-    """The section of a page."""
-    return Section("costs", "What each output and load costs", (Paragraph(sentence("bench_costs")), cost_table(costs)))
-
-
 def cost_table(costs: Sequence[MeasuredCost]) -> Table:
     """Least times, with their shares of the whole scene's: scenes down, engines across, the control last."""
     ordered = sorted(costs, key=lambda cost: cost.is_control)
@@ -129,12 +124,14 @@ def _sweep_key(record: BenchRecord) -> tuple[object, ...]:
 
 
 def _shared_facts(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
-    own, solver = (
-        record.kind == SETTING or facts.is_default_effort(record),
-        effort_words(record.effort, record.effort_unit),
-    )
-    table = {name: getattr(record, name) for name in SHARED}
-    return {**table, "way": method_words(facts, record), "own": own, "solver": solver, "ends": {}, "points": {}}
+    return {
+        **{name: getattr(record, name) for name in SHARED},
+        "way": method_words(facts, record),
+        "own": record.kind == SETTING or facts.is_default_effort(record),
+        "solver": effort_words(record.effort, record.effort_unit),
+        "ends": {},
+        "points": {},
+    }
 
 
 def _point_as_dict(sweep: dict[str, Any], record: BenchRecord) -> dict[str, Any]:
@@ -163,15 +160,11 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
     about = {(method["engine"], method["name"]): method["about"] for method in methods}
 
     def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
-        for setting_comparison in facts.setting_comparisons:
-            comparison = comparison_words(setting_comparison, facts, noise).lstrip(":; ") if facts.sweeps else ""
-            words = (
-                f"{error(setting_comparison.record.error_max)} in {seconds(setting_comparison.record.total_seconds)}"
-            )
-            yield (
-                TableCell(setting_comparison.record.setting),
-                TableCell(words.replace(" ", "\u00a0"), note=comparison.partition(":")[0], tooltip=comparison),
-            )
+        for each in facts.setting_comparisons:
+            comparison = comparison_words(each, facts, noise).lstrip(":; ") if facts.sweeps else ""
+            words = f"{error(each.record.error_max)} in {seconds(each.record.total_seconds)}".replace(" ", "\u00a0")
+            cell = TableCell(words, note=comparison.partition(":")[0], tooltip=comparison)
+            yield TableCell(each.record.setting), cell
 
     def sweeps(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
         for method in facts.methods:
@@ -225,7 +218,8 @@ def page(bench: Bench) -> Page:
     if failed := _failures(every):
         sections.append(Section("failed", "What gave nothing", (Fold(f"Failures: {len(failed)}", (Bullets(failed),)),)))
     if bench.costs:
-        sections.append(cost_section(bench.costs))
+        costs = (Paragraph(sentence("bench_costs")), cost_table(bench.costs))
+        sections.append(Section("costs", "What each output and load costs", costs))
     heading, about = "How accurate is an engine for its cost?", sentence("bench_subtitle")
     sections.append(_measured(bench))
     return Page(FILE_NAME, "Work-precision", heading, about, first, tuple(sections), charts=bool(groups))

@@ -5,14 +5,12 @@ linkproof.runPlots = (() => {
   const DASHES = { naive: "dot", best: "dash" }, MARKERS = { naive: "circle-open", best: "diamond" };
   const title = (text) => ({ text, standoff: 8 });
 
-  /* Columns out of 16-bit steps between the ends of each; 65535 is no number. */
-  function unpacked({ ends, samples }) {
+  /* Three columns out of numbers of 32 bits in base64; null where a number is not finite. */
+  function unpacked(samples) {
     const bytes = Uint8Array.from(atob(samples), (letter) => letter.charCodeAt(0));
-    const steps = new DataView(bytes.buffer), count = bytes.length / 2 / ends.length;
-    return ends.map(([low, high], column) => Array.from({ length: count }, (_, row) => {
-      const step = steps.getUint16(2 * (column * count + row), true);
-      return step === 65535 ? null : low + (step / 65534) * (high - low);
-    }));
+    const numbers = Array.from(new Float32Array(bytes.buffer), (one) => (Number.isFinite(one) ? one : null));
+    const count = numbers.length / 3;
+    return [0, 1, 2].map((column) => numbers.slice(column * count, (column + 1) * count));
   }
 
   /* Values at increasing times, between the samples of a curve. */
@@ -77,7 +75,7 @@ linkproof.runPlots = (() => {
     const runs = curves.runs.filter(
       ({ engine, setting }) => shown.engines.includes(engine) && shown.settings.includes(setting));
     const drawn = (run, colour) => {
-      const [time, value, decades] = unpacked(run), x = along(time), angle = turned(time);
+      const [time, value, decades] = unpacked(run.samples), x = along(time), angle = turned(time);
       const error = decades.map((decade) => 10 ** decade), who = `<b>${run.engine} ${run.setting}</b>`;
       const common = {
         type: "scatter", x, name: `${run.engine} ${run.setting}`, showlegend: false,

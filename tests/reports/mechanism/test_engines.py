@@ -10,7 +10,7 @@ from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.charts import draw
 from reports.document.parts import Bullets, Fold, Table, TableCell, Widget
-from reports.mechanism.engines import engines_section, errors_section, runs_section
+from reports.mechanism.engines import engines_section, errors_section
 from reports.records.views import views
 from tests.reports.made_up_results import changed_results, made_up_results
 
@@ -101,7 +101,7 @@ def test_the_setting_that_stands_for_an_engine_is_one_that_gave_a_curve_in_the_r
 
 
 def test_runs_have_their_steps_cost_and_settings(results):
-    tables = runs_section(views(results)[0]).parts
+    tables = engines_section(views(results)[0], {}).parts[-1].parts
     assert len(tables) == 2
     (best,) = (row for row in tables[0].rows if row[0] == "alpha best")
     assert best[1:] == ("7000", "12.3 ms", "4.00 ms", "4 runs, extrapolated", "step 1e-4, scheme made up, passes 2")

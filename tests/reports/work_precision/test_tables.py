@@ -5,7 +5,7 @@ from comparisons.work_precision.records import Bench, MeasuredCost
 from comparisons.work_precision.step_sweep import Cause
 from reports.document.terminal import rendered
 from reports.work_precision.choices import section, verdicts
-from reports.work_precision.page import cost_section
+from reports.work_precision.page import cost_table
 from reports.work_precision.terminal import printout
 from reports.work_precision.words import comparison_words, limit_words
 from tests.comparisons.bench_rows import points, setting_row, sweep_rows
@@ -83,7 +83,7 @@ COSTS = (
 
 
 def test_scenes_stand_down_and_engines_across_each_with_its_share_of_the_whole():
-    _, table = cost_section(COSTS).parts
+    table = cost_table(COSTS)
     assert table.head == ("scene", "first", "second")
     (_, whole, _), (name, part, failed) = table.rows
     assert (whole.words, whole.tooltip) == ("50.0 ms (100 %)", "median 100 ms; stepping 12.5 ms, 1400 steps")
