@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 from comparisons.campaign.project import read_project
+from tests.comparisons.faults import announce
 from tests.reports.pytest_plugin.projects import PLUGIN
 
 ROOT = Path(__file__).parents[2]
@@ -36,10 +37,8 @@ class Repository:
             )
         for name in ("linkproof.toml", "tests/test_press.py"):
             (self.folder / name).write_text(PAGE[name], encoding="utf-8")
-        announced = outside / "barwork-0.3.dist-info"
-        announced.mkdir(parents=True)
-        (announced / "METADATA").write_text("Metadata-Version: 2.1\nName: barwork\nVersion: 0.3\n")
-        (announced / "entry_points.txt").write_text("[linkproof.engines]\nbarwork = linkproof_barwork:BarworkEngine\n")
+        outside.mkdir()
+        announce(outside, "barwork", {"barwork": "linkproof_barwork:BarworkEngine"})
         for name in ("barwork.py", "barwork_loop.py", "linkproof_barwork.py"):
             (outside / name).write_text(PLUGGED[name], encoding="utf-8")
         programs = folder / "programs"

@@ -54,7 +54,7 @@ def quick(command):
     if name == "sweep":
         return command.replace("--simulate exudyn --designs 6", "--simulate direct --designs 2")
     if name in ("compare", "published"):
-        command = command.replace(" slotted-takeup", " brief.toml")
+        command = command.replace(" slotted-takeup", " brief.toml").replace(" --engine pymunk --engine simbody", "")
     if name in LONG or (name == "compare" and not {"--engine", "short.toml", "rocker.toml"} & set(found)):
         command += " --engine direct"
         return command.replace("compare --", "compare juki-mf7923d --").replace("speed start jump", "start")
