@@ -8,14 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.numerics.refine import highest
 from engines.contract import Signal
 
 Array = NDArray[np.float64]
 
 POINTS = 6
 SHARP_POINTS = 16  # samples beside a place whose value is the zero of all others, where more accuracy counts
-# Places between the neighbours of the largest value, and how often they are looked at: to a millionth of a sample.
-PEAK_PLACES, PEAK_ROUNDS = 65, 3
 
 
 def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
@@ -61,15 +60,12 @@ def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float], poi
 
 def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
     """The largest value of a signal (n,) that is smooth but for its ``breaks``, between its samples too."""
-    time = signal.time
-    at = int(np.argmax(signal.values))
-    low, high = time[max(at - 1, 0)], time[min(at + 1, len(time) - 1)]
-    for _ in range(PEAK_ROUNDS):
-        places = np.linspace(low, high, PEAK_PLACES)
-        values = resample_piecewise(signal, places, breaks, min(SHARP_POINTS, len(time)))
-        at = int(np.argmax(values))
-        low, high = places[max(at - 1, 0)], places[min(at + 1, PEAK_PLACES - 1)]
-    return float(values[at])
+    points = min(SHARP_POINTS, len(signal.time))
+
+    def between(time: Array) -> Array:
+        return resample_piecewise(signal, time, breaks, points)[None]
+
+    return float(highest(between, signal.time, signal.values[None])[0][0])
 
 
 # Integrals over samples that an engine chose, with an estimate of their error.
