@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import DriverKind, Vector
+from analytic.numerics.refine import highest
 from engines.contract import History, Origin, Signal, weakest
 from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, applied_loads, potential_energy, without_potential
@@ -32,8 +33,6 @@ DENSE = 48  # samples of a turn that can be read between
 
 POINTS = 6
 SHARP_POINTS = 16  # samples beside a place whose value is the zero of all others, where more accuracy counts
-# Places between the neighbours of the largest value, and how often they are looked at: to a millionth of a sample.
-PEAK_PLACES, PEAK_ROUNDS = 65, 3
 
 
 @dataclass(frozen=True)
@@ -218,15 +217,12 @@ def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float], poi
 
 def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
     """The largest value of a signal (n,) that is smooth but for its ``breaks``, between its samples too."""
-    time = signal.time
-    at = int(np.argmax(signal.values))
-    low, high = time[max(at - 1, 0)], time[min(at + 1, len(time) - 1)]
-    for _ in range(PEAK_ROUNDS):
-        places = np.linspace(low, high, PEAK_PLACES)
-        values = resample_piecewise(signal, places, breaks, min(SHARP_POINTS, len(time)))
-        at = int(np.argmax(values))
-        low, high = places[max(at - 1, 0)], places[min(at + 1, PEAK_PLACES - 1)]
-    return float(values[at])
+    points = min(SHARP_POINTS, len(signal.time))
+
+    def between(time: Array) -> Array:
+        return resample_piecewise(signal, time, breaks, points)[None]
+
+    return float(highest(between, signal.time, signal.values[None])[0][0])
 
 
 # Integrals over samples that an engine chose, with an estimate of their error.
