@@ -96,12 +96,6 @@ def head(host: Host, lines: Sequence[str], key: Sequence[Curve | Hatch] = ()) ->
     return host
 
 
-def edges(quantity: Figure) -> tuple[float, float]:
-    """Left and right end of the first axes, as shares of the width."""
-    left, right = quantity.axes[0].get_position().intervalx
-    return left, right
-
-
 def svg(drawing: Figure, page: str = "none") -> str:
     """The figure as an SVG file, the same for the same figure; a dark scheme of the reader's turns its colours.
 
@@ -233,7 +227,7 @@ def _key_curves(panel: Panel, tall: float) -> list[Curve]:
     named = list({curve.name: curve for curve in panel.curves if curve.name}.values())
     if panel.names == "key":
         return named
-    if panel.names != "ends" or labels.LINE * sum(labels.lines(labels.wrap(curve.name)) for curve in named) <= tall:
+    if panel.names != "ends" or labels.LINE * sum(labels.wrap(curve.name).count("\n") + 1 for curve in named) <= tall:
         return []
     below = [curve.y if curve.stacked else np.zeros(1) for curve in named]
     sizes = [float(np.nanmax(np.abs(curve.y - y))) for curve, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]

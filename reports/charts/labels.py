@@ -45,11 +45,6 @@ def wrap(text: str, room: float = LONGEST) -> str:
     return "\n".join(textwrap.wrap(joined, longest, break_long_words=False)).replace(f"{JOINT} ", "").replace(JOINT, "")
 
 
-def lines(text: str) -> int:
-    """Number of lines of a text."""
-    return text.count("\n") + bool(text)
-
-
 def spread(places: Sequence[float], sizes: Sequence[float], room: float) -> Array:
     """Increasing places moved as little as needed for words of these sizes not to touch, from 0 to ``room``."""
     tall = np.asarray(sizes)

@@ -49,13 +49,8 @@ def _key_figures(sheet: Sheet) -> Iterator[Table]:
     if sheet.linkage.output is not None:
         head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
         rows = [
-            (
-                signal_figure.what,
-                number(sheet, signal_figure),
-                sheet.unit_of(signal_figure).name,
-                *place_cells(sheet, signal_figure),
-            )
-            for signal_figure in sheet.figures["output"]
+            (row.what, number(sheet, row), sheet.unit_of(row).name, *place_cells(sheet, row))
+            for row in sheet.figures["output"]
         ]
         yield Table("", head, rows, "lrlr")
 

@@ -89,20 +89,17 @@ def _drive(sheet: Sheet) -> Section:
     """Torque, power and kinetic energy, and where the inertia behind them comes from."""
     names = [name for name in DRIVE if name in sheet.values]
     if not names:
-        sentence = "No link has mass and there are no loads: there is no torque, power or joint force."
-        return Section("drive", "Drive", (Paragraph(sentence, "small"),))
+        reason = "No link has mass and there are no loads: there is no torque, power or joint force."
+        return Section("drive", "Drive", (Paragraph(reason, "small"),))
     force = "force" if sheet.linkage.is_linear else "torque"
     caption = f"Driving {force} Mkr, power Peq and kinetic energy Teq; dots are peaks."
     drive = page_figure(sheet, "drive", caption, caption, stacked_chart(sheet, names, TALL))
-    words = (Paragraph(_jeq(sheet)),) if "Jeq" in sheet.facts else ()
     figures = FigureGroup((drive, *_inertia(sheet)))
-    return Section("drive", "Torque, power and inertia", (*words, figures))
-
-
-def _jeq(sheet: Sheet) -> str:
-    """The reduced moment of inertia in words."""
-    names = {end: jeq(sheet, end) for end in ("min", "max", "mean")}
-    return sentence("sheet_inertia", facts=sheet.facts["Jeq"], **names)
+    if "Jeq" not in sheet.facts:
+        return Section("drive", "Torque, power and inertia", (figures,))
+    ends = {end: jeq(sheet, end) for end in ("min", "max", "mean")}
+    inertia = Paragraph(sentence("sheet_inertia", facts=sheet.facts["Jeq"], **ends))
+    return Section("drive", "Torque, power and inertia", (inertia, figures))
 
 
 def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:

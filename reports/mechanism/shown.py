@@ -75,16 +75,13 @@ def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) ->
     whats, labels = HEADS[name]
     if sheet.is_linear:
         labels = tuple(label.replace("torque", "force") for label in labels)
-    groups = [
-        [*part]
-        for _, part in groupby(sheet.figures[name], key=lambda signal_figure: (signal_figure.what, signal_figure.on))
-    ]
+    groups = [[*part] for _, part in groupby(sheet.figures[name], key=lambda row: (row.what, row.on))]
     rows = []
     for group in groups:
-        numbers = [number(sheet, signal_figure) for signal_figure in group] + [ABSENT] * (len(labels) - len(group))
+        numbers = [number(sheet, row) for row in group] + [ABSENT] * (len(labels) - len(group))
         names = map(named, (group[0].what, group[0].on)[: len(whats)])
         rows.append((*names, *numbers, *place_cells(sheet, group[0])))
-    units = [sheet.unit_of(signal_figure).name for signal_figure in groups[0]]
+    units = [sheet.unit_of(row).name for row in groups[0]]
     heads = (f"{label} {unit}".strip() for label, unit in zip(labels, units, strict=True))
     return Table("", (*whats, *heads, *places(sheet, "at ")), rows, "l" * len(whats) + "r")
 
@@ -106,37 +103,29 @@ def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
 def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
     """Drive, output, largest forces, worst transmission angle: what, value with unit, where."""
     drive = [
-        signal_figure for signal_figure in sheet.figures["drive"] if signal_figure.what not in (MEAN, "peak speed")
+        row
+        for row in sheet.figures["drive"]
+        if row.what not in (MEAN, "peak speed") and row.signal == ("Peq" if "power" in row.what else "Mkr")
     ]
-    chosen = [
-        signal_figure
-        for signal_figure in drive
-        if signal_figure.signal == ("Peq" if "power" in signal_figure.what else "Mkr")
-    ]
-    rows = [
-        (signal_figure.what, words(sheet, signal_figure), place(sheet, signal_figure))
-        for signal_figure in (*chosen, *_further_figures(sheet))
-    ]
+    rows = [(row.what, words(sheet, row), place(sheet, row)) for row in (*drive, *_further_figures(sheet))]
     inertia = [("mean Jeq", jeq(sheet, "mean"), "")] if "Jeq" in sheet.facts else []
-    return (*rows[: len(chosen)], *inertia, *rows[len(chosen) :])
+    return (*rows[: len(drive)], *inertia, *rows[len(drive) :])
 
 
 def _further_figures(sheet: Sheet) -> Iterator[SignalFigure]:
     """Key figures besides those of the drive."""
-    yield from (
-        signal_figure
-        for signal_figure in sheet.figures["output"]
-        if signal_figure.signal in "va" or signal_figure.what == "stroke"
-    )
-    forces = [signal_figure for signal_figure in sheet.figures["forces"] if signal_figure.unit == "N"]
+    yield from (row for row in sheet.figures["output"] if row.signal in "va" or row.what == "stroke")
+    forces = [row for row in sheet.figures["forces"] if row.unit == "N"]
     joints = [force for force in forces if force.what != SHAKING]
-    for joint in sorted(joints, key=lambda signal_figure: -(signal_figure.value or 0.0))[:1]:
-        yield replace(joint, what=f"largest joint force, {plain(joint.what)}")
+    if joints:
+        largest = max(joints, key=lambda force: force.value or 0.0)
+        yield replace(largest, what=f"largest joint force, {plain(largest.what)}")
     yield from (force for force in forces if force.what == SHAKING)
-    yield from (replace(signal_figure, what="shaking moment") for signal_figure in sheet.figures["moment"])
-    groups = [signal_figure for signal_figure in sheet.figures["transmission"] if signal_figure.value is not None]
-    for joint in sorted(groups, key=lambda signal_figure: signal_figure.value or 0.0)[:1]:
-        yield replace(joint, what=f"least transmission angle, {plain(joint.what)}")
+    yield from (replace(row, what="shaking moment") for row in sheet.figures["moment"])
+    groups = [row for row in sheet.figures["transmission"] if row.value is not None]
+    if groups:
+        least = min(groups, key=lambda row: row.value or 0.0)
+        yield replace(least, what=f"least transmission angle, {plain(least.what)}")
 
 
 def key_table(sheet: Sheet) -> Table:
