@@ -43,8 +43,6 @@ from reports.records.views import caught_by_baseline, every_record, family_title
 # A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
 
 
-SIZE: Final = (156, 112)  # of a scheme, points
-FRAMES: Final = 60
 FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke")
 
 
@@ -59,9 +57,7 @@ def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
 
 def _scheme(sheet: Sheet) -> Iterator[Part]:
     if sheet.positions is not None:
-        markup = moving_scheme(
-            sheet.linkage, sheet.positions, f"card {sheet.name} {sheet.variant}", size=SIZE, frames=FRAMES
-        )
+        markup = moving_scheme(sheet.linkage, sheet.positions, f"card {sheet.name} {sheet.variant}", is_small=True)
         yield Drawn(markup, f"Moving scheme of {sheet.linkage.title}.")
 
 

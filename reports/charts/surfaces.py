@@ -23,11 +23,11 @@ PIXELS, CONTOURED = 400, 120  # cells in one direction of an image of unequal ce
 HATCHED: dict[str, Any] = {"facecolor": PLATE, "edgecolor": REFERENCE, "hatch": "////", "linewidth": 0.0}
 
 
-def draw_surface(axes: Axes, surface: Surface) -> None:
-    """Draw a surface into axes, and its colour bar beside them."""
+def draw_surface(axes: Axes, surface: Surface, span: tuple[float, float] | None) -> None:
+    """Draw a surface into axes, in colours over a span or all its values, and its colour bar beside them."""
     if not np.any(np.isfinite(surface.values)):
         return
-    low, high = surface.span or (None, None)
+    low, high = span or (None, None)
     ends = (surface.x[0], surface.x[-1], surface.y[0], surface.y[-1])
     cells = surface.values[np.ix_(_even(surface.y), _even(surface.x))]
     image = axes.imshow(cells, "viridis", extent=ends, origin="lower", zorder=1.6, vmin=low, vmax=high, aspect="auto",

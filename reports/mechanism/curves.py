@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from comparisons.datasheet.instants import extreme_samples, highest_samples
 from comparisons.judging.quantities import JOINT_FORCE
+from reports.charts.judged import LEAST_ERROR
 from reports.records.views import Regime, Trace, View, setting_rank, short_title
 from reports.records.views import engines as all_engines
 
@@ -23,8 +24,7 @@ STRETCHES: Final = 300
 # A packed number is one of so many steps between two ends, or none.
 STEPS: Final = 65534
 NOT_A_NUMBER: Final = 65535
-# Errors lie between these on their scale; nothing below is worth a decade.
-LEAST_ERROR: Final = 1e-16
+# Errors lie between ``LEAST_ERROR`` and this on their scale.
 GREATEST_ERROR: Final = 1e8
 
 

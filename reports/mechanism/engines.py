@@ -19,7 +19,6 @@ from reports.mechanism.curves import chart_data, curves
 from reports.records.origins import computed_or_shared, concurrency_note, origin_words
 from reports.records.views import Regime, View, anchor, engines, setting_rank
 
-KEY: Final = "engines"
 SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
 
 
@@ -34,7 +33,7 @@ def engines_section(view: View, printed: Mapping[str, ByName]) -> Section:
     parts += _printed_models(view, printed)
     if not imported:
         parts.append(runs_section(view))
-    return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
+    return Section("engines", "Every error" if imported else "How the engines did", tuple(parts))
 
 
 def _judged_curves(view: View) -> Iterator[PageFigure]:
