@@ -43,8 +43,6 @@ from reports.records.views import caught_by_baseline, every_record, family_title
 # A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
 
 
-SIZE: Final = (156, 112)  # of a scheme, points
-FRAMES: Final = 60
 FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke")
 
 
@@ -58,7 +56,7 @@ def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
     if sheet.positions is None:
         return Card(PageLink(words, file_of(sheet)), (facts,))
     key = f"card {sheet.name} {sheet.variant}"
-    markup = moving_scheme(linkage, sheet.positions, key, size=SIZE, frames=FRAMES)
+    markup = moving_scheme(linkage, sheet.positions, key, is_small=True)
     return Card(PageLink(words, file_of(sheet)), (Drawn(markup, f"Moving scheme of {linkage.title}."), facts))
 
 

@@ -151,7 +151,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     for low, high in panel.hatch.stretches if panel.hatch else ():
         surfaces.hatch(axes, low, high)
     if panel.surface:
-        surfaces.draw_surface(axes, panel.surface)
+        surfaces.draw_surface(axes, panel.surface, panel.span)
     _draw_curves(axes, panel)
 
 

@@ -23,8 +23,10 @@ from reports.charts.scheme import draw_paths, draw_position
 from reports.document.chart import Array
 
 SECONDS: Final = 6.0
-# Points: of the drawing, around all places, of a pin's radius; the last two of a small drawing, without mass centres.
-SIZE, RIM, PIN, SMALL_RIM, SMALL_PIN, SMALL = (330, 300), 18.0, 3.15, 12.0, 2.25, 190
+# Of a drawing, and of a small one without mass centres: its size, its rim and a pin's radius, points, and the steps
+# that its motion is written in.
+LARGE: Final = ((330, 300), 18.0, 3.15, 120)
+SMALL: Final = ((156, 112), 12.0, 2.25, 60)
 DECIMALS: Final = (3, 3, 3, 3, 1, 1)  # of a turn's matrix and of its place in pixels
 NOT_A_NAME: Final = re.compile(r"[^\w-]")
 ELEMENT: Final = re.compile(r'<g id="([^"]+)">\s*<path ([^>]*?)(?: clip-path="[^"]*")?([^>]*)/>')
@@ -33,15 +35,11 @@ COLOURS = {INK: "ink", MUTED: "muted", GHOST: "reference", PAPER: "paper", PLATE
 }
 
 
-def moving_scheme(
-    linkage: Linkage, positions: Positions, key: str, *, size: tuple[int, int] = SIZE, frames: int = 120
-) -> Markup:
-    """The scheme in motion as inline SVG of class "moving" and at most ``size``, points.
-
-    ``key`` makes its names its own on the page; ``frames`` is how many steps its motion is written in.
-    """
-    scheme, key, is_small = KinematicScheme(linkage, positions), NOT_A_NAME.sub("-", key), min(size) <= SMALL
-    rim, (low, high) = SMALL_RIM if is_small else RIM, scheme.extent
+def moving_scheme(linkage: Linkage, positions: Positions, key: str, *, is_small: bool = False) -> Markup:
+    """The scheme in motion as inline SVG of class "moving"; ``key`` makes its names its own on the page."""
+    size, rim, pin, frames = SMALL if is_small else LARGE
+    scheme, key = KinematicScheme(linkage, positions), NOT_A_NAME.sub("-", key)
+    low, high = scheme.extent
     unit = float(np.min((np.array(size) - 2.0 * rim) / np.maximum(high - low, 1e-9)))
     width, height = np.ceil((high - low) * unit + 2.0 * rim)
     movers = {name: scheme.path(name, [(0.0, 0.0), (1.0, 0.0)]) for name in linkage.links} | scheme.stretches
@@ -53,7 +51,7 @@ def moving_scheme(
         left, top = low[0] - rim / unit, high[1] + rim / unit
         axes.set(xlim=(left, left + width / unit), ylim=(top - height / unit, top))
         draw_paths(axes, scheme)
-        draw_position(axes, scheme, (SMALL_PIN if is_small else PIN) / unit, masses=not is_small)
+        draw_position(axes, scheme, pin / unit, masses=not is_small)
         for artist in (*axes.lines, *axes.patches):
             artist.set_gid(names.get(str(artist.get_label()), ""))
 

@@ -20,11 +20,11 @@ CONTOURED = 120  # cells in one direction of contour lines
 HATCHED: dict[str, Any] = {"facecolor": PLATE, "edgecolor": REFERENCE, "hatch": "////", "linewidth": 0.0}
 
 
-def draw_surface(axes: Axes, surface: Surface) -> None:
-    """Draw a surface into axes, and its colour bar beside them."""
+def draw_surface(axes: Axes, surface: Surface, span: tuple[float, float] | None) -> None:
+    """Draw a surface into axes, in colours over a span or all its values, and its colour bar beside them."""
     if not np.any(np.isfinite(surface.values)):
         return
-    low, high = surface.span or (None, None)
+    low, high = span or (None, None)
     image = axes.pcolorfast(surface.x, surface.y, surface.values, cmap="viridis", vmin=low, vmax=high, zorder=1.6)
     bar = axes.figure.colorbar(image, ax=axes, pad=0.02)
     scales.write_scale(bar.ax.yaxis, surface.label, TICKS)

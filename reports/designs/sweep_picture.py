@@ -75,10 +75,13 @@ def _maps(designs: DrawnDesigns) -> Chart:
         values, best = designs.values(name), designs.best(name)
         column, row = np.unravel_index(best or 0, values.shape)
         marks = own if best is None else [*own, _marked(STAR, across[column], upward[row])]
-        surface = Surface(*edges, values.T, axis_label("value", designs.unit(name)), designs.span(name))
+        surface = Surface(*edges, values.T, axis_label("value", designs.unit(name)))
         whole = Hatch(edges[0][[[0, -1]]][: bool(designs.failing(name))])
         outlined = [mark for curve in marks for mark in (replace(curve, ink="paper", size=curve.size + 3.0), curve)]
-        panels.append(Panel(tuple(outlined), *axes, names="", title=designs.label(name), hatch=whole, surface=surface))
+        panels.append(
+            Panel(tuple(outlined), *axes, names="", title=designs.label(name), hatch=whole, surface=surface,
+                  span=designs.span(name))
+        )  # fmt: skip
     height = MAP * -(-len(panels) // columns) * (1.25 if columns < 3 else 1.0)
     return Chart(tuple(panels), height, columns, wide=len(panels) > 1, head=designs.head, key=_key(designs, DIAMOND))
 

@@ -70,14 +70,13 @@ class Surface:
     """Values (rows, columns) of cells between edges x (columns + 1,) and y (rows + 1,), ascending, as colours.
 
     ``label`` stands beside the colour bar, whose round numbers have contour lines; nan is left open, so that a hatch
-    below shows. Colours differ between the ends of ``span``, if there is one.
+    below shows.
     """
 
     x: Array
     y: Array
     values: Array
     label: str = ""
-    span: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -86,7 +85,7 @@ class Panel:
 
     ``scale`` is linear, logarithmic in y, in x or in both, or equal in both directions; ``turn``: x is the crank angle
     of a whole turn, degrees. ``names`` is the place of the curves' names. ``rows`` name y = 0, 1, … from above.
-    Curves are cut off outside ``span`` in y.
+    Curves are cut off outside ``span`` in y, and the colours of a surface differ between its ends.
     """
 
     curves: tuple[Curve, ...]

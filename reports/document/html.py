@@ -109,7 +109,8 @@ class _PageFiles:
 
         chart = figure.drawing
         drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
-        edges = draw.edges(drawing) if isinstance(chart, Chart) and chart.axis else ()
+        has_axis = isinstance(chart, Chart) and chart.axis
+        edges = tuple(drawing.axes[0].get_position().intervalx.tolist()) if has_axis else ()
         name = f"figures/{Path(self.page.file).stem}/{figure.name}"
         write_text(self._file(f"{name}.svg"), draw.svg(drawing))
         if self.png:

@@ -11,6 +11,7 @@ import numpy as np
 
 from comparisons.datasheet.instants import extreme_samples, highest_samples
 from comparisons.judging.quantities import JOINT_FORCE
+from reports.charts.judged import LEAST_ERROR
 from reports.document.chart import Array
 from reports.records.views import Regime, Trace, View, setting_rank, short_title
 from reports.records.views import engines as all_engines
@@ -19,7 +20,6 @@ from reports.records.views import engines as all_engines
 EXTREMES: Final = 400
 STRETCHES: Final = 300
 # Errors lie between these on their scale; nothing below is worth a decade.
-LEAST_ERROR: Final = 1e-16
 GREATEST_ERROR: Final = 1e8
 
 

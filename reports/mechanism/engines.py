@@ -20,7 +20,6 @@ from reports.mechanism.curves import chart_data, curves
 from reports.records.origins import computed_or_shared, concurrency_note, origin_words
 from reports.records.views import Regime, View, anchor, engines, setting_rank
 
-KEY: Final = "engines"
 SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
 
 
@@ -35,9 +34,9 @@ def engines_section(view: View, printed: Mapping[str, ByName]) -> Section:
     parts += [errors_section(view, regime) for regime in view.regimes]
     parts += _printed_models(view, printed)
     if is_imported(view):
-        return Section(KEY, "Every error", tuple(parts))
+        return Section("engines", "Every error", tuple(parts))
     runs = tuple(_runs_table(view, regime) for regime in view.regimes)
-    return Section(KEY, "How the engines did", (*parts, Fold("How each run was made, and what it cost", runs)))
+    return Section("engines", "How the engines did", (*parts, Fold("How each run was made, and what it cost", runs)))
 
 
 def is_imported(view: View) -> bool:

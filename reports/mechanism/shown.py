@@ -75,13 +75,13 @@ def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) ->
     whats, labels = HEADS[name]
     if sheet.is_linear:
         labels = tuple(label.replace("torque", "force") for label in labels)
-    groups = [[*part] for _, part in groupby(sheet.figures[name], key=lambda entry: (entry.what, entry.on))]
+    groups = [[*part] for _, part in groupby(sheet.figures[name], key=lambda row: (row.what, row.on))]
     rows = []
     for group in groups:
-        numbers = [number(sheet, entry) for entry in group] + [ABSENT] * (len(labels) - len(group))
+        numbers = [number(sheet, row) for row in group] + [ABSENT] * (len(labels) - len(group))
         names = map(named, (group[0].what, group[0].on)[: len(whats)])
         rows.append((*names, *numbers, *place_cells(sheet, group[0])))
-    units = [sheet.unit_of(signal_figure).name for signal_figure in groups[0]]
+    units = [sheet.unit_of(row).name for row in groups[0]]
     heads = (f"{label} {unit}".strip() for label, unit in zip(labels, units, strict=True))
     return Table("", (*whats, *heads, *places(sheet, "at ")), rows, "l" * len(whats) + "r")
 
@@ -102,25 +102,30 @@ def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
 
 def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
     """Drive, output, largest forces, worst transmission angle: what, value with unit, where."""
-    drive = [entry for entry in sheet.figures["drive"] if entry.what not in (MEAN, "peak speed")]
-    chosen = [entry for entry in drive if entry.signal == ("Peq" if "power" in entry.what else "Mkr")]
-    rows = [(entry.what, words(sheet, entry), place(sheet, entry)) for entry in (*chosen, *_further_figures(sheet))]
+    drive = [
+        row
+        for row in sheet.figures["drive"]
+        if row.what not in (MEAN, "peak speed") and row.signal == ("Peq" if "power" in row.what else "Mkr")
+    ]
+    rows = [(row.what, words(sheet, row), place(sheet, row)) for row in (*drive, *_further_figures(sheet))]
     inertia = [("mean Jeq", jeq(sheet, "mean"), "")] if "Jeq" in sheet.facts else []
-    return (*rows[: len(chosen)], *inertia, *rows[len(chosen) :])
+    return (*rows[: len(drive)], *inertia, *rows[len(drive) :])
 
 
 def _further_figures(sheet: Sheet) -> Iterator[SignalFigure]:
     """Key figures besides those of the drive."""
-    yield from (entry for entry in sheet.figures["output"] if entry.signal in "va" or entry.what == "stroke")
-    forces = [entry for entry in sheet.figures["forces"] if entry.unit == "N"]
+    yield from (row for row in sheet.figures["output"] if row.signal in "va" or row.what == "stroke")
+    forces = [row for row in sheet.figures["forces"] if row.unit == "N"]
     joints = [force for force in forces if force.what != SHAKING]
-    for joint in sorted(joints, key=lambda entry: -(entry.value or 0.0))[:1]:
-        yield replace(joint, what=f"largest joint force, {plain(joint.what)}")
+    if joints:
+        largest = max(joints, key=lambda force: force.value or 0.0)
+        yield replace(largest, what=f"largest joint force, {plain(largest.what)}")
     yield from (force for force in forces if force.what == SHAKING)
-    yield from (replace(entry, what="shaking moment") for entry in sheet.figures["moment"])
-    groups = [entry for entry in sheet.figures["transmission"] if entry.value is not None]
-    for joint in sorted(groups, key=lambda entry: entry.value or 0.0)[:1]:
-        yield replace(joint, what=f"least transmission angle, {plain(joint.what)}")
+    yield from (replace(row, what="shaking moment") for row in sheet.figures["moment"])
+    groups = [row for row in sheet.figures["transmission"] if row.value is not None]
+    if groups:
+        least = min(groups, key=lambda row: row.value or 0.0)
+        yield replace(least, what=f"least transmission angle, {plain(least.what)}")
 
 
 def key_table(sheet: Sheet) -> Table:
