@@ -19,7 +19,7 @@ from reports.records.views import engines as all_engines
 # The closed form is shown by the extremes of so many stretches, a run by the worst sample of each of these.
 EXTREMES: Final = 400
 STRETCHES: Final = 300
-# Errors lie between these on their scale; nothing below is worth a decade.
+# Errors lie between ``LEAST_ERROR`` and this on their scale.
 GREATEST_ERROR: Final = 1e8
 
 
