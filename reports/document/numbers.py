@@ -15,26 +15,33 @@ def figure(value: float | None, digits: int = 4) -> str:
     """A value to so many significant digits: 8.339e-5, 0.2704, 31.00."""
     if value is None or not math.isfinite(value):
         return ABSENT
-    return "0" if value == 0.0 else _plain(value, f"#.{digits}")
+    if value != 0.0 and not SMALLEST <= abs(value) < LARGEST:
+        return _scientific(value, digits)
+    return _without_exponent(f"{value:#.{digits}g}".removesuffix(".") if value else "0")
 
 
 def printed(value: float) -> str:
     """A given figure without digits it does not have: 8.3e-5, 0.16, 24."""
-    return "0" if value == 0.0 else _plain(value, ".6")
+    if value != 0.0 and not SMALLEST <= abs(value) < LARGEST:
+        return _short(value, 6)
+    return _without_exponent(f"{value + 0.0:g}")
 
 
-def _plain(value: float, form: str) -> str:
-    """Without an exponent from a thousandth to a million; the exponent is never padded."""
-    if not SMALLEST <= abs(value) < LARGEST:
-        mantissa, exponent = f"{value:{_scientific(form)}}".split("e")
-        mantissa = mantissa if form.startswith("#") else mantissa.rstrip("0").removesuffix(".")
-        return f"{mantissa}e{int(exponent)}"
-    text = f"{value:{form}g}".removesuffix(".")
+def _without_exponent(text: str) -> str:
+    """A number that is rounded up to a million, in full."""
     return f"{float(text):.0f}" if "e" in text else text
 
 
-def _scientific(form: str) -> str:
-    return f".{int(form.rpartition('.')[2]) - 1}e"
+def _scientific(value: float, digits: int) -> str:
+    """A value with an exponent that is not padded: 8.30e-5."""
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def _short(value: float, digits: int) -> str:
+    """The same without zeros at the end: 8.3e-5."""
+    mantissa, exponent = _scientific(value, digits).split("e")
+    return f"{float(mantissa):g}e{exponent}"
 
 
 def error(value: float | None) -> str:
@@ -43,8 +50,7 @@ def error(value: float | None) -> str:
         return ABSENT
     if value == 0.0 or 0.995 <= value < 100.0:
         return f"{value:#.2g}".removesuffix(".") if value else "0"
-    mantissa, exponent = f"{value:.1e}".split("e")
-    return f"{mantissa}e{int(exponent)}"
+    return _scientific(value, 2)
 
 
 def steady_error(value: float | None) -> str:
@@ -54,10 +60,7 @@ def steady_error(value: float | None) -> str:
 
 def bound(value: float | None) -> str:
     """A limit as it stands in its table: 1e-4, 2.5e-6."""
-    if value is None:
-        return ABSENT
-    mantissa, exponent = f"{value:.3e}".split("e")
-    return f"{float(mantissa):g}e{int(exponent)}"
+    return ABSENT if value is None else _short(value, 4)
 
 
 def decade(value: float) -> str:

@@ -38,7 +38,7 @@ from reports.work_precision import page as bench_page
 # The contents of a report's folder: saved data, and the pages made of them.
 
 
-BENCH, STRESS = PageLink("Work-precision", "bench.html"), PageLink("Stability", "stress.html")
+BENCH, STRESS = bench_page.LINK, stress_page.LINK
 
 
 @dataclass(frozen=True)
