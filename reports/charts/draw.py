@@ -240,7 +240,7 @@ def _key_curves(panel: Panel, tall: float) -> list[Curve]:
     sizes = [float(np.nanmax(np.abs(curve.y - y))) for curve, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]
     largest = [named[n] for n in sorted(np.argsort(sizes)[-MOST:])]
     rest = len(named) - len(largest)
-    return [*largest, *[Curve(np.zeros(0), np.zeros(0), f"and {rest} more", line="")][:rest]]
+    return [*largest, *[Curve(name=f"and {rest} more", line="")][:rest]]
 
 
 def _key(key: Sequence[Curve | Hatch], room: float) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -16,10 +16,10 @@ from reports.records.views import SETTINGS, Regime, View, columns, engines, fami
 
 MOST: Final = 3  # curves of one picture
 HEIGHT: Final = 4.4  # inches: of the two panels of a curve
-LOOKS: Final[Mapping[str, tuple[Ink, str, float]]] = {
-    "closed form": ("reference", "-", 3.4),
-    "file": (0, "-", 1.2),
-    "without the cause": (2, "--", 1.2),
+LOOKS: Final[Mapping[str, Curve]] = {
+    "closed form": Curve(name="closed form", ink="reference", width=3.4),
+    "file": Curve(name="file", width=1.2),
+    "without the cause": Curve(name="without the cause", ink=2, line="--", width=1.2),
 }
 
 
@@ -52,9 +52,7 @@ def judged_chart(curves: Sequence[JudgedCurve], head: tuple[str, ...] = ()) -> C
     """The curves side by side, each over its difference from the closed form."""
     drawn = curves[:MOST]
     panels = [_panel(curve, of_difference=below) for below in (False, True) for curve in drawn]
-    names = [name for name in LOOKS if name != "without the cause" or any(curve.cause for curve in drawn)]
-    nothing = np.zeros(0)
-    key = tuple(Curve(nothing, nothing, name, ink, line, width) for name in names for ink, line, width in [LOOKS[name]])
+    key = tuple(LOOKS.values())[: 3 if any(curve.cause for curve in drawn) else 2]
     return Chart(tuple(panels), HEIGHT, columns=len(drawn), wide=True, head=head, key=key)
 
 
@@ -66,7 +64,7 @@ def _panel(curve: JudgedCurve, *, of_difference: bool) -> Panel:
         shown["without the cause"] = np.array(curve.without, dtype=float)
     if of_difference:
         shown = {name: values - truth for name, values in shown.items() if name != "closed form"}
-    curves = tuple(Curve(time, y, "", ink, line, width) for n, y in shown.items() for ink, line, width in [LOOKS[n]])
+    curves = tuple(replace(LOOKS[name], x=time, y=values, name="") for name, values in shown.items())
     mark = Mark(curve.worst, name="" if of_difference else f"worst at {curve.worst:.5g} s", ink="limit")
     label, title = (f"difference, {curve.unit}", "") if of_difference else (curve.unit, curve.name)
     return Panel(curves, "time, s", label, (mark,), names="", title=title)

@@ -253,7 +253,7 @@ def before_after_figure(
     names = sorted(signals, key=lambda name: name not in FIRST)
     more = f"The first {most} of {len(names)} signals are drawn." if len(names) > most else ""
     panels = tuple(_panel(name, signals[name], axis) for name in names[:most])
-    key = (Curve(np.zeros(0), np.zeros(0), "before", "muted", "--"), Curve(np.zeros(0), np.zeros(0), "after", 0))
+    key = (Curve(name="before", ink="muted", line="--"), Curve(name="after"))
     lines = tuple(line for line in (*head, more) if line)
     return draw.figure(Chart(panels, PANEL * len(panels) + FRAME, wide=True, head=lines, key=key))
 

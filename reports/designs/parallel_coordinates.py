@@ -14,7 +14,6 @@ from reports.document.chart import Array, Curve
 
 APART, HIGH, TICKS = 1.7, 4.8, 6  # in, between axes at least, of the figure; ticks of an axis
 THIN = 0.6  # points, of a line among many
-NOWHERE = np.zeros(0)
 
 
 def parallel_figure(designs: DrawnDesigns) -> Figure:
@@ -29,10 +28,10 @@ def parallel_figure(designs: DrawnDesigns) -> Figure:
     low, size = ends[:, 0], np.ptp(ends, axis=1)
     best, count = designs.best(designs.figures[0]), len(designs.parameters)
     first = f"{designs.figures[0]}: {designs.target(designs.figures[0])[1]}"
-    key = [Curve(NOWHERE, NOWHERE, first, "limit", width=2.0)] if best is not None else []
-    key += [Curve(NOWHERE, NOWHERE, OWN, "ink", line="", marker="D", size=5.0)] if designs.own_place else []
+    key = [Curve(name=first, ink="limit", width=2.0)] if best is not None else []
+    key += [Curve(name=OWN, ink="ink", line="", marker="D", size=5.0)] if designs.own_place else []
     fails = any(map(designs.failing, designs.figures))
-    key += [Curve(NOWHERE, NOWHERE, FAILS, "reference", width=0.8)] if fails else []
+    key += [Curve(name=FAILS, ink="reference", width=0.8)] if fails else []
     own = [(place - start) / wide for place, start, wide in zip(designs.own_place, low, size, strict=False)]
 
     def draw_all(figure: Figure) -> None:

@@ -20,9 +20,8 @@ if TYPE_CHECKING:
 
 
 CURVES, MAP = 2.2, 3.0  # in, height of a row of panels
-NOWHERE = np.zeros(0)
 DIAMOND = ("D", 5.0)
-UPRIGHT = Curve(NOWHERE, NOWHERE, OWN, "muted", line="--", width=0.9)
+UPRIGHT = Curve(name=OWN, ink="muted", line="--", width=0.9)
 
 
 def sweep_svg(dataset: xarray.Dataset, own: Mapping[str, float] | None = None, always: Collection[int] = ()) -> str:

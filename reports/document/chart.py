@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -15,14 +15,14 @@ Ink = str | int | float
 
 @dataclass(frozen=True)
 class Curve:
-    """Points (n,) and how they are drawn; ``line`` is one of matplotlib's, or empty for marks alone.
+    """Points (n,), none for an entry of a key, and how they are drawn; ``line`` is one of matplotlib's, or no line.
 
     ``stacked`` fills the area down to the curve before it. ``name`` stands in the key or at the right end; ``size`` is
     that of a marker, points. Wide lines end where their points are, so that they serve as bars.
     """
 
-    x: Array
-    y: Array
+    x: Array = field(default_factory=lambda: np.zeros(0))
+    y: Array = field(default_factory=lambda: np.zeros(0))
     name: str = ""
     ink: Ink = 0
     line: str = "-"
