@@ -281,7 +281,9 @@ def linkage_trace(
     if not is_traceable(mechanism):
         raise LinkproofError(f"'{mechanism.linkage.name}': expected groups of two links without change points")
     trace, varied = OperationList(), frozenset(varied)
-    linkage = with_numbers(mechanism.linkage, {name: trace.input(name) for name in varied} | dict.fromkeys(zero, 0.0))
+    linkage = with_numbers(
+        mechanism.linkage, {name: trace.input(name) for name in sorted(varied)} | dict.fromkeys(zero, 0.0)
+    )
     signs = tuple(dyad.sign for dyad in mechanism.structure.dyads)
     sweep = TracedSweep(linkage, find_structure(linkage).with_signs(signs), trace.input(PHI))  # type: ignore[arg-type]
     at = MovingSweep(mechanism, sweep, trace.input(SPEED), trace.input(ACCELERATION) if accelerates else 0.0)  # type: ignore[arg-type]

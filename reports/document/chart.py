@@ -20,7 +20,7 @@ def axis_label(name: str, unit: str) -> str:
 
 @dataclass(frozen=True)
 class Curve:
-    """Points (n,) and how they are drawn; ``line`` is one of matplotlib's, or empty for marks alone.
+    """Points (n,), none for an entry of a key, and how they are drawn; ``line`` is one of matplotlib's, or no line.
 
     ``stacked`` fills the area down to the curve before it. ``name`` stands in the key or at the right end; ``size`` is
     that of a marker, points. Wide lines end where their points are, so that they serve as bars. Without points it is an

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Final, Literal
 
 from analytic.description import loading
 from analytic.description.changes import Number, Place, named_numbers
@@ -68,29 +68,19 @@ def _file_template(text: str, places: Mapping[str, Place], names: Iterable[str])
 # Which numbers change where a point of a moving linkage is pulled: lengths about placed pins, places in a frame.
 
 
-class Pull(NamedTuple):
-    """Effect of pulling at a point on a ``body`` that has it.
+def pulls(mechanism: Mechanism) -> Mapping[str, list[dict[str, str]]]:
+    """Of each point the effects of pulling at it on every "body" that has it; a pin that two links place has two.
 
-    "place" moves the point in the body's frame, "length" its distance from the point ``about`` there, and "crank" that
-    distance while the crank turns with it.
-    """
-
-    body: str
-    way: Literal["place", "length", "crank"]
-    about: str = ""
-
-
-def pulls(mechanism: Mechanism) -> Mapping[str, list[Pull]]:
-    """Of each point what changes where it is pulled; a pin that two links place changes their two lengths.
-
-    A point by which a group hangs on placed links belongs to those.
+    The "way" is "place", which moves the point in the body's frame, "length", its distance from the point "about"
+    there, or "crank", that distance while the crank turns with it. A point by which a group hangs on placed links
+    belongs to those.
     """
     linkage, structure = mechanism.linkage, mechanism.structure
-    groups = {point: [Pull(GROUND, "place")] for point in linkage.ground}
+    groups = {point: [{"body": GROUND, "way": "place", "about": ""}] for point in linkage.ground}
 
     def add_pull(point: str, body: str, way: Literal["place", "length", "crank"], about: str = "") -> None:
         if point not in linkage.ground:
-            groups.setdefault(point, []).append(Pull(body, way, about))
+            groups.setdefault(point, []).append({"body": body, "way": way, "about": about})
 
     if isinstance(structure.pivot, Revolute):
         for point in linkage.links[linkage.crank].points:
@@ -213,5 +203,5 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
         "output": linkage.output.point if linkage.output else "",
         "crank": linkage.crank,
         "pivot": getattr(crank, "point", ""),
-        "pulls": {point: [pull._asdict() for pull in several] for point, several in pulls(mechanism).items()},
+        "pulls": pulls(mechanism),
     }

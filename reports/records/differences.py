@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from analytic.written import change
 from comparisons.campaign.key_figures import KeyFigure
@@ -26,12 +25,8 @@ STEPS = "Steps; seconds are not compared, for the machines are not the same."
 def difference_printout(difference: FolderDifference) -> Printout:
     """Tables of the differences; the runs themselves are details."""
     tables: list[Printed] = []
-    for table in (
-        _facts_table(difference),
-        _linkages_table(difference),
-        moved_table(difference),
-        *_figure_tables(difference),
-    ):
+    figures = changed_figures(difference.figures, FIGURES)
+    for table in (_facts_table(difference), _linkages_table(difference), moved_table(difference), *figures):
         if table.rows:
             tables += [table, ""]
     details: list[Printed] = [_runs_table(difference), ""]
@@ -103,11 +98,6 @@ def _moved_cells(move: MovedRecord) -> Iterator[TableCell | str]:
     yield "beyond" if move.is_beyond else ""
 
 
-def _figure_tables(difference: FolderDifference) -> Iterator[Table]:
-    for table in changed_figures(difference.figures):
-        yield replace(table, caption=FIGURES)
-
-
 def _runs_table(difference: FolderDifference) -> Table:
     head = ("run", "version", "steps before", "after")
     times = ("seconds before", "after", "factor") if difference.same_machine else ()
@@ -128,10 +118,10 @@ def _run_cells(run: RunPair, difference: FolderDifference) -> Iterator[str]:
         yield figure(run.seconds[1] / run.seconds[0], 2) if run.seconds[0] else ABSENT
 
 
-def changed_figures(figures: Sequence[KeyFigure]) -> tuple[Table, ...]:
+def changed_figures(figures: Sequence[KeyFigure], caption: str = CHANGED) -> tuple[Table, ...]:
     """A table with a row for every key figure that has changed; no table without changes."""
     rows = tuple(_changed_row(figure) for figure in figures if figure.changed)
-    return (Table(CHANGED, CHANGED_HEAD, rows, align="lllrrlr"),) if rows else ()
+    return (Table(caption, CHANGED_HEAD, rows, align="lllrrlr"),) if rows else ()
 
 
 def _changed_row(figure: KeyFigure) -> tuple[str, ...]:

@@ -97,7 +97,7 @@ def _character_outline(symbol: str) -> Outline:
 
 # The stability page: the verdict, the maps, their borders, and every incident with the command that repeats it.
 
-PAGE = "stress.html"
+LINK = parts.PageLink("Stability", "stress.html")
 # What stands open on the page unless its table is long; what was caught, as it should be, is folded away.
 OPEN = (*tables.LOUD, StressVerdict.SUITE_ERROR, StressVerdict.CRASHED, StressVerdict.ADAPTER_ERROR)
 MOST_OPEN = 12
@@ -113,8 +113,8 @@ def page(stress: Stress) -> Page:
     caption = sentence("stress_counts")
     by_axis = tables.count_table(stress, lambda axis: parts.PageLink(axis_title(axis), f"#map-{axis}"), caption)
     return Page(
-        PAGE,
-        "Stability",
+        LINK.href,
+        LINK.text,
         "Where each engine fails",
         sentence("stress_subtitle"),
         lead,

@@ -20,6 +20,7 @@ from reports.document.parts import (
     Fold,
     Mono,
     Page,
+    PageLink,
     Paragraph,
     Part,
     Section,
@@ -201,7 +202,7 @@ def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Tab
 
 # The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods, costs.
 
-FILE_NAME = "bench.html"
+LINK = PageLink("Work-precision", "bench.html")
 
 
 def page(bench: Bench) -> Page:
@@ -222,7 +223,7 @@ def page(bench: Bench) -> Page:
         sections.append(Section("costs", "What each output and load costs", costs))
     heading, about = "How accurate is an engine for its cost?", sentence("bench_subtitle")
     sections.append(_measured(bench))
-    return Page(FILE_NAME, "Work-precision", heading, about, first, tuple(sections), charts=bool(groups))
+    return Page(LINK.href, LINK.text, heading, about, first, tuple(sections), charts=bool(groups))
 
 
 def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
