@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -233,11 +234,8 @@ def _last_sample_fitted(time: Array, values: Array, within: Array, first: int, d
         return end
     while good + step < end and fits(good + step):
         good, step = good + step, 2 * step
-    bad = min(good + step, end)
-    while bad - good > 1:
-        middle = (good + bad) // 2
-        good, bad = (middle, bad) if fits(middle) else (good, middle)
-    return good
+    further = range(good + 1, min(good + step, end))
+    return good + bisect_left(further, True, key=lambda last: not fits(last))
 
 
 def _fit_piece(time: Array, values: Array, first: int, last: int, degree: int) -> Segment:
