@@ -134,7 +134,9 @@ def test_incidents_stand_alone_or_the_first_of_each_axis_and_engine_with_their_n
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    return html.write(page(STRESS), tmp_path_factory.mktemp("report"), [])
+    folder = tmp_path_factory.mktemp("report")
+    file, *_ = html.write(page(STRESS), folder, [])
+    return folder / file
 
 
 @pytest.fixture(scope="module")
