@@ -84,7 +84,7 @@ def test_what_engines_say_is_escaped_and_nothing_is_fetched(folder):
 
 
 def test_a_benchmark_that_gave_nothing_has_a_page_that_says_why(tmp_path):
-    (file, *_) = html.write(page(nothing_finished()), tmp_path, ())
+    file, *_ = html.write(page(nothing_finished()), tmp_path, ())
     text = (tmp_path / file).read_text(encoding="utf-8")
     assert "Nothing finished" in text
     assert "gamma: unavailable: not installed" in text
