@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic.machine_code.tracing import OperationList
+from analytic.description.changes import named_numbers
+from analytic.machine_code.tracing import OperationList, linkage_trace
+from tests.analytic.linkages import mechanism
 
 NUMBERS = st.floats(-1e3, 1e3)
 
@@ -69,3 +71,11 @@ def test_what_a_list_cannot_have_raises(slip):
         slip(OperationList().input("x"))
     with pytest.raises(TypeError):
         np.ones(3) * OperationList().input("x")
+
+
+def test_the_list_of_a_linkage_is_the_same_in_every_process():
+    """A set has another order in each: numbers come by name."""
+    four_bar = mechanism("juki-mf7923d")
+    names = [name for name in named_numbers(four_bar.linkage) if ".x" in name or "mass" in name]
+    inputs = linkage_trace(four_bar, names[::-1], ["Mkr"]).trace.inputs
+    assert [name for name in inputs if name in names] == sorted(names)
