@@ -68,7 +68,7 @@ class EngineRanking:
 
     @cached_property
     def cells(self) -> Mapping[tuple[str, str, str], EngineRecords]:
-        """The records by engine, setting and family."""
+        """Records and invariants by engine, setting and family of quantities."""
         every = (*self.results.records, *self.results.invariants)
         groups = grouped(((record.engine, record.setting, self._family_of_record(record)), record) for record in every)
         return {key: EngineRecords(tuple(records)) for key, records in groups.items()}
