@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from comparisons.observed_motion import error_bound, error_estimate, integral, resample
+from comparisons.observed_motion import error_bound, error_estimate, integral, peak, resample
 from engines.contract import Signal
 
 
@@ -22,6 +22,14 @@ def test_order_is_six():
         asked = np.linspace(0.0, 6.0, 999)
         errors.append(np.abs(resample(Signal(time, np.sin(time)), asked) - np.sin(asked)).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(6.0, abs=0.3)
+
+
+def test_the_peak_is_the_higher_of_two_tops_where_it_lies_between_samples_and_the_lower_on_one():
+    time = np.linspace(0.0, 1.0, 41)
+    fine = np.linspace(0.0, 1.0, 400_001)
+    low, high = (np.cos((4.0 * np.pi + 0.3) * (at - 0.25)) + 1e-5 * at for at in (time, fine))
+    assert np.argmax(low) == 10  # the lower top
+    assert peak(Signal(time, low)) == pytest.approx(high.max(), abs=1e-7)
 
 
 def test_the_same_clock_gives_the_same_values_and_too_few_samples_are_refused():
