@@ -7,10 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final, NotRequired
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, TypeAdapter
+from typing_extensions import TypedDict
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.linkage import Linkage, Vector
@@ -23,12 +25,56 @@ from comparisons.campaign.project import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
-from comparisons.judging.limits import LimitTable, shipped_limits, table_from_rows
+from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
 from comparisons.judging.records import Record, RunRecord
 from comparisons.runs.environment import environment
-from comparisons.runs.study_folder import has_study, load_study, save_study, study_errors
+from comparisons.runs.study_folder import has_study, load_study, save_study
+from engines.contract import ReadOut
 
 Array = NDArray[np.float64]
+
+# The form of a campaign's saved document, by which it is checked when it is read back.
+
+
+class MotionRow(TypedDict):
+    """A crank motion: its pieces from one instant to another, s, each a polynomial of the angle, rad."""
+
+    regime: str
+    segments: Annotated[list[tuple[float, float, Annotated[list[float], Field(min_length=1)]]], Field(min_length=1)]
+
+
+class DescriptionRow(TypedDict):
+    """A linkage as it was described, under a gravity, m/s²."""
+
+    name: str
+    variant: str
+    gravity: tuple[float, float]
+    text: str
+    checksum: str
+
+
+class SavedCampaign(TypedDict):
+    """All but the runs."""
+
+    command: str
+    conditions: str
+    environment: Mapping[str, str]
+    errata: list[ErratumRecord]
+    readouts: Mapping[str, Mapping[str, ReadOut]]  # by engine and channel
+    motions: list[MotionRow]
+    descriptions: list[DescriptionRow]
+    limits: NotRequired[list[Limit]]
+    figures: NotRequired[list[KeyFigure]]
+    notes: NotRequired[list[str]]
+    departures: NotRequired[list[str]]
+    judgement: NotRequired[list[str]]
+
+
+FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedCampaign)
+
+
+# The results of a campaign: its runs, and all that a report needs besides; saved and read back.
+
 
 COMPARE: Final = "compare"
 JUDGE: Final = "judge"  # another tool's results in an engine's place
@@ -161,9 +207,7 @@ def load(folder: Path, *, with_sheets: bool = True) -> Results:
     Raises LinkproofError if it is missing or damaged.
     """
     kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
-    results = Results(*load_study(folder, kind, RunRecord.from_row), load_sheets(folder) if with_sheets else ())
-    with study_errors(folder, kind):
-        _ = results.limits, results.figures, results.linkages, results.motions
+    results = Results(*load_study(folder, kind, FORM, RunRecord.from_row), load_sheets(folder) if with_sheets else ())
     if with_sheets:
         _check_sheets(results, folder)
     return results

@@ -15,7 +15,7 @@ from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from analytic.errors import LinkproofError
 from comparisons.runs.files import claim, writing
@@ -73,9 +73,9 @@ def has_study(folder: Path, kind: str) -> bool:
 
 
 def load_study(
-    folder: Path, kind: str, read: Callable[[Mapping[str, Any], Mapping[str, Array]], R]
+    folder: Path, kind: str, form: TypeAdapter[Any], read: Callable[[Mapping[str, Any], Mapping[str, Array]], R]
 ) -> tuple[dict[str, Any], tuple[R, ...]]:
-    """The document of a study, and its records, of which ``read`` makes each.
+    """The document of a study, which has the ``form``, and its records, of which ``read`` makes each.
 
     Raises LinkproofError where the study is missing, damaged, or of another version.
     """
@@ -89,6 +89,7 @@ def load_study(
         document = json.loads((place / DOCUMENT).read_text("utf-8"))
         if document["format"] != FORMAT:
             raise ValueError(f"expected format {FORMAT}, got {document['format']}, of another version")
+        form.validate_python(document)
         file = RecordFile(place, may_be_torn=False)
         return document, tuple(read(*file.read(key)) for key in file.keys)
 

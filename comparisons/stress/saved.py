@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pydantic import TypeAdapter
+from typing_extensions import TypedDict
 
 from comparisons.judging.limits import grouped
 from comparisons.runs.study_folder import load_study, save_study, study_errors
@@ -21,6 +22,16 @@ KIND: Final = "stress"
 Line = tuple[str, str, str, str]  # axis, row, engine, usage
 
 
+class SavedStress(TypedDict):
+    """The document of a stress test, all but its cells."""
+
+    command: str
+    quick: bool
+    environment: Mapping[str, str]
+    borders: list[Border]
+
+
+FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedStress)
 _BORDERS: Final = TypeAdapter(tuple[Border, ...])
 
 
@@ -112,9 +123,9 @@ def save(folder: Path, stress: Stress) -> None:
 
 def load(folder: Path) -> Stress:
     """Read a stress test back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
-    stress = Stress(*load_study(folder, KIND, CellResult.from_row))
+    stress = Stress(*load_study(folder, KIND, FORM, CellResult.from_row))
     with study_errors(folder, KIND):
-        _ = stress.columns, stress.borders
+        _ = stress.columns
         if not stress.results:
             raise ValueError("it has no cell")
     return stress

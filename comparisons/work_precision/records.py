@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Annotated, Any, Final
 
 import numpy as np
-from pydantic import Field, TypeAdapter
+from pydantic import Field, NonNegativeFloat, TypeAdapter
+from typing_extensions import TypedDict
 
 from comparisons.judging.records import QuantityRecord, RunRecord, Verdict
-from comparisons.runs.study_folder import load_study, save_study, study_errors
+from comparisons.runs.study_folder import load_study, save_study
 from engines.contract import Outcome
 
 KIND: Final = "bench"
@@ -167,6 +168,29 @@ class MeasuredCost:
     is_control: bool = False
 
 
+class SavedNoise(TypedDict):
+    """Times of the same fixed work, s."""
+
+    work: str
+    samples: list[NonNegativeFloat]
+
+
+class SavedBench(TypedDict):
+    """The document of a benchmark, all but its records."""
+
+    command: str
+    conditions: str
+    environment: Mapping[str, str]
+    extent: Mapping[str, Any]
+    noise: SavedNoise
+    first_use: list[Mapping[str, Any]]  # by engine, s its first scene took more than its second
+    mechanisms: list[Mapping[str, str]]
+    methods: list[Mapping[str, Any]]  # as the engines describe them
+    costs: list[MeasuredCost]
+    quantities: list[str]
+
+
+FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedBench)
 _COSTS: Final = TypeAdapter(tuple[MeasuredCost, ...])
 
 
@@ -205,7 +229,4 @@ def save(folder: Path, bench: Bench) -> None:
 
 def load(folder: Path) -> Bench:
     """Read a benchmark back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
-    bench = Bench(*load_study(folder, KIND, PointRecord.from_row))
-    with study_errors(folder, KIND):
-        _ = bench.costs, bench.noise
-    return bench
+    return Bench(*load_study(folder, KIND, FORM, PointRecord.from_row))

@@ -75,9 +75,10 @@ def test_sheets_of_another_campaign_are_refused(copy):
 @pytest.mark.parametrize(
     ("damage", "match"),
     [
-        ({"figures": [{}]}, "'mechanism'"),
-        ({"motions": [{"regime": "r"}]}, "'segments'"),
-        ({"descriptions": "x"}, "string indices"),
+        ({"limits": [{"value": 1.0}]}, r"limits\.0"),
+        ({"figures": [{}]}, r"figures\.0"),
+        ({"motions": [{"regime": "r", "segments": []}]}, r"motions\.0\.segments"),
+        ({"descriptions": "x"}, "descriptions"),
     ],
 )
 def test_a_document_of_another_form_is_refused_by_its_key(saved, tmp_path, damage, match):

@@ -3,13 +3,25 @@
 import random
 import shutil
 import subprocess
+from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
+from typing_extensions import TypedDict
 
 from analytic.errors import LinkproofError
 from comparisons.runs.study_folder import SUMS, has_study, load_study, save_study
 
+
+class Form(TypedDict):
+    """A document."""
+
+    command: str
+    sizes: list[int]
+
+
+FORM = TypeAdapter[Any](Form)
 TOLD = {"command": "linkproof bench", "sizes": [1, 2]}
 RECORDS = [(f"run {n}", {"error": n / 7.0}, {"Mkr": np.linspace(0.0, n, 5)}) for n in range(4)]
 
@@ -21,7 +33,7 @@ def folder(tmp_path):
 
 
 def read(folder):
-    return load_study(folder, "bench", lambda row, curves: (row["key"], row["error"], curves["Mkr"].tobytes()))
+    return load_study(folder, "bench", FORM, lambda row, curves: (row["key"], row["error"], curves["Mkr"].tobytes()))
 
 
 def test_what_is_saved_is_read_back_and_replaced_as_a_whole(folder):
@@ -92,15 +104,23 @@ def test_a_file_that_is_missing_is_missed(folder, name):
         read(folder)
 
 
-def test_a_document_of_another_version_is_refused(tmp_path):
-    save_study(tmp_path, "bench", {**TOLD, "format": 9}, RECORDS)
-    with pytest.raises(LinkproofError, match="expected format 4, got 9, of another version"):
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({**TOLD, "sizes": ["x"]}, r"sizes\.0: Input should be a valid integer"),
+        ({"command": "c"}, "sizes: Field required"),
+        ({**TOLD, "format": 9}, "expected format 4, got 9, of another version"),
+    ],
+)
+def test_a_document_of_another_form_is_refused_by_its_key(tmp_path, told, words):
+    save_study(tmp_path, "bench", told, RECORDS)
+    with pytest.raises(LinkproofError, match=words):
         read(tmp_path)
 
 
 def test_a_folder_of_an_earlier_version_or_an_empty_one_is_refused_with_the_cure(tmp_path):
     with pytest.raises(LinkproofError, match="expected the folder given to bench --out"):
-        load_study(tmp_path, "bench", dict)
+        load_study(tmp_path, "bench", FORM, dict)
     (tmp_path / "bench.json").write_text("{}")
     with pytest.raises(LinkproofError, match="is of an earlier version of linkproof: run bench with --out again"):
-        load_study(tmp_path, "bench", dict)
+        load_study(tmp_path, "bench", FORM, dict)

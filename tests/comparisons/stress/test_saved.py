@@ -25,7 +25,7 @@ def test_what_is_saved_is_read_back(tmp_path):
     ("cells", "changes", "words"),
     [
         ([], {"borders": []}, "it has no cell"),
-        ([CELL], {"borders": [{}]}, r"0\.axis: Field required"),
+        ([CELL], {"borders": [{}]}, r"borders\.0\.axis: Field required"),
         ([{**CELL, "axis": "gone"}], {}, "'gone'"),
         ([{**CELL, "value": "x"}], {}, "value: Input should be a valid number"),
         ([{name: one for name, one in CELL.items() if name != "verdict"}], {}, "verdict: Field required"),

@@ -133,7 +133,7 @@ def test_what_is_saved_is_what_is_loaded(tmp_path):
     ("place", "words"),
     [
         (("records", 0, "errors", 0, "error_max"), "0.error_max"),
-        (("costs",), "Input should be a valid tuple"),
+        (("noise", "samples", 0), "noise.samples.0"),
     ],
 )
 def test_a_document_of_another_form_is_refused_with_the_place(tmp_path, place, words):
