@@ -13,18 +13,18 @@ from typing import Annotated, Any, Final
 from pydantic import Field, StrictBool
 
 from analytic.description.loading import LinkageFile, parse, read_document
-from analytic.description.schema import Positive, Tables, TomlTable
+from analytic.description.schema import Positive, TomlTable
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases, each_case
 from comparisons.campaign.key_figures import KeyFigure, compared, present_figures
 from comparisons.judging.baseline import Baseline, Coverage, Place, departures, read_baseline
-from comparisons.judging.limits import Limit, LimitTable, Standard, read_limits, shipped_limits, with_rows
+from comparisons.judging.limits import LimitRows, LimitTable, Standard, read_limits, shipped_limits, with_rows
 from comparisons.judging.records import Record, RunRecord, blank_record
 from comparisons.reference.case import Case
 
 FILE: Final = "linkproof.toml"
 BASELINE: Final = "linkproof-baseline.json"
-Words = Annotated[tuple[str, ...], Field(description="a list of words in quotes")]
+Words = Annotated[tuple[Annotated[str, Field(min_length=1)], ...], Field(description="a list of words in quotes")]
 
 
 class ProjectDocument(TomlTable):
@@ -40,7 +40,7 @@ class ProjectDocument(TomlTable):
     baseline: Annotated[str | None, Field(min_length=1, description="the name of a file in quotes")] = None
     allow_new: StrictBool = False
     allow_missing: StrictBool = False
-    limit: Tables[Limit] = Field(default_factory=list)
+    limit: LimitRows = Field(default_factory=list)
 
 
 @dataclass(frozen=True)

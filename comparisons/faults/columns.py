@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from analytic.written import signed
 from comparisons.faults import filters
 from comparisons.faults.fault import Correction, Fault, Kind
-from comparisons.faults.simulation import Curve, Predict, Simulation, has_free_zero, holds_acceleration, is_rotary
+from comparisons.faults.simulation import Predict, SignalTimes, Simulation, has_free_zero, holds_acceleration, is_rotary
 from comparisons.judging.deviations import near_jumps
 from comparisons.reference.motion import Motion
 
@@ -53,7 +53,7 @@ MOST_TIMES: Final = 4  # of single samples that are named
 
 
 @dataclass(frozen=True)
-class Evidence(Curve):
+class Evidence(SignalTimes):
     """A column of a file beside the closed form: ``values`` and ``truth`` (n,) at its times.
 
     The file leaves ``rounding`` (n,) open. A cause need not explain samples that are not ``counted``; ``over`` are

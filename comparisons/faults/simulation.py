@@ -31,7 +31,7 @@ MOTION_PARTS: Final = (
 
 
 @dataclass(frozen=True)
-class Curve:
+class SignalTimes:
     """A signal by its ``name`` at ``time`` (n,), s."""
 
     name: str
@@ -82,7 +82,7 @@ class Simulation:
         other.__dict__["mechanism"] = self.mechanism
         return other
 
-    def predict(self, curves: Iterable[Curve]) -> list[Array]:
+    def predict(self, curves: Iterable[SignalTimes]) -> list[Array]:
         """Values (n,), SI, of each signal at its times; signals on one clock share the work."""
         truths: dict[bytes, Truth] = {}
 

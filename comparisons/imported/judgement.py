@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter1d
 from analytic.description.file_units import file_unit
 from analytic.signals import unit
 from comparisons.faults.columns import Evidence
-from comparisons.faults.simulation import ChangedMotion, Curve, Simulation, holds_acceleration
+from comparisons.faults.simulation import ChangedMotion, SignalTimes, Simulation, holds_acceleration
 from comparisons.imported.columns import ImportedSignal
 from comparisons.imported.crank_column import SPREAD, ColumnMotion
 from comparisons.judging.deviations import Deviation, near_jump, near_jumps
@@ -26,7 +26,7 @@ NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 
 
 @dataclass(frozen=True)
-class Samples(Curve):
+class Samples(SignalTimes):
     """A signal as judged: ``values`` (n,), SI, at its times, each within its ``rounding``, from ``imported``."""
 
     values: Array

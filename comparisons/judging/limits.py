@@ -98,10 +98,13 @@ def limit(quantity: str, setting: str, regime: str) -> Limit:
     return shipped_limits().limit(quantity, setting, regime)
 
 
+LimitRows = Annotated[Tables[Limit], Field(min_length=1)]
+
+
 class LimitDocument(TomlTable):
     """A user's file of limits."""
 
-    limit: Annotated[Tables[Limit], Field(min_length=1)]
+    limit: LimitRows
 
 
 def read_limits(path: Path) -> LimitTable:

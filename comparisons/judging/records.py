@@ -47,7 +47,7 @@ class Verdict(StrEnum):
 
     @property
     def judged(self) -> bool:
-        """Whether it counts for or against the engine."""
+        """Whether the engine passed or failed; False for a result that could not be judged."""
         return self is Verdict.PASSED or self.failed
 
 

@@ -57,6 +57,8 @@ def test_without_a_file_there_is_no_project(folder):
         ("engines = [", "linkproof.toml:1: not valid TOML"),
         ("engine = []", "unknown key 'engine': did you mean 'engines'"),
         ("engines = 'exudyn'", "engines: expected a list of words"),
+        ("engines = ['']", "engines #1: expected a list of words in quotes, got ''"),
+        ("limit = []", "limit: expected tables .*, each with quantities and a value, got"),
         ("time_limit = 0", "time_limit: expected a positive number, got 0"),
         ("baseline = ''", "baseline: expected the name of a file"),
         ("allow_new = 1", "allow_new: expected true or false, got 1"),
