@@ -93,6 +93,8 @@ class ToleranceDocument(TomlTable):
 def read_tolerances(path: Path) -> Tolerances:
     """The tolerances that a file requests; raises LinkproofError if it cannot be read or has other contents."""
     document = read_document(path, "a file of tolerances", ToleranceDocument)
+    if document.speed == 0.0:
+        raise LinkproofError(f"{path}: speed: expected a finite number other than 0, got 0; correct it")
     return Tolerances(document.results, document.speed, document.tolerances, f"{path}: ")
 
 

@@ -59,6 +59,10 @@ def test_a_wrong_tolerance_is_refused_in_a_sentence(table, words):
     [
         ("result = 1", "unknown key 'result'"),
         ("results = []", "results: expected a list of figures"),
+        (
+            'results = ["Mkr.peak"]\nspeed = 0\n[tolerances]\nx = 1',
+            "speed: expected a finite number other than 0, got 0",
+        ),
         ('results = ["Mkr.peak"]\nspeed = "fast"', "speed: expected a number, got 'fast'"),
         ('results = ["Mkr.peak"]', "expected a table \\[tolerances\\]"),
         ("results = [", "not valid TOML"),
