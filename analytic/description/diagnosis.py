@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -27,15 +27,11 @@ WITHOUT = " is missing"
 
 @dataclass(frozen=True)
 class Source:
-    """A linkage file as it was read: its name for messages, its text, and the variant laid over it, if any.
-
-    ``copies`` gives, for each dotted path of a copy that [repeat] made, the path in the file that it was copied from.
-    """
+    """A linkage file as it was read: its name for messages, its text, and the variant laid over it, if any."""
 
     name: str
     text: str = ""
     variant: str | None = None
-    copies: Mapping[str, str] = field(default_factory=dict)
 
     def fault(self, message: str) -> DescriptionError:
         """The error to raise about this file; the message begins with the key at fault."""
@@ -47,8 +43,7 @@ class Source:
         tree = tomllib.loads(self.text)
         for depth in range(len(keys), 0, -1):
             for root in roots:
-                path = root + ".".join(keys[:depth])
-                place = _keys_in(tree, path) or _keys_in(tree, self.copies.get(path, path))
+                place = _keys_in(tree, root + ".".join(keys[:depth]))
                 if place:
                     return line_of(self.text, place)
         return 1
@@ -69,16 +64,19 @@ def readable(keys: Sequence[str]) -> str:
     return ".".join(f"#{int(key) + 1}" if key.isdigit() else shortened(key) for key in keys).replace(".#", " #")
 
 
-JOINTS: Final = {"pin", "pins", "joint", "joints", "hinge", "hinges", "revolute"}
 JOINED: Final = "links are pinned where points have one name, and slide by slides or slots; leave it out"
+NO_KEYS: Final[Mapping[str, str]] = {
+    **dict.fromkeys(("pin", "pins", "joint", "joints", "hinge", "hinges", "revolute"), JOINED),
+    "repeat": "equal parts stand in the file one by one; write them out, by a few lines of Python if they are many",
+}  # what files have had or might have, and what to do instead
 
 
 def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
     """The first fault of a document, which the ``model`` describes."""
     fault = _most_telling_fault(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
-    if fault["type"] == "extra_forbidden" and keys[-1] in JOINTS:
-        return f"{source.at(keys)}: unknown key '{keys[-1]}': {JOINED}"
+    if fault["type"] == "extra_forbidden" and keys[-1] in NO_KEYS:
+        return f"{source.at(keys)}: unknown key '{keys[-1]}': {NO_KEYS[keys[-1]]}"
     if fault["type"] == "extra_forbidden":
         return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1], model))}"
     if fault["type"] == "missing" and not keys[-1].isdigit():
@@ -136,8 +134,7 @@ def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
             model = next(_tables_in(model.model_fields[key].annotation), None)
     if model is None:
         return []
-    # These are removed before the model validates.
-    outside = () if parents or root is not Document else ("variants", "repeat")
+    outside = () if parents or root is not Document else ("variants",)  # removed before the model validates
     return sorted((*(field.alias or name for name, field in model.model_fields.items()), *outside))
 
 

@@ -6,52 +6,34 @@ messages about it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Final
 
 from analytic.description.diagnosis import EXPECTED
-from analytic.description.repetition import MOST_COPIES, REPEATED
 from analytic.description.schema import Document
 from analytic.description.units import UNITS
 
 TITLE: Final = "linkproof linkage file"
-FORMULA: Final = {"type": "string", "pattern": r"\{.*\}"}
+VARIANT: Final = "Variant"  # before the names of definitions in which no key is required
 Schema = dict[str, Any]
 
 
 def json_schema() -> Schema:
-    """The schema of a whole file, its variants and repeated parts included."""
+    """The schema of a whole file, its variants included."""
     made = Document.model_json_schema(ref_template="#/definitions/{model}")
     definitions: Schema = {name: _draft_4(table) for name, table in made.pop("$defs").items()}
     document = definitions["Document"] = _draft_4(made)
     for kind, units in UNITS.items():
         definitions["UnitsTable"]["properties"][kind] |= {"enum": list(units)}
     _describe(document, definitions, "")
-    variant = _changed_copy("Document", "Variant", definitions, _without_required_keys)
-    repeated = _changed_copy("Document", "Repeated", definitions, _with_formulas)
-    parts = {key: part for key, part in definitions[repeated]["properties"].items() if key in REPEATED}
-    count = {"type": "integer", "minimum": 1, "maximum": MOST_COPIES, "description": "how many copies: n = 1, 2, ..."}
-    definitions[repeated] = definitions[repeated] | {"properties": {"count": count, **parts}, "required": ["count"]}
-    document["properties"] |= {
-        "variants": _tables_by_name(
-            variant, "a table [variants.NAME] with the keys that differ from the file's values"
-        ),
-        "repeat": _tables_by_name(
-            repeated, "a table [repeat.NAME] with count copies of its parts; {n} is a copy's number"
-        ),
+    document["properties"]["variants"] = {
+        "type": "object",
+        "additionalProperties": {"$ref": f"#/definitions/{_variant_of('Document', definitions)}"},
+        "description": "a table [variants.NAME] with the keys that differ from the file's values",
     }
     document["oneOf"] = [{"required": ["crank"]}, {"required": ["cylinder"]}]
     head: Schema = {"$schema": "http://json-schema.org/draft-04/schema#", "title": TITLE}
     return {**head, **definitions.pop("Document"), "definitions": definitions}
-
-
-def _tables_by_name(definition: str, description: str) -> Schema:
-    """The schema of a table whose keys are free names and whose values are all of one definition."""
-    return {
-        "type": "object",
-        "additionalProperties": {"$ref": f"#/definitions/{definition}"},
-        "description": description,
-    }
 
 
 def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
@@ -97,46 +79,30 @@ def _tables_in(part: object) -> list[str]:
     return [name for entry in part for name in _tables_in(entry)] if isinstance(part, list) else []
 
 
-def _changed_copy(name: str, prefix: str, definitions: Schema, change: Callable[[Schema, str], Any]) -> str:
-    """Copy a definition and all that it refers to, each changed, under names with ``prefix``; returns its name."""
-    copy = f"{prefix}{name}"
+def _variant_of(name: str, definitions: Schema) -> str:
+    """Copy a definition and all that it refers to, no key required any more; returns the copy's name."""
+    copy = f"{VARIANT}{name}"
     if copy not in definitions:
         definitions[copy] = {}  # so that a circle ends
-        definitions[copy] = change(definitions[name], prefix)
+        definitions[copy] = _without_required_keys(definitions[name])
         for key in _tables_in(definitions[copy]):
-            if key.startswith(prefix):
-                _changed_copy(key.removeprefix(prefix), prefix, definitions, change)
+            if key.startswith(VARIANT):
+                _variant_of(key.removeprefix(VARIANT), definitions)
     return copy
 
 
-def _without_required_keys(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
-    """A part of the schema for a variant, where no key is required; references go to definitions with ``prefix``.
+def _without_required_keys(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
+    """A part of the schema for a variant, where no key is required; references go to the variant's definitions.
 
     Tables in lists keep their required keys: a variant replaces lists whole.
     """
     if not isinstance(part, dict):
         return part
-    looser = {key: _without_required_keys(value, prefix) for key, value in part.items() if key != "required"}
+    looser = {key: _without_required_keys(value) for key, value in part.items() if key != "required"}
     if "items" in part:
         looser["items"] = part["items"]
     if "anyOf" in part:
-        looser["anyOf"] = [_without_required_keys(entry, prefix) for entry in part["anyOf"]]
-    return _redirected(looser, prefix)
-
-
-def _with_formulas(part: Any, prefix: str) -> Any:  # noqa: ANN401 - any part of a schema
-    """A part of the schema for [repeat]: formulas may stand for numbers; ``prefix`` leads to the copies with them."""
-    if isinstance(part, list):
-        return [_with_formulas(entry, prefix) for entry in part]
-    if not isinstance(part, dict):
-        return part
-    if part.get("type") in ("number", "integer"):
-        return {"anyOf": [part, FORMULA]}
-    return _redirected({key: _with_formulas(value, prefix) for key, value in part.items()}, prefix)
-
-
-def _redirected(part: Schema, prefix: str) -> Schema:
-    """A part whose reference to a definition goes to the changed copy, whose name begins with ``prefix``."""
-    if isinstance(part.get("$ref"), str):
-        part["$ref"] = part["$ref"].replace("#/definitions/", f"#/definitions/{prefix}")
-    return part
+        looser["anyOf"] = [_without_required_keys(entry) for entry in part["anyOf"]]
+    if isinstance(looser.get("$ref"), str):
+        looser["$ref"] = looser["$ref"].replace("#/definitions/", f"#/definitions/{VARIANT}")
+    return looser

@@ -16,10 +16,8 @@ from pydantic import BaseModel, ValidationError
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
 from analytic.description.linkage import Linkage
-from analytic.description.repetition import expand_copies
 from analytic.description.schema import Document
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, is_safe, listed, printable
-from analytic.shelves import announced
 
 CATALOGUE = Path(__file__).parents[1] / "catalogue"
 LITERATURE = CATALOGUE / "literature"
@@ -37,7 +35,7 @@ PLACE: Final = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)
 class LinkageFile:
     """A linkage file as it was read: the mechanism's name, the file's in messages, its text.
 
-    ``is_known``: whether its name alone identifies it on every machine with the same packages.
+    ``is_known``: whether it comes with the suite, so that its name alone identifies it on every machine.
     """
 
     name: str
@@ -60,21 +58,6 @@ def literature() -> tuple[str, ...]:
     return _names_on_shelf(LITERATURE)
 
 
-def installed() -> tuple[str, ...]:
-    """Names of the linkages that other packages announce, sorted: taken where they are named.
-
-    Raises LinkproofError as ``announced`` does, and where one has the name of a linkage of ours.
-    """
-    ours = {*catalogue(), *literature()}
-    for name, (_, package) in announced().items():
-        if name in ours:
-            raise LinkproofError(
-                f"mechanism '{name}': expected a name of its own, got one of linkproof's from {package}; have it "
-                "rename its file, or uninstall it"
-            )
-    return tuple(announced())
-
-
 def _names_on_shelf(shelf: Path) -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in shelf.glob("*.toml")))
 
@@ -86,16 +69,13 @@ def find(name: str) -> Path:
     if not path.suffix and path.parent == Path():
         if name in ours:
             return (CATALOGUE if name in catalogue() else LITERATURE) / f"{name}.toml"
-        names = (*ours, *installed())
-        if name not in names and _fault(Path(f"{name}.toml")) is None:
+        if _fault(Path(f"{name}.toml")) is None:
             raise DescriptionError(
                 f"unknown mechanism '{name}': did you mean the file '{name}.toml'? give its whole name"
             )
-        if name and name not in names and _fault(path) == "is a folder":
+        if name and _fault(path) == "is a folder":
             raise DescriptionError(f"expected the path of a linkage file, got the folder '{name}'; name its files")
-        if name not in names:
-            raise UnknownNameError("mechanism", name, names)
-        return announced()[name][0]
+        raise UnknownNameError("mechanism", name, ours)
     known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(ours)}"
     if path.suffix.lower() != ".toml":
         raise DescriptionError(f"expected {known}, got '{name}'; give one of them")
@@ -125,9 +105,8 @@ def read(name: str | Path) -> LinkageFile:
         ) from error
     except OSError as error:
         raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
-    is_shipped = path.parent in (CATALOGUE, LITERATURE)
-    is_known = is_shipped or path != Path(name)
-    return LinkageFile(printable(path.stem), path.name if is_shipped else str(path), text, is_known)
+    is_known = path.parent in (CATALOGUE, LITERATURE)
+    return LinkageFile(printable(path.stem), path.name if is_known else str(path), text, is_known)
 
 
 def load(name: str | Path, variant: str | None = None) -> Linkage:
@@ -153,7 +132,7 @@ def parse(text: str, name: str, origin: str, variant: str | None = None) -> Link
 def document(
     text: str, name: str, origin: str, variant: str | None = None
 ) -> tuple[dict[str, Any], tuple[str, ...], Source]:
-    """A file's text as nested dictionaries, copies and the variant in their places, with the names of all variants.
+    """A file's text as nested dictionaries, the variant in its place, with the names of all variants.
 
     Raises as ``parse`` does, except for faults that only the whole linkage shows.
     """
@@ -176,11 +155,8 @@ def document(
     chosen = base_name if variant is None else variant
     if chosen not in names:
         raise UnknownNameError(f"variant of '{name}'", chosen, names)
-    overlay = {} if chosen == base_name else dict(overlays[chosen])
-    raw, source = expand_copies(
-        _with_variant(raw, {"repeat": overlay.pop("repeat")}) if "repeat" in overlay else raw, source
-    )
     if chosen != base_name:
+        overlay = overlays[chosen]
         _check_links(raw.get("links"), overlay.get("links"), source, chosen)
         raw = _with_variant(raw, overlay)
         raw["variant"] = chosen

@@ -1,7 +1,7 @@
 """A linkage file written anew with other numbers: another design of the linkage, in the units of its file.
 
 The text stays as it was written, comments included, wherever nothing changes. The file's own values become those of the
-variant chosen, copies are written out, and published figures, errata and variants, which belong to the original design,
+variant chosen, and published figures, errata and variants, which belong to the original design,
 are left out.
 """
 

@@ -70,7 +70,7 @@ def keys() -> str:
     """Every key of a linkage file, a table for the file and one for each kind of table in it."""
     schema = json_schema()
     tables = {"TheWholeFile": schema} | {
-        name: part for name, part in schema["definitions"].items() if not name.startswith(("Variant", "Repeated"))
+        name: part for name, part in schema["definitions"].items() if not name.startswith("Variant")
     }
     return "\n\n".join(f"### {_title(name)}\n\n{_keys(part)}" for name, part in tables.items())
 

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analytic.errors import LinkproofError
-from analytic.shelves import announced
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
@@ -83,11 +82,8 @@ def axes(incomplete: str) -> list[str]:
 
 
 def _files_by_name() -> dict[str, Path]:
-    """The files of the mechanisms that are known by name; of the catalogue alone where packages are at odds."""
-    ours = {path.stem: path for path in CATALOGUE.rglob("*.toml")}
-    with contextlib.suppress(LinkproofError):
-        return {name: path for name, (path, _) in announced().items()} | ours
-    return ours
+    """The files of the mechanisms that are known by name."""
+    return {path.stem: path for path in CATALOGUE.rglob("*.toml")}
 
 
 def _completions(names: Iterable[str], incomplete: str) -> list[str]:

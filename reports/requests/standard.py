@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from analytic.description.linkage import Linkage
-from analytic.description.loading import LinkageFile, catalogue, installed, literature, load, read
+from analytic.description.loading import LinkageFile, catalogue, literature, load, read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
@@ -124,7 +124,7 @@ def _further_linkages(named: list[LinkageFile], project: Project | None) -> Iter
 
 
 def _mechanism_names(known: Iterable[LinkageFile]) -> list[str]:
-    return [*(file.name for file in known), *catalogue(), *literature(), *installed()]
+    return [*(file.name for file in known), *catalogue(), *literature()]
 
 
 def _regime_names(known: Iterable[LinkageFile]) -> list[str]:

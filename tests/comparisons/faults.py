@@ -240,10 +240,10 @@ def announce_engines(folder):
     )
 
 
-def announce(folder, package, entries, group="linkproof.engines"):
-    """Have a distribution in this folder announce engines, name and "module:class", or what another group holds."""
+def announce(folder, package, entries):
+    """Have a distribution in this folder announce engines, name and "module:class"."""
     place = folder / f"{package.replace('-', '_')}-1.0.dist-info"
     place.mkdir()
     (place / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
     lines = [f"{name} = {value}" for name, value in entries.items()]
-    (place / "entry_points.txt").write_text("\n".join([f"[{group}]", *lines, ""]))
+    (place / "entry_points.txt").write_text("\n".join(["[linkproof.engines]", *lines, ""]))

@@ -13,7 +13,7 @@ import numpy as np
 from analytic.description.changes import SPEED
 from analytic.description.file_units import FileUnit
 from analytic.description.linkage import Linkage
-from analytic.description.loading import catalogue, installed, literature, load
+from analytic.description.loading import catalogue, literature, load
 from analytic.designs.figures import figure_names
 from analytic.errors import LinkproofError, printable
 from analytic.kinematics.mechanism import Mechanism
@@ -31,7 +31,6 @@ from reports.requests.designs_options import SteadyOptions
 SHELVES: Final = {
     "catalogue": "The catalogue, taken where nothing is named",
     "literature": "Linkages of the literature, taken where they are named",
-    "installed": "Linkages of installed packages, taken where they are named",
     "project": f"Linkages of the {FILE} here, taken in the catalogue's place",
 }
 
@@ -83,13 +82,13 @@ def _print_values(
 
 
 def list_mechanisms(destination: Destination) -> None:
-    """Print or write the linkages shelf by shelf: the suite's own, those of packages, those of the project here.
+    """Print or write the linkages shelf by shelf: the suite's own, those of the project here.
 
     A linkage of the project is called by the path that commands take.
     """
     project = find_project(Path())
     paths = [os.path.relpath(path) for path in project.linkages] if project else []
-    names = (catalogue(), literature(), installed())
+    names = (catalogue(), literature())
     shelves = {shelf: [load(name) for name in shelf_names] for shelf, shelf_names in zip(SHELVES, names, strict=False)}
     shelves["project"] = [replace(load(path), name=printable(path)) for path in paths]
     destination.print(*terminal.catalogue({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()}))

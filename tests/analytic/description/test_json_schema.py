@@ -48,20 +48,17 @@ def test_what_is_refused(old, new, fault):
     assert any(fault in message for message in faults(JUKI.replace(old, new, 1)))
 
 
-def test_a_variant_may_change_a_part_of_a_table_and_a_repeated_part_takes_formulas():
+def test_a_variant_may_change_a_part_of_a_table():
     assert faults(JUKI + "\n[variants.x.links.crank]\npoints = { A = { angle = 3 } }\n") == []
-    repeated = '\n[repeat.bars]\ncount = 3\n[repeat.bars.links."bar{n}"]\nmass = "{n}"\n'
-    assert faults(JUKI + repeated) == []
-    assert faults(JUKI + repeated.replace("mass", "mas"))
 
 
 def test_it_completes_units_and_choices_and_says_what_each_key_is():
     definitions = SCHEMA["definitions"]
     assert definitions["UnitsTable"]["properties"]["mass"]["enum"] == list(UNITS["mass"])
     assert definitions["ThreadTable"]["properties"]["feed"]["enum"] == ["shortening", "lengthening"]
-    tables = {name: part for name, part in definitions.items() if not name.startswith(("Variant", "Repeated"))}
+    tables = {name: part for name, part in definitions.items() if not name.startswith("Variant")}
     keys = {f"{name}.{key}": part for name, table in tables.items() for key, part in table["properties"].items()}
     keys |= SCHEMA["properties"]
-    assert set(Document.model_fields) | {"variants", "repeat"} == set(SCHEMA["properties"])
+    assert set(Document.model_fields) | {"variants"} == set(SCHEMA["properties"])
     silent = [key for key, part in keys.items() if "description" not in part]
     assert silent == []
