@@ -1,25 +1,21 @@
-"""Faults of columns of a file: sign, unit, zero, clock, filter, limit, sample rate, single samples."""
+"""Faults of columns of a file: sign, unit, zero, clock, single samples, another quantity."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.written import signed
-from comparisons.faults import filters
 from comparisons.faults.fault import Correction, Fault, Kind
 from comparisons.faults.simulation import Predict, SignalTimes, Simulation, has_free_zero, holds_acceleration, is_rotary
 from comparisons.judging.deviations import near_jumps
-from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
-Fill = Callable[[Array, Array, int, int], Array]
 
 RADIAN: Final = math.pi / 180.0
 # What one unit is of another that is printed in its place, either way round.
@@ -45,7 +41,6 @@ UNIT_RATIOS: Final = {
 }
 MOST_RATIO_ERROR: Final = 0.2  # of a unit's ratio, by which the file's may differ where it has other faults
 FEW_SAMPLES: Final = 0.03  # of the samples: single ones
-FEWEST_AT_LIMIT: Final = 4  # samples at one value: a limit
 ALIKE: Final = 0.05  # of the peak, within which a column is another quantity
 NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
 SAME_INSTANT: Final = 1e-6  # of a step: the same instant
@@ -93,14 +88,7 @@ def column_faults(evidence: Evidence, simulation: Simulation, names: Sequence[st
     yield from _unit_faults(evidence)
     yield _factor_fault(name)
     yield from _zero_faults(evidence)
-    if name == "Mkr":
-        yield friction_fault(simulation.motion, evidence.scale)
     yield _delay_fault(evidence)
-    yield from _filter_faults(evidence)
-    strides = tuple(filters.strides_and_phases(len(evidence.time)))  # none of a short curve
-    for kind, fill in filters.FILLINGS.items() if strides else ():
-        yield _sample_rate_fault(evidence, kind, fill, strides)
-    yield from _clipping_faults(evidence)
     yield from _single_sample_faults(evidence)
     yield from _mistaken_quantity_faults(evidence, simulation, names)
 
@@ -168,19 +156,6 @@ def _zero_faults(evidence: Evidence) -> Iterator[Fault]:
         guesses=(size,), cure=lambda c: {name: Correction(sign=-1, offset=float(c[0]))})  # fmt: skip
 
 
-def friction_fault(motion: Motion, size: float) -> Fault:
-    """A torque against the motion, whatever the speed."""
-
-    def alter(time: Array, values: Array, numbers: Array) -> Array:
-        way = np.sign(motion.speed(time))
-        return np.asarray(values + numbers[0] * np.where(way == 0.0, np.nan, way))  # at rest it is anything up to that
-
-    def words(c: Array) -> str:
-        return f"a friction of {c[0]:.3g} N m brakes the crank at any speed"
-
-    return column_fault("friction", Kind.NUMBER, ("Mkr",), alter, words, (0.0,), (size,), unit=1.0)
-
-
 def _delay_fault(evidence: Evidence) -> Fault:
     """A column of other instants than the other columns: read before or after the step."""
     name, step = evidence.name, float(np.median(np.diff(evidence.time)))
@@ -206,51 +181,6 @@ def _delay_fault(evidence: Evidence) -> Fault:
         f"delay:{name}", Kind.SEVERAL, apply, words, (0.0,), (step,), ((0.0,), (4.0 * step,), (-4.0 * step,)),
         tuple((k * step,) for k in (0.5, -0.5, 1.0, -1.0, 2.0, -2.0)),
         cure=lambda p: {name: Correction(time_shift=float(p[0]))},
-    )  # fmt: skip
-
-
-def _filter_faults(evidence: Evidence) -> Iterator[Fault]:
-    """Smoothed over several samples: by their mean, or by a filter of the first order."""
-    name, step = evidence.name, float(np.median(np.diff(evidence.time)))
-    odd, spread = (tuple((width,) for width in widths) for widths in filters.filter_widths(len(evidence.time)))
-
-    def words(kind: str, width: Array) -> str:
-        return f"{name} is smoothed: a {kind} over {width[0]:.3g} samples ({width[0] * step:.3g} s)"
-
-    if odd:
-        yield column_fault(
-            f"smoothed by moving average:{name}", Kind.NUMBER, (name,),
-            lambda _, y, w: filters.moving_average(y, float(w[0])), partial(words, "moving average"), usual=odd,
-        )  # fmt: skip
-        yield column_fault(
-            f"smoothed by low-pass filter:{name}", Kind.NUMBER, (name,),
-            lambda _, y, w: filters.low_pass(y, float(w[0])), partial(words, "low-pass filter"), (0.0,), (1.0,),
-            guesses=spread,
-        )  # fmt: skip
-
-
-def _sample_rate_fault(evidence: Evidence, kind: str, fill: Fill, strides: tuple[tuple[float, float], ...]) -> Fault:
-    """Only every k-th sample is simulated, and the others are filled in."""
-    name = evidence.name
-    return column_fault(
-        f"sample rate, {kind}:{name}", Kind.NUMBER, (name,), lambda t, y, k: fill(t, y, int(k[0]), int(k[1])),
-        lambda k: f"the sample rate of {name} is too low: one sample in {k[0]:.0f} is simulated, {kind}",
-        usual=strides,
-    )  # fmt: skip
-
-
-def _clipping_faults(evidence: Evidence) -> Iterator[Fault]:
-    """Cut off at a largest or a smallest value."""
-    values, truth, unit = evidence.values, evidence.truth, evidence.unit
-    low, high = float(np.min(values)), float(np.max(values))
-    at_end = max(np.sum(np.abs(values - end) <= evidence.tolerance) for end in (low, high))
-    if at_end < FEWEST_AT_LIMIT or not np.any(np.abs(np.clip(truth, low, high) - truth) > evidence.tolerance):
-        return
-    cut = ((low, np.min(truth) < low), (high, np.max(truth) > high))
-    ends = " and ".join(f"{end / evidence.unit_value:.4g} {unit}" for end, is_cut in cut if is_cut)
-    yield column_fault(
-        f"clipped:{evidence.name}", Kind.NUMBER, (evidence.name,), lambda _, y, p: np.clip(y, p[0], p[1]),
-        lambda _: f"{evidence.name} is limited to {ends}", usual=((low, high),),
     )  # fmt: skip
 
 

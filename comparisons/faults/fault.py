@@ -20,10 +20,9 @@ class Kind(IntEnum):
 
     COLUMN = 0  # sign, unit or meaning of a column of the file
     SETTING = 1  # one setting of the tool: gravity, direction, start, units, what is left out
-    NUMBER = 2  # one number of the description, or of what is done to a column
+    NUMBER = 2  # one number of the description
     SEVERAL = 3  # several numbers at once
     FREE = 4  # a factor of a column that no unit explains
-    PAIR = 5  # two faults
 
 
 @dataclass(frozen=True)
@@ -74,17 +73,3 @@ class Fault:
     def plant(self, simulation: Simulation, *numbers: float) -> Simulation:
         """The simulation with this fault, at these numbers."""
         return self.apply(simulation, np.array(numbers, dtype=float))
-
-
-def combine(first: Fault, then: Fault) -> Fault:
-    """The fault of two faults at once, with the numbers of both."""
-    k = len(first.start)
-    return Fault(
-        f"{first.name} + {then.name}",
-        Kind.PAIR,
-        lambda simulation, p: then.apply(first.apply(simulation, p[:k]), p[k:]),
-        lambda p: f"{first.words(p[:k])}; and {then.words(p[k:])}",
-        (*first.start, *then.start),
-        (*first.sizes, *then.sizes),
-        cure=lambda p: {**first.cure(p[:k]), **then.cure(p[k:])},
-    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
 from comparisons.faults.columns import Evidence
-from comparisons.faults.fault import Fault, Kind, Numbers, combine
+from comparisons.faults.fault import Fault, Kind, Numbers
 from comparisons.faults.simulation import Simulation, holds_acceleration, is_angle
 from comparisons.judging.deviations import near_jumps
 
@@ -24,13 +24,12 @@ MOST_GUESSES: Final = 3  # from which fits are made
 HALVINGS: Final = 6
 SETTLED: Final = 1e-3  # relative gain below which a fit ends
 DIFFERENCE_STEP: Final = 1e-4  # of a number's own size, for its difference quotient
-MOST_OPEN: Final = 0.2  # of a signal's samples that a cause may leave open, such as a filter's ends
+MOST_OPEN: Final = 0.2  # of a signal's samples that a cause may leave open
 AS_GOOD: Final = 1.3  # times the rms of the best numbers that usual ones may leave
 AS_ROUND: Final = 1.1  # the same, of round ones
 DIGITS: Final = (1, 2, 3)  # of round numbers
 NOT_ROUND: Final = 4  # digits of a number that is not round
 HOPELESS: Final = 0.05  # of the squares: a number that takes less away where it is small explains nothing
-MOST_PAIRS: Final = 6  # of two numbers that are fitted
 
 
 @dataclass(frozen=True)
@@ -129,34 +128,6 @@ class Fitting:
             if trial and _is_as_good(trial, fit, AS_ROUND):
                 return trial
         return fit
-
-    def pairs(self, faults: Iterable[Fault]) -> Iterator[Fit]:
-        """Fits of the likeliest pairs among faults of one number, chosen by what each changes where it is small."""
-        start = [(fault, column) for fault in faults if (column := self._sensitivity(fault)) is not None]
-        if len(start) < 2:
-            return
-        slopes = np.stack([column / np.linalg.norm(column) for _, column in start])
-        right = slopes @ _stacked_residuals([signal.residual for signal in self.evidence])
-        cosines = np.triu(slopes @ slopes.T, 1)
-        apart = np.maximum(1.0 - cosines**2, 1e-9)
-        gain = (right[:, None] ** 2 + right**2 - 2.0 * cosines * np.outer(right, right)) / apart
-        gain[np.tril_indices(len(start))] = -math.inf
-        gain[apart <= 1e-6] = -math.inf
-        for place in np.argsort(gain, axis=None)[::-1][:MOST_PAIRS]:
-            first, then = divmod(int(place), len(start))
-            if math.isfinite(gain[first, then]):
-                fit = self._gauss_newton(pair := combine(start[first][0], start[then][0]), np.array(pair.start))
-                if fit:
-                    yield fit
-
-    def _sensitivity(self, fault: Fault) -> Array | None:
-        """Change of the residuals (all samples,) by a fault's number near its start; None if it is 0 or not finite."""
-        start = np.array(fault.start)
-        beside = self.residuals(fault, start + DIFFERENCE_STEP * np.array(fault.sizes))
-        if beside is None:
-            return None
-        slope = _slopes([signal.residual for signal in self.evidence], beside)
-        return slope if np.any(slope) and np.all(np.isfinite(slope)) else None
 
     def _best_guesses(self, fault: Fault) -> Sequence[Numbers]:
         """The guesses from which a fit is made: of many those that are nearest to the file as they are."""

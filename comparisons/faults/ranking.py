@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -24,7 +23,6 @@ MOST_FITTED: Final = 3000  # samples of a column to which its own faults are fit
 NOTICED: Final = 1.5  # of the tolerance: a larger difference wants a cause
 EXPLAINED: Final = 0.1  # of a signal's difference may be left by a cause that explains it
 WORTH: Final = 0.2  # the same on some samples, so that it is measured on all
-WORTH_A_PAIR: Final = 20.0  # of the tolerance: two numbers fit any smaller difference
 HARMED: Final = 1.5  # times as much is left of a signal that a cause makes worse
 ALIKE: Final = 1.5  # times the rounding, or the least that any cause leaves: not distinguished
 ROUNDED: Final = 0.6  # rms of a rounding over its bound
@@ -80,9 +78,6 @@ def explain(
     if estimates:
         aligned = [_apply_correction(v, estimates.get(v.name)) for v in evidence]
         raw = _merge_findings(raw, _explain_as_read(simulation, aligned, names, column), estimates)
-    if raw.unexplained:
-        pair = _Search(simulation, evidence).find_pair(raw.unexplained, column)
-        raw = Explanation((*raw.findings, pair), ()) if pair else raw
     return raw
 
 
@@ -194,21 +189,6 @@ class _Search:
                 ]
         return result
 
-    def find_pair(self, names: Sequence[str], column: CrankColumn | None) -> FaultFinding | None:
-        """The finding of two numbers that together explain what no single fault does.
-
-        None where no pair does, or the difference is not far more than the rounding: two numbers fit any small one.
-        """
-        if any(np.nanmax(np.abs(signal.residual)) < WORTH_A_PAIR for signal in self.evidence if signal.name in names):
-            return None
-        motion = motion_settings(self.simulation.motion, column)
-        faults = [fault for fault in chain(motion, model_faults(self.simulation)) if len(fault.start) == 1]
-        if self.simulation.mechanism.is_numerical:
-            faults = [fault for fault in faults if not fault.reshapes]
-        fits = [fit for entry in self.thin.pairs(faults) if (fit := self.whole.evaluate(entry.fault, entry.numbers))]
-        fits = [fit for fit in fits if self.is_harmless(fit) and len(self.explained_signals(fit, names)) == len(names)]
-        return self.make_finding(fits, tuple(names)) if fits else None
-
     def _fit_model_fault(self, fault: Fault) -> Fit | None:
         """A fault of the model fitted to some samples and measured on all; None if it explains nothing on those."""
         fit = self.thin.best(fault)
@@ -258,7 +238,7 @@ class _Search:
 
 
 def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
-    """Rivals to name beside the likeliest fit: no freer ones beside a setting or a column, no pair beside one fault."""
+    """Rivals to name beside the likeliest fit: no freer ones beside a setting or a column."""
     kind, _ = best.rank
     most = Kind.NUMBER if kind <= Kind.SETTING else max(Kind.SEVERAL, kind)
     return (fit for fit in others if fit.rank[0] <= most)

@@ -1,4 +1,4 @@
-"""Result files that are no text: workbooks, MATLAB files, trajectories of Modelica, and FMUs, which are run.
+"""Result files that are no text: workbooks, MATLAB files, and trajectories of Modelica.
 
 OpenModelica and Dymola write matrices ``Aclass``, ``name``, ``dataInfo``, ``data_1`` (what is constant), ``data_2``, as
 they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each name the matrix and the row, with a sign.
@@ -13,7 +13,6 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
@@ -27,10 +26,9 @@ from comparisons.imported.encodings import LARGEST, MOST_NUMBERS, ResultText
 from comparisons.imported.text_tables import LARGEST_NUMBER
 
 TRAJECTORY: Final = ("Aclass", "name", "dataInfo", "data_2")
-# Scripts that write the arrays of a file to arrays.npz, each in a process of its own: a damaged MATLAB file may crash
-# its reader, and an FMU is code of its author.
-MATLAB_READER, FMU_RUNNER = (Path(__file__).with_name(name) for name in ("read_matlab.py", "run_fmu.py"))
-LONGEST_RUN: Final = 60.0  # s, of such a script
+# The script that writes the arrays of a file to arrays.npz, in a process of its own, which a damaged file may crash.
+MATLAB_READER: Final = Path(__file__).with_name("read_matlab.py")
+LONGEST_RUN: Final = 60.0  # s, of the script
 MOST_WORDS: Final = 500  # characters of what is wrong
 
 
@@ -68,10 +66,10 @@ def _reading_error(path: Path, kind: str, error: Exception) -> LinkproofError:
     )
 
 
-def _run_reader(path: Path, script: Path) -> dict[str, Any]:
-    """The arrays, by name, that a reader's script makes of a file; raises ValueError with the script's last words."""
+def _read_arrays(path: Path) -> dict[str, Any]:
+    """The arrays, by name, of a MATLAB file; raises ValueError with the last words of the script that reads it."""
     with TemporaryDirectory() as folder:  # removed with everything that the script writes
-        command = [sys.executable, "-P", str(script), str(path.resolve()), str(MOST_NUMBERS)]
+        command = [sys.executable, "-P", str(MATLAB_READER), str(path.resolve()), str(MOST_NUMBERS)]
         try:
             done = subprocess.run(
                 command, cwd=folder, env={**os.environ, "TMPDIR": folder}, timeout=LONGEST_RUN, check=False,
@@ -96,31 +94,13 @@ def _column(path: Path, name: str, unit: str, array: NDArray[Any]) -> Column:
     return Column(name, unit, values, sharp, f"{path} ({printable(name)})")
 
 
-def fmu_columns(path: Path) -> list[Column]:
-    """The time and the outputs of an FMU over its default experiment, in the units that it declares, "" for none.
-
-    Raises LinkproofError for one that cannot be run.
-    """
-    if find_spec("fmpy") is None:
-        raise LinkproofError(
-            f"{path}: expected FMPy to run an FMU, got none installed; pip install 'linkproof[fmi]', or export the "
-            "results as CSV"
-        )
-    try:
-        data = _run_reader(path, FMU_RUNNER)
-    except Exception as error:  # an archive that is damaged has no common class
-        raise _reading_error(path, "an FMU", error) from error
-    curves = zip(data["names"].tolist(), data["units"].tolist(), data["values"].T, strict=True)
-    return [_column(path, *curve) for curve in curves]
-
-
 def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
     """Whether a MATLAB file is a trajectory of Modelica, and the columns of every length in it.
 
     Raises LinkproofError for one that cannot be read.
     """
     try:
-        data = {name[1:]: array for name, array in _run_reader(path, MATLAB_READER).items()}
+        data = {name[1:]: array for name, array in _read_arrays(path).items()}
         is_trajectory = all(name in data for name in TRAJECTORY)
         arrays = dict(_modelica_curves(data) if is_trajectory else _matlab_curves(data))
     except Exception as error:  # errors of damaged matrices have no common class

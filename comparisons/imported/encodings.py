@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Final
 
 from analytic.errors import LinkproofError, printable
-from comparisons.imported.header_words import TOKEN, compound_meanings, parse_unit, plain_letters
 
 # Bytes of a file, or of what is packed in it, and its numbers: what is read takes less than a GiB of memory.
 LARGEST: Final = 1 << 27
@@ -21,10 +20,8 @@ BYTE_ORDER_MARKS: Final = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
-# Of a file that is not UTF-8 the encoding in which most of its words are known, the first of equals: rows of numbers
-# leave statistics of letters, as charset-normalizer has them, too little to go by.
-ENCODINGS: Final = ("cp1252", "cp1251", "cp1250", "gb18030", "shift_jis")
-START_BYTES: Final = 4096  # bytes looked at to tell an encoding
+# Three letters beyond ASCII in a row: a Cyrillic word in cp1251, while those of cp1252 stand among plain letters.
+CYRILLIC: Final = re.compile(rb"[\xa5\xaa\xaf\xb2-\xb4\xba\xbf-\xff]{3}")
 CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
 # Signs that spreadsheets and text processors print for plain ones.
 PLAIN_SIGNS: Final = {"−": "-", "–": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " ", "“": '"', "”": '"'}
@@ -87,17 +84,9 @@ def check_file(path: Path, expected: str) -> None:
 
 
 def _guess_encoding(content: bytes) -> str:
-    """The encoding of bytes without a byte order mark: UTF-8, or that in which most of their words are known."""
+    """The encoding of bytes without a byte order mark: UTF-8, else Windows' of Western or of Cyrillic letters."""
     try:
         content.decode("utf-8")
     except UnicodeDecodeError:
-        return max(ENCODINGS, key=lambda encoding: _known_words(content[:START_BYTES], encoding))
+        return "cp1251" if CYRILLIC.search(content) else "cp1252"
     return "utf-8"
-
-
-def _known_words(start: bytes, encoding: str) -> int:
-    """How many bytes at the beginning of a file, of words in letters that are not English, are known in an encoding."""
-    tokens = TOKEN.findall(start.decode(encoding, "ignore"))
-    foreign = dict.fromkeys(token for token in tokens if not token.isascii() and len(token) > 1)
-    known = (token for token in foreign if compound_meanings(plain_letters(token)) or parse_unit(token))
-    return sum(len(token.encode(encoding)) for token in known)

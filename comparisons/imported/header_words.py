@@ -21,7 +21,6 @@ TOKEN: Final = re.compile(r"[^\W\d_]+|\d+")
 # Where a word begins inside another: camelCase, and the last capital of a run of them.
 CAMEL: Final = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 NO_MEANING: Final = frozenset({"nothing"})  # the meaning of words that change nothing
-SHORTEST, SHORTEST_FOREIGN = 3, 2  # letters of a word written together with others
 
 
 def plain_letters(text: str) -> str:
@@ -31,9 +30,14 @@ def plain_letters(text: str) -> str:
     return unicodedata.normalize("NFC", letters).replace("ł", "l").replace("ø", "o")
 
 
+_FILE: Final = tomllib.loads(Path(__file__).with_name("header_words.toml").read_text(encoding="utf-8"))
+TOGETHER: Final = {plain_letters(word.replace("|", "")): word.split("|") for word in _FILE.pop("together")}
+
+
 def split_tokens(text: str) -> list[str]:
-    """The words and numbers of a text."""
-    return TOKEN.findall(CAMEL.sub(" ", text))
+    """The words and numbers of a text, and the parts of words in the list of those written together."""
+    tokens = TOKEN.findall(CAMEL.sub(" ", text))
+    return [part for token in tokens for part in TOGETHER.get(plain_letters(token), (token,))]
 
 
 def _merge_meanings(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
@@ -44,7 +48,6 @@ def _merge_meanings(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
     return dict(table)
 
 
-_FILE: Final = tomllib.loads(Path(__file__).with_name("header_words.toml").read_text(encoding="utf-8"))
 WORDS: Final = _merge_meanings(
     (tuple(plain_letters(word).split()), meaning) for meaning, texts in _FILE.items() for word in texts
 )
@@ -76,22 +79,8 @@ def header_words(header: str, names: Table) -> Iterator[tuple[str, Meanings]]:
             if meanings:
                 break
         text, at = " ".join(part), end
-        if meanings or not text.isdigit():
-            together = [meanings] if meanings else compound_meanings(plain_letters(text)) or [meanings]
-            yield from ((text, texts) for texts in together if texts != NO_MEANING)
-
-
-@lru_cache(maxsize=4096)
-def compound_meanings(word: str) -> tuple[Meanings, ...]:
-    """The meanings of known words that are written together in one, as in German and Chinese; () if any is unknown."""
-    if (word,) in WORDS:
-        return (WORDS[word,],)
-    least = SHORTEST if word.isascii() else SHORTEST_FOREIGN
-    for cut in range(len(word) - least, least - 1, -1):
-        first = WORDS.get((word[:cut],))
-        if first and (rest := compound_meanings(word[cut:])):
-            return (first, *rest)
-    return ()
+        if meanings != NO_MEANING and (meanings or not text.isdigit()):
+            yield text, meanings
 
 
 # Units as other tools print them: ``newton-meter``, ``N·m``, ``Nmm``, ``deg/sec**2``, ``°/s``, ``об/мин``.

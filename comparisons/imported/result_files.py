@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from analytic.errors import LinkproofError, printable
-from comparisons.imported.binary_files import fmu_columns, matlab_columns, read_workbook
+from comparisons.imported.binary_files import matlab_columns, read_workbook
 from comparisons.imported.columns import Column, ResultTable
 from comparisons.imported.encodings import ResultText, check_file, read_text
 from comparisons.imported.text_tables import read_tables
@@ -73,12 +73,14 @@ def result_tables(path: Path) -> list[ResultTable]:
     check_file(path, "expected a file of results, such as a CSV")
     kind, name = path.suffix.lower(), printable(str(path))
     every: list[ResultTable] = []
+    if kind == ".fmu":
+        raise LinkproofError(
+            f"{name}: expected a file of results, got an FMU, which judge does not run; make its results a CSV with "
+            "'fmpy simulate FILE --output-file out.csv'"
+        )
     if kind == ".mat":
         is_trajectory, parts = matlab_columns(path)
         every = [ResultTable(name, 1, is_trajectory, tuple(part)) for part in parts if len(part) > 1]
-    elif kind == ".fmu":
-        time, *outputs = fmu_columns(path)
-        every = [ResultTable(name, 1, not any(part.unit for part in outputs), (time, *outputs))] if outputs else []
     else:
         for file in read_workbook(path) if kind in (".xlsx", ".xlsm") else (read_text(path),):
             for table in _read_tables(file):

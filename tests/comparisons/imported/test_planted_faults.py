@@ -6,7 +6,6 @@ import pytest
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
 from comparisons.conformance.samples import case
-from comparisons.faults.filters import moving_average
 from comparisons.faults.ranking import differs, model_faults
 from comparisons.faults.settings import motion_settings
 from comparisons.faults.simulation import Simulation
@@ -29,41 +28,18 @@ def kinds(judgement):
     return [finding.likeliest.fault.name.partition(":")[0] for finding in judgement.explanation.findings]
 
 
-def smoothed(y):
-    means = moving_average(y, 15)
-    return np.where(np.isfinite(means), means, y)
-
-
-def flipped(y):
-    return np.where(np.isin(np.arange(len(y)), (50, 170)), -y, y)
-
-
 def first(kinds):
     """One kind in every run of the tests, the others by night."""
     one, *others = kinds
     return [one, *(pytest.param(kind, marks=pytest.mark.nightly) for kind in others)]
 
 
-COLUMNS = {
-    "smoothed by moving average": smoothed,
-    "sample rate, each repeated until the next": lambda y: np.repeat(y[::8], 8)[: len(y)],
-    "sample rate, joined by straight lines": lambda y: np.interp(TIME, TIME[::8], y[::8]),
-    "stray samples": flipped,
-    "clipped": lambda y: np.clip(y, -0.08, 0.08),
-    "friction": lambda y: y + 0.02 * (TIME > 0.0),
-}
 RUNS = {
     "speed": crank_motion("run-up-quintic", speed=960.0 * RPM, start_angle=0.4),
     "ramp": crank_motion("run-up-cubic", start_angle=0.4),
     "start angle": crank_motion("run-up-quintic", start_angle=0.7),
     "direction": crank_motion("run-up-quintic", start_angle=0.4, clockwise=True),
 }
-
-
-@pytest.mark.parametrize("kind", first(COLUMNS))
-def test_a_fault_of_a_column_is_the_likeliest_cause(kind):
-    results = exported(JUKI, QUINTIC, ("Mkr", "S"), TIME, change=lambda v, _: {**v, "Mkr": COLUMNS[kind](v["Mkr"])})
-    assert kinds(judge(JUKI, results, QUINTIC)) == [kind]
 
 
 @pytest.mark.parametrize(

@@ -164,9 +164,13 @@ def test_equal_headers_of_several_files_are_numbered_and_a_time_that_is_ignored_
     assert signal.at.tolist() == [0.0, 1.0, 2.0, 4.0]
 
 
-def test_folders_missing_files_and_pipes_are_refused(tmp_path):
+def test_folders_missing_files_pipes_and_fmus_are_refused(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
-    refused = {".": "got the folder", "no.csv": "No such file or directory", "pipe.csv": "got the pipe or device"}
+    (tmp_path / "run.fmu").touch()
+    refused = {
+        ".": "got the folder", "no.csv": "No such file or directory", "pipe.csv": "got the pipe or device",
+        "run.fmu": "got an FMU, which judge does not run",
+    }  # fmt: skip
     for name, expected in refused.items():
         with pytest.raises(LinkproofError, match=expected):
             read_results([tmp_path / name], JUKI)
@@ -176,10 +180,10 @@ def test_folders_missing_files_and_pipes_are_refused(tmp_path):
     ("text", "encoding"),
     [
         ("t [s];Winkel [°]\n0;1\n1;2\n2;3\n3;4\n", "cp1252"),
-        ("czas [s];moment napędowy [N·m]\n0;1\n1;2\n2;3\n3;4\n", "cp1250"),
+        ("# Größe\nZeit [s];Antriebsmoment [N·m]\n0;1\n1;2\n2;3\n3;4\n", "cp1252"),
         ("sep=;\nвремя, с;Момент двигателя, Н·м\n0;1\n1;2\n2;3\n3;4\n", "cp1251"),
         ("t [s];Mkr [N*m]\n0;1\n1;2\n2;3\n3;4\n", "utf-16"),
-        ("时间 [s],电机扭矩 [N*m]\n0,1\n1,2\n2,3\n3,4\n", "gb18030"),
+        ("час [s];кут [°]\n0;1\n1;2\n2;3\n3;4\n", "cp1251"),
     ],
 )
 def test_encodings_without_a_mark_are_recognised(tmp_path, text, encoding):

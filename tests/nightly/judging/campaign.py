@@ -1,6 +1,6 @@
 """How often ``judge`` names the fault in files of a program that shares nothing with the closed form.
 
-``python -m tests.nightly.judging.campaign KIND COUNT [SEED]``: KIND is ``clean``, ``fault`` or ``pair``. Every file is
+``python -m tests.nightly.judging.campaign KIND COUNT [SEED]``: KIND is ``clean`` or ``fault``. Every file is
 judged twice, the second time with points and links renamed and the linkage's file in another order.
 """
 
@@ -24,7 +24,7 @@ from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
 from tests.nightly.judging.exports import ENDINGS, case
 
-KINDS = {"clean": 0, "fault": 1, "pair": 2}
+KINDS = {"clean": 0, "fault": 1}
 CLOSE = 0.05  # of a number's change, within which it is named right
 EQUAL = 1e-6  # of the largest number of its kind
 RIGHT = ("clean", "first")
@@ -72,9 +72,9 @@ def is_same(named, planted, clean):
 
 def is_named(fit, plan, model, planted):
     """Whether a fit is the planted fault: by its name, or by the linkage that it makes."""
-    names = fit.fault.name.split(" + ")
+    named = fit.fault.name
     if plan.names:
-        return any(n == name or (name.endswith(":") and n.startswith(name)) for name in plan.names for n in names)
+        return any(named == name or (name.endswith(":") and named.startswith(name)) for name in plan.names)
     try:
         return is_same(fit.fault.apply(model, fit.numbers).linkage, planted, model.linkage)
     except LinkproofError:
@@ -95,11 +95,6 @@ def outcome(export, judgement):
     right = [
         [any(is_named(fit, p, judgement.model, planted) for p in export.plans) for fit in f.every] for f in findings
     ]
-    if len(export.plans) > 1:
-        named = {p.kind for p in export.plans for f in findings for fit in f.every
-                 if is_named(fit, p, judgement.model, planted)}  # fmt: skip
-        several = judgement.explanation.unexplained or any(not finding.fully for finding in findings)
-        return "both" if len(named) == len(export.plans) else "not one cause" if several else "misnamed"
     if not findings:
         return "no cause"
     if all(first for first, *_ in right):

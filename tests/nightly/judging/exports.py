@@ -188,7 +188,7 @@ def written(layout, digits, curves, style):
 
 
 def case(seed, number, faults, *, rename=False):
-    """The export of a number: clean, or with one or two faults that change a signal visibly."""
+    """The export of a number: clean, or with one fault that changes a signal visibly."""
     for attempt in range(ATTEMPTS):
         random = np.random.default_rng([seed, number, faults, attempt])
         try:

@@ -65,7 +65,7 @@ def planted(random, plan, signals, by, unit):
         return replace(plan, kind=kind, names=names, file=file)
     if place < 0.65 and not by:
         return replace(plan, **motion_fault(random, plan.motion))
-    kinds = curve_faults(random, plan.motion, signals, by, unit)
+    kinds = curve_faults(random, signals, by, unit)
     kind = str(pick(random, kinds))
     names, change = kinds[kind]
     return replace(plan, kind=kind, names=names, alter=(*plan.alter, change))
@@ -220,41 +220,9 @@ def of(names, change):
     return lambda curves, _: {n: change(y) if n in names else y for n, y in curves.items()}
 
 
-def smoothed(width):
-    """A moving average over so many samples."""
-    return lambda y: np.convolve(np.pad(y, width // 2, mode="edge"), np.full(width, 1.0 / width), mode="valid")
-
-
-def filtered(width):
-    """A low-pass filter that keeps pace within about so many samples."""
-
-    def change(y):
-        y, share = y.copy(), 1.0 - np.exp(-3.0 / width)
-        for n in range(1, len(y)):
-            y[n] = y[n - 1] + share * (y[n] - y[n - 1])
-        return y
-
-    return change
-
-
-def limited(share):
-    """Values clipped at a share of their peak."""
-    return lambda y: np.clip(y, -share * np.max(np.abs(y)), share * np.max(np.abs(y)))
-
-
 def single(places, factor):
     """Single samples, at these shares of the column, times a factor."""
     return lambda y: np.where(np.isin(np.arange(len(y)), (places * len(y)).astype(int)), factor * y, y)
-
-
-def sampled(name, stride):
-    """A column at every so many samples, joined by straight lines."""
-
-    def change(curves, _):
-        time = curves["time"]
-        return {**curves, name: np.interp(time, time[::stride], curves[name][::stride])}
-
-    return change
 
 
 def late(names, steps):
@@ -278,11 +246,11 @@ def other_unit(random, name, unit):
     return of((name,), lambda y: y * unit(name) / true)
 
 
-def curve_faults(random, motion, signals, by, unit):
+def curve_faults(random, signals, by, unit):
     """Faults of columns by kind: their names, and the change of the curves."""
     judged = [name for name in signals if name != by]
     one, torque = pick(random, judged), pick(random, [s for s in judged if s.startswith(("Mkr", "joint"))] or judged)
-    faults = torque_faults(random, motion, judged, unit, one=one, torque=torque)
+    faults = torque_faults(random, unit, one=one, torque=torque)
     if "S" in judged:
         faults["inch"] = (("unit:S",), other_unit(random, "S", unit))
         faults["other dead centre"] = (("counted back:S",), of(("S",), lambda y: np.max(y) - y))
@@ -298,28 +266,17 @@ def curve_faults(random, motion, signals, by, unit):
     return faults
 
 
-def torque_faults(random, motion, judged, unit, *, one, torque):
+def torque_faults(random, unit, *, one, torque):
     """Faults of ``one`` column, and of a column of a torque or force."""
-    width, stride = int(pick(random, (5, 7, 9, 15))), int(pick(random, (3, 4, 5, 8)))
-    limit, friction, few = random.uniform(0.5, 0.8), abs(size(random, 0.05, 0.4)), random.uniform(0.02, 0.98, 3)
+    few = random.uniform(0.02, 0.98, 3)
     has_units = unit_kind(torque) in UNITS
-    faults = {
+    return {
         "sign": ((f"sign:{one}", f"counted back:{one}"), of((one,), np.negative)),
         "unit": ((f"unit:{torque}",), other_unit(random, torque, unit) if has_units else of((), np.negative)),
-        "smoothed": ((f"smoothed by moving average:{torque}",), of((torque,), smoothed(width))),
-        "low-pass": ((f"smoothed by low-pass filter:{torque}",), of((torque,), filtered(width))),
-        "limit": ((f"clipped:{torque}",), of((torque,), limited(limit))),
         "flipped samples": ((f"stray samples:{torque}",), of((torque,), single(few, -1.0))),
         "zero samples": ((f"stray samples:{torque}",), of((torque,), single(few, 0.0))),
         "late column": ((f"delay:{one}",), late((one,), 1)),
-        "sample rate": ((f"sample rate, joined by straight lines:{torque}",), sampled(torque, stride)),
-        "repeated": ((f"sample rate, each repeated until the next:{torque}",),
-                     of((torque,), lambda y: np.repeat(y[::stride], stride)[: len(y)])),
     }  # fmt: skip
-    if "Mkr" in judged:
-        brake = of(("Mkr",), lambda y: y + friction * np.max(np.abs(y)) * np.sign(motion.speed))
-        faults["friction"] = (("friction",), brake)
-    return faults
 
 
 def crank_faults(random, judged, rotary, by, unit):
