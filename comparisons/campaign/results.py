@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import shutil
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -26,8 +27,9 @@ from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
-from comparisons.judging.records import Record, RunRecord
+from comparisons.judging.records import CURVE, Record, RunRecord
 from comparisons.runs.environment import environment
+from comparisons.runs.files import write_file
 from comparisons.runs.study_folder import has_study, load_study, save_study
 from engines.contract import ReadOut
 
@@ -222,3 +224,37 @@ def _check_sheets(results: Results, folder: Path) -> None:
                 f"'{folder / SHEETS}' is another campaign's: it has no {linkage.name} ({linkage.variant}); run compare "
                 "with --out again"
             )
+
+
+# The curves of a campaign as CSV: a row per run, quantity and sample.
+
+CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", *CURVE)
+
+
+def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
+    """Write the curves of all runs into one CSV file, with every digit.
+
+    Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
+    observed and reference in the unit. Raises LinkproofError where no run has a curve, or the file cannot be written.
+    """
+    rows = _curve_rows(runs)
+    first = next(rows, None)
+    if first is None:
+        raise LinkproofError("expected curves to write as CSV, got none: no run finished")
+
+    def write(target: Path) -> None:
+        with target.open("w", encoding="utf-8", newline="") as opened:
+            writer = csv.writer(opened, lineterminator="\n")
+            writer.writerow(CURVE_COLUMNS)
+            writer.writerow(first)
+            writer.writerows(rows)
+
+    write_file(file, write)
+
+
+def _curve_rows(runs: Iterable[RunRecord]) -> Iterator[tuple[str | float, ...]]:
+    for run in runs:
+        for error in run.errors:
+            if error.quantity in run.curves:
+                columns = (column.tolist() for column in run.curves[error.quantity])
+                yield from ((*run.run, error.quantity, error.unit, *row) for row in zip(*columns, strict=True))

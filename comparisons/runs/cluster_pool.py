@@ -168,7 +168,7 @@ class ClusterPool:
         if kinds:
             return (
                 f"expected machines of one kind, so that times are comparable, got {result.kind} beside {kinds[0]}: "
-                "measure on each of them into a folder of its own and join these with: linkproof merge"
+                "measure on each of them into a folder of its own"
             )
         return self._version_fault(result.versions, {**self.here.versions, **result.versions})
 

@@ -82,11 +82,6 @@ class CellResult(RunRecord):
         return self.cell.key
 
     @property
-    def outcome(self) -> str:
-        """The verdict in words."""
-        return self.verdict.value
-
-    @property
     def nearest(self) -> QuantityRecord | None:
         """The quantity nearest to its limit, or furthest over it."""
         return next(iter(self.errors), None)

@@ -175,15 +175,6 @@ def _verdict_and_reason(
     return (StressVerdict.OVER, alarms) if failed else (StressVerdict.WITHIN, "")
 
 
-def verdict_of(cell: CellResult) -> StressVerdict | None:
-    """The verdict that follows from a cell's errors; None without any."""
-    if not cell.errors and not cell.invariants:
-        return None
-    nearest = next(iter(cell.records), None)
-    failed = [check for check in cell.checks if check.outcome != Verdict.PASSED]
-    return _verdict_and_reason(nearest, [cell.wrong] if cell.wrong else [], failed, "")[0]
-
-
 def _alarm_words(record: Record, motion: ObservedMotion) -> str:
     words = ALARMS[record.quantity].format(error=_share_words(record.error_max), joint=_open_joint(record, motion))
     return words if record.worst_time is None else f"{words} at {record.worst_time:.3g} s"

@@ -41,13 +41,12 @@ class Picture(NamedTuple):
     wide: bool
 
 
-def write(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> list[str]:
+def write(page: Page, folder: Path, pages: Sequence[PageLink]) -> list[str]:
     """Write a page into a report's folder, with its figures and the further data of its widgets.
 
-    Returns the files' names within the folder, the page's first. ``pages`` are the report's pages; ``png`` writes every
-    figure as a picture of dots too.
+    Returns the files' names within the folder, the page's first. ``pages`` are the report's pages.
     """
-    files = _PageFiles(folder, page, png)
+    files = _PageFiles(folder, page)
     policy = Markup(f"{POLICY}; connect-src 'self'" if page.state else POLICY)  # a page that follows a file
     write_text(folder / page.file, render("page.html", page=page, pages=pages, files=files, policy=policy))
     return [page.file, *files.names]
@@ -68,7 +67,6 @@ class _PageFiles:
 
     folder: Path
     page: Page
-    png: bool
     names: list[str] = field(default_factory=list)
 
     @property
@@ -113,8 +111,6 @@ class _PageFiles:
         edges = tuple(drawing.axes[0].get_position().intervalx.tolist()) if has_axis else ()
         name = f"figures/{Path(self.page.file).stem}/{figure.name}"
         write_text(self._file(f"{name}.svg"), draw.svg(drawing))
-        if self.png:
-            self._file(f"{name}.png").write_bytes(draw.png(drawing))
         width, height = (round(PIXELS * inches) for inches in drawing.get_size_inches())
         return Picture(f"{self.root}{name}.svg", width, height, edges, draw.is_wide(drawing))
 

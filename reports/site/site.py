@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import combinations, product
 from pathlib import Path
 from typing import Final
 
@@ -16,23 +15,22 @@ from comparisons.campaign import results as campaign
 from comparisons.campaign.results import Results
 from comparisons.datasheet import saved as datasheet
 from comparisons.datasheet.sheet import Sheet
-from comparisons.folders.difference import FolderDifference, difference
-from comparisons.folders.merging import MergedFolder
-from comparisons.folders.studies import StudyFolder
 from comparisons.runs.files import claim, write_text
 from comparisons.runs.run_engine import Lost
+from comparisons.runs.study_folder import has_study
 from comparisons.runs.workers import run_jobs, usual_processes
+from comparisons.stress import saved as stress_test
+from comparisons.stress.saved import Stress
+from comparisons.work_precision import records as work_precision
+from comparisons.work_precision.records import Bench
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
-from reports.campaign.index import index, settings_table
+from reports.campaign.index import index
 from reports.campaign.summary import markdown
-from reports.campaign.verdict import EngineRanking
 from reports.document import html
-from reports.document.parts import Facts, Page, PageLink, Paragraph, Part, Section, Words
+from reports.document.parts import Page, PageLink, Words
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
-from reports.records.differences import closing_line, moved_table
-from reports.records.origins import environment_facts
 from reports.stress import page as stress_page
 from reports.work_precision import page as bench_page
 
@@ -43,12 +41,29 @@ BENCH, STRESS = bench_page.LINK, stress_page.LINK
 
 
 @dataclass(frozen=True)
-class Contents(StudyFolder):
-    """The contents of a folder, read when needed."""
+class Contents:
+    """The contents of a folder, each read on first use; a study is None if the folder has none of its kind."""
+
+    path: Path
 
     def __reduce__(self) -> tuple[type[Contents], tuple[Path]]:
         """Another process reads for itself."""
         return Contents, (self.path,)
+
+    @cached_property
+    def campaign(self) -> Results | None:
+        """The campaign."""
+        return campaign.load(self.path) if campaign.is_saved(self.path) else None
+
+    @cached_property
+    def bench(self) -> Bench | None:
+        """The benchmark."""
+        return work_precision.load(self.path) if has_study(self.path, work_precision.KIND) else None
+
+    @cached_property
+    def stress(self) -> Stress | None:
+        """The stability maps."""
+        return stress_test.load(self.path) if has_study(self.path, stress_test.KIND) else None
 
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:
@@ -112,19 +127,19 @@ SUMMARY: Final = "RESULTS.md"
 WRITTEN: Final = "assets/written.txt"  # the files of the report, so that the next one can remove those it lacks
 
 
-def write_site(saved: Path, out: Path | None = None, *, processes: int | None = None, png: bool = False) -> Path:
-    """Write all pages of the data in ``saved`` into ``out``, by default the same folder; returns the first page's path.
+def write_site(folder: Path, *, processes: int | None = None) -> Path:
+    """Write all pages of the data in a folder into it; returns the first page's path.
 
     ``processes`` worker processes write, one per core by default; with 0, or if none can be started, this process
-    does. ``png`` writes every figure as PNG as well. Raises LinkproofError where another command writes there.
+    does. Raises LinkproofError where another command writes there.
     """
-    contents = Contents(saved)
-    folder, links = out or contents.path, contents.links()
+    contents = Contents(folder)
+    links = contents.links()
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
     files = [link.href for link in (*links[1:], links[0])]  # slow pages first
-    jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(saved) else []))]
-    write = partial(_write, contents, folder, links, png)
+    jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(folder) else []))]
+    write = partial(_write, contents, links)
     written: dict[int, tuple[str, ...]] = {}
     with suppress(LinkproofError):
         count = usual_processes(len(jobs)) if processes is None else processes
@@ -138,14 +153,14 @@ def write_site(saved: Path, out: Path | None = None, *, processes: int | None = 
     return folder / INDEX
 
 
-def _write(contents: Contents, folder: Path, links: Sequence[PageLink], png: bool, file: str) -> tuple[str, ...]:
+def _write(contents: Contents, links: Sequence[PageLink], file: str) -> tuple[str, ...]:
     """Write one page; returns the names of its files. The garbage collector is off: it would take an eighth of it."""
     gc.disable()
     try:
         if file == SUMMARY and contents.campaign is not None:
-            write_text(folder / SUMMARY, markdown(contents.campaign, contents.sheets))
+            write_text(contents.path / SUMMARY, markdown(contents.campaign, contents.sheets))
             return (SUMMARY,)
-        return tuple(html.write(contents.page(file), folder, links, png=png))
+        return tuple(html.write(contents.page(file), contents.path, links))
     finally:
         gc.enable()
 
@@ -161,74 +176,3 @@ def _replace_file_list(folder: Path, written: set[str]) -> None:
             with suppress(OSError):  # something else is in there
                 path.parent.rmdir()
     write_text(record, "\n".join(sorted(written)) + "\n")
-
-
-# The report of folders that were merged: grouped by hardware; nothing is ranked across machines.
-
-LEAD = (
-    "Each machine has a section of its own, in the order of its name. Times hold for the machine that they were "
-    "measured on: they stand beside those of the same machine alone."
-)
-
-
-def write_merged_site(folders: Sequence[MergedFolder], out: Path) -> Path:
-    """Write the pages of every merged folder and the index page that links to them; returns the index page's path."""
-    for folder in folders:
-        write_site(folder.path)
-    html.write_assets(out)
-    links = [PageLink("Machines", INDEX), *(PageLink(folder.name, f"{folder.name}/{INDEX}") for folder in folders)]
-    html.write(machines_page(folders), out, links)
-    return out / INDEX
-
-
-def machines_page(folders: Sequence[MergedFolder]) -> Page:
-    """The index page of merged folders: a section per machine, and the errors that differ between machines."""
-    machines = sorted({folder.machine for folder in folders})
-    groups = [[folder for folder in folders if folder.machine == machine] for machine in machines]
-    sections = [
-        Section(f"machine-{number}", machine, tuple(part for folder in group for part in _folder(folder)))
-        for number, (machine, group) in enumerate(zip(machines, groups, strict=True), 1)
-    ]
-    across = tuple(_machine_differences(groups))
-    if across:
-        sections.append(Section("across", "From machine to machine", across))
-    count = f"{len(machines)} {'machine' if len(machines) == 1 else 'machines'}"
-    return Page(INDEX, "Machines", f"Results of {count}", f"{len(folders)} folders", (Paragraph(LEAD),),
-                tuple(sections))  # fmt: skip
-
-
-def _folder(folder: MergedFolder) -> Iterator[Part]:
-    """The link to a folder's report, its environment, and its engines with their settings, as on its first page."""
-    yield Paragraph((PageLink(folder.name, f"{folder.name}/{INDEX}"), f": {'; '.join(_studies(folder))}"))
-    environment = {name: value for name, value in folder.environment.items() if name != "machine"}
-    yield Facts(tuple(environment_facts(environment)))
-    if folder.campaign is not None:
-        yield settings_table(EngineRanking(folder.campaign))
-
-
-def _studies(folder: MergedFolder) -> Iterator[str]:
-    """How many runs, points and cells a folder has."""
-    if folder.campaign is not None:
-        yield f"{len({record.run for record in folder.campaign.records})} runs held to their limits"
-    if folder.bench is not None:
-        yield f"{len(folder.bench.points)} points of work and precision"
-    if folder.stress is not None:
-        yield f"{len(folder.stress.results)} cells of stability maps"
-
-
-def _machine_differences(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:
-    """Errors that are not the same on two machines; times are not compared."""
-    for first, second in (pair for machines in combinations(groups, 2) for pair in product(*machines)):
-        if moved := _difference(first.campaign, second.campaign):
-            yield Paragraph(f"{first.name}, then {second.name}: {closing_line(moved)}.")
-            yield from [moved_table(moved)] if moved.moves else []
-
-
-def _difference(before: Results | None, after: Results | None) -> FolderDifference | None:
-    """The differences between two campaigns; None if they have no run of the same linkage in common."""
-    if before is None or after is None or not {r.run for r in before.records} & {r.run for r in after.records}:
-        return None
-    try:
-        return difference(before, after)
-    except LinkproofError:  # the same runs under other conditions
-        return None

@@ -17,7 +17,7 @@ from comparisons.stress.saved import save as save_stress
 from comparisons.work_precision.records import save as save_bench
 from reports.document.html import _PageFiles
 from reports.site.site import write_site
-from tests.commands import empty_picture, linkproof
+from tests.commands import empty_picture
 from tests.pages.browser import WIDTHS, executable, opened, started
 from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_results import made_up_results
@@ -99,12 +99,3 @@ def test_a_page_is_legible_on_a_phone_at_night(chromium, report, name):
     with opened(chromium, report / name, WIDTHS[1], "dark") as look:
         facts = look.facts()
         assert (facts["overflow"] <= 0, facts["small"], look.grave()) == (True, [], [])
-
-
-def test_one_file_holds_the_whole_report(chromium, report, tmp_path):
-    mailed = tmp_path / "report.html"
-    assert linkproof("report", report, "--single-file", mailed).returncode == 0
-    with opened(chromium, mailed) as look:
-        assert set(look.loaded) == {str(mailed)}
-        assert look.faults == []
-        assert look.empty() == []

@@ -1,15 +1,12 @@
-"""``linkproof compare``, ``report`` and ``published``: campaigns, pages, figures of the sources."""
+"""``linkproof compare`` and ``published``: campaigns, figures of the sources."""
 
 from __future__ import annotations
 
-import webbrowser
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from pathlib import Path
 
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
-from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import sheets
 from comparisons.campaign.errata import SPEED_QUANTITY, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
@@ -20,7 +17,7 @@ from comparisons.runs.run_engine import Failure
 from engines.registry import engine_names
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination, journal, report_interruption
-from reports.document.terminal import Printout, show
+from reports.document.terminal import Printout
 from reports.mechanism import terminal
 from reports.requests import PASSED, SUITE_ERROR
 from reports.requests.campaign import installed, missing_engines
@@ -75,21 +72,6 @@ def compare(
     if records:
         records.clear()  # last, since the runs are read from it
     return code
-
-
-def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = False, png: bool = False) -> None:
-    """Write the pages of a folder's data, or one page of everything; print their place, and open them."""
-    from reports.site.single_file import write_single_file  # noqa: PLC0415  figures cost a second
-    from reports.site.site import write_site  # noqa: PLC0415
-
-    if single is not None and out is not None:
-        raise LinkproofError("--single-file and --out exclude each other: leave one of them out")
-    if single is not None and png:
-        raise LinkproofError("--single-file contains all figures: leave --png out")
-    page = write_site(saved, out, png=png) if single is None else write_single_file(saved, single)
-    show(f"report: {page}", stderr=True)
-    if opens:
-        webbrowser.open(page.resolve().as_uri())
 
 
 def published(names: Sequence[str], destination: Destination, *, with_literature: bool = False) -> int:

@@ -32,7 +32,7 @@
     }
 
     function draw([traces, layout, told]) {
-      words.textContent = `${told} ${data.left_out || ""}`;
+      words.textContent = told;
       linkproof.plot(plot, traces, layout).then((drawn) => {
         if (!drawn || plot.dataset.answers) return;
         plot.dataset.answers = "yes";

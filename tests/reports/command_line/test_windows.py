@@ -19,10 +19,6 @@ COMMANDS = (
     ("check", "press.toml"),
     ("results", "press.toml"),
     ("published", "juki-mf7923d"),
-    ("verify", "made"),
-    ("diff", "made", "made", "--verbose"),
-    ("report", "made", "--csv", "curves"),
-    ("merge", "made", "--out", "merged"),
 )
 RUNNING = f"""
 import sys

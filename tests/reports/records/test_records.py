@@ -1,14 +1,12 @@
-"""Records as tables: limits, changed key figures, differences of two folders, and one mechanism at a time."""
+"""Records as tables: limits, changed key figures, and one mechanism at a time."""
 
 import numpy as np
 import pytest
 
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.folders.difference import FolderDifference, MovedRecord, RunPair
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Verdict
 from reports.document.numbers import ABSENT
-from reports.document.terminal import rendered
-from reports.records.differences import changed_figures, difference_printout
+from reports.records.differences import changed_figures
 from reports.records.views import View, anchor, blank_repeats, limit_table, short_title, views
 from tests.analytic.drives import driven
 from tests.reports.made_up_results import made_up_results
@@ -39,51 +37,6 @@ def test_only_what_changed_has_a_row():
         ("m (v)", "run-up", "Jeq.mean", "2", "2.02", "kg m²", "+1 %"),
         ("m (v)", "run-up", "Peq.peak", "3", ABSENT, "", ABSENT),
     )
-
-
-RUN = ("press", "base", "run-up", "pymunk", "tuned")
-
-
-def _record(error, outcome="passed", peak=2.0):
-    return Record(
-        *RUN[:3],
-        "1000 rpm",
-        RUN[3],
-        "7",
-        RUN[4],
-        quantity="Mkr",
-        unit="N m",
-        error_max=error,
-        outcome=outcome,
-        peak=peak,
-    )
-
-
-def _difference(same_machine, seconds=(0.5, 0.25)):
-    move = MovedRecord(_record(1e-5), _record(4e-5, "over-limit", peak=1.0), 3e-5, is_beyond=True)
-    runs = (RunPair(RUN, ("7.0", "7.1"), seconds, (100, 200)),)
-    names = ((("press", "base"), ("press", "base")),)
-    facts = (("pymunk", "7.0", "7.1"),)
-    return FolderDifference(names, 3, (move,), runs, (), ("a run",), (), facts, same_machine)
-
-
-def test_an_error_stands_beside_the_one_before_with_factor_and_peak():
-    printout = difference_printout(_difference(same_machine=True))
-    (line,) = [line for line in rendered(*printout.tables).splitlines() if "Mkr" in line]
-    assert line.split()[-8:] == ["1.0e-5", "✓", "4.0e-5", "✗", "4.0", "−50.0", "%", "beyond"]
-    assert printout.closing == [
-        "only in the first folder: a run",
-        "3 records in both folders: 1 moved; 1 beyond limits",
-    ]
-
-
-def test_seconds_are_compared_on_one_machine_only():
-    here, elsewhere = (rendered(*difference_printout(_difference(same)).details) for same in (True, False))
-    assert "7.0 → 7.1" in here
-    assert "500 ms" in here
-    assert "0.50" in here
-    assert "500 ms" not in elsewhere
-    assert "seconds are not compared" in elsewhere
 
 
 @pytest.fixture(scope="module")

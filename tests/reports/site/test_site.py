@@ -57,7 +57,8 @@ def site(saved, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for module in (*ENGINES, "matplotlib.pyplot"):
             patch.setitem(sys.modules, module, None)
-        write_site(saved, folder, processes=0)
+        shutil.copytree(saved, folder, dirs_exist_ok=True)
+        write_site(folder, processes=0)
     return folder
 
 
@@ -73,7 +74,8 @@ def test_every_page_is_there_and_every_link_leads_to_a_file(site):
 
 def test_worker_processes_write_the_same(saved, site, tmp_path, monkeypatch):
     monkeypatch.setattr("reports.site.site.run_jobs", run_jobs)
-    write_site(saved, tmp_path, processes=1)
+    shutil.copytree(saved, tmp_path, dirs_exist_ok=True)
+    write_site(tmp_path, processes=1)
     assert files_of(tmp_path) == files_of(site)
     for name in ("index.html", "RESULTS.md", f"mechanisms/{NAME}.as-built.html"):
         assert (tmp_path / name).read_bytes() == (site / name).read_bytes()

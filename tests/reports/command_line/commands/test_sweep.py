@@ -14,7 +14,6 @@ from analytic.description.changes import numbers
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load as load_campaign
-from comparisons.folders.verification import verify
 from reports.command_line.commands.sweep import sweep
 from reports.command_line.destination import Destination
 from reports.requests.designs_options import SweepFiles, SweepOptions
@@ -111,9 +110,6 @@ def test_designs_are_simulated_in_a_campaign_of_their_own(tmp_path, capsys):
     swept(out, **QUICK, simulate=("direct",), designs=4, quiet=False)
     sentence = "direct tuned: within limits on 4 of 4 designs judged; with 95 % certainty fewer than 75% of such"
     assert sentence in capsys.readouterr().out
-    verified = verify(out / "simulated")
-    assert verified.records
-    assert not verified.findings
     names = [linkage.name for linkage in load_campaign(out / "simulated").linkages]
     assert {*names} == {path.stem for path in (out / "designs").iterdir()}
     rods = [numbers(load(str(path)))["rod.B.x"] for path in (out / "designs").iterdir()]
