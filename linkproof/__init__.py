@@ -26,10 +26,7 @@ _MODULES = {
 
 
 def refuse_strangers() -> None:
-    """Raise ImportError if a package of linkproof would be imported from elsewhere.
-
-    It is called when a name is used, so that the pytest plug-in does not disturb projects without linkages.
-    """
+    """Raise ImportError if a package of linkproof would be imported from elsewhere: all four have common names."""
     home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     for name in ("analytic", "engines", "comparisons", "reports"):
         try:

@@ -9,7 +9,7 @@ from analytic.description.loading import catalogue, load, read
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, cases, compare
 from comparisons.campaign.key_figures import changes
-from comparisons.campaign.project import places
+from comparisons.campaign.standard import places
 from comparisons.judging.baseline import read_baseline, regime_key
 from comparisons.judging.limits import Standard, shipped_limits
 from comparisons.judging.quantities import all_quantities

@@ -22,7 +22,7 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.campaign.project import checksum
+from comparisons.campaign.standard import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet

@@ -228,8 +228,7 @@ def engines(names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (
 def compare(options: CompareOptions, output: OutputOptions, standard: StandardOptions, limits: RunLimits) -> int:
     """Simulate mechanisms in engines and compare every error with its limit.
 
-    MECHANISM is a name in the catalogue or the path of a .toml file; default: those of the linkproof.toml in the
-    working folder or above it, or the whole catalogue. A linkproof.toml above the file supplies missing options.
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
 
     The naive setting shows the engine without tuning; if other settings run too, its rows do not affect the exit code.
     An engine that crashes, hangs or runs out of memory fails in its own row only.
@@ -273,8 +272,7 @@ def judge(
 def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = None) -> int:
     """Measure error against run time: every engine, setting and method over a sweep of steps.
 
-    MECHANISM is a name in the catalogue or the path of a .toml file; default: those of the linkproof.toml in the
-    working folder or above it, or the whole catalogue.
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
 
     Runs are made one at a time. Do not use the machine for anything else, or the times become wrong.
     """

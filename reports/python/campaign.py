@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.campaign.project import JudgedCampaign
 from comparisons.campaign.results import Results
-from comparisons.judging.records import Record
+from comparisons.campaign.standard import JudgedCampaign
+from comparisons.judging.limits import deciding
+from comparisons.judging.records import Record, Verdict
 from reports.campaign.terminal import printout
 from reports.document.terminal import Printout
 from reports.python.keywords import with_keywords
-from reports.python.labels import PrintedResult
+from reports.python.labels import PrintedResult, failed_rows
 from reports.requests import PASSED
 from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
 from reports.requests.exit_codes import campaign_exit_code
@@ -93,6 +94,22 @@ class Comparison(PrintedResult):
         """Whether the command would exit with 0; raises LinkproofError if nothing could be judged."""
         return campaign_exit_code(self.records, figures=self.figures, departures=self.departures) == PASSED
 
+    def check(self) -> Comparison:
+        """The comparison itself if it has passed; a test is ``linkproof.compare("press.toml").check()``.
+
+        Raises AssertionError with a line for every error over its limit, every failed run and every difference from a
+        baseline, and LinkproofError if nothing could be judged.
+        """
+        __tracebackhide__ = True  # pytest shows the line of the test
+        if self.passed:
+            return self
+        ours = [record for record in self.records if record.outcome == Verdict.SUITE_ERROR]
+        failed = [record for record in deciding(self.records) if Verdict(record.outcome).failed]
+        rows = failed_rows([*failed, *ours])
+        changed = [figure.sentence for figure in self.figures if figure.changed]
+        head = f"{len(rows)} of {len(self.records)} errors and checks failed"
+        raise AssertionError("\n".join((head, *rows, *changed, *self.departures)))
+
     @property
     def table(self) -> xarray.Dataset:
         """The records over ``run`` and ``quantity``: errors and limits as shares of the peak, NaN where there is none.
@@ -132,7 +149,7 @@ def compare(
     """Simulate mechanisms in engines and compare every error with its limit, as ``linkproof compare`` does.
 
     Mechanisms are names of the catalogue and paths of files; ``time_limit`` is in s and ``memory_limit`` in GiB; a
-    client of Dask may replace the address of its scheduler. A ``linkproof.toml`` above the first file completes them.
+    client of Dask may replace the address of its scheduler.
     Raises LinkproofError for bad input; a run that fails is a record.
     """
     for mechanism in mechanisms:

@@ -12,16 +12,16 @@ from analytic.errors import LinkproofError, shortened
 from comparisons.conformance.trial import CheckResult
 from comparisons.datasheet.linkage_check import check as linkage_facts
 from comparisons.imported.judge import ImportedJudgement
-from comparisons.judging.records import Record
+from comparisons.judging.records import Record, Verdict
 from comparisons.runs.plugins import engine as registered
 from comparisons.runs.run_engine import AdapterError
 from engines.contract import Engine
-from reports.document.terminal import Printed, Printout
+from reports.document.terminal import Printed, Printout, rendered
 from reports.imported.document import add_cause, blank_record_of
 from reports.imported.terminal import printout as judgement_printout
 from reports.imported.terminal import sentence
 from reports.python.keywords import load_linkage, resolve_linkage, with_keywords
-from reports.python.labels import PrintedResult
+from reports.python.labels import PrintedResult, failed_rows
 from reports.records.origins import printout
 from reports.requests.doctor import engine_findings
 from reports.requests.judge import check_judgement, judge_files
@@ -68,6 +68,14 @@ class JudgedResults(PrintedResult, ImportedJudgement):
 
     def _sentence(self) -> Printed:
         return sentence(self)
+
+    def check(self) -> JudgedResults:
+        """The judgement itself if it has passed; raises AssertionError with a line for every other signal."""
+        __tracebackhide__ = True  # pytest shows the line of the test
+        if self.passed:
+            return self
+        rows = failed_rows(record for record in self._rows() if record.outcome != Verdict.PASSED)
+        raise AssertionError("\n".join((rendered(self._sentence()).strip(), *rows)))
 
 
 def check_engine(engine: Engine | str, jobs: int | None = None) -> EngineFindings:

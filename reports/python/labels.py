@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from analytic import signals
 from analytic.description.linkage import Linkage
 from comparisons.datasheet.curves import TIME
+from comparisons.judging.records import Record
 from reports.document.terminal import Printed, Printout, rendered
 
 if TYPE_CHECKING:
@@ -123,3 +124,12 @@ class PrintedResult(ABC):
         import pandas  # noqa: PLC0415  half a second that results alone do not pay
 
         return pandas.DataFrame([asdict(row) for row in self._rows()])
+
+
+def failed_rows(records: Iterable[Record]) -> list[str]:
+    """A line for each record, with its outcome and the reason: what ``check`` of a result raises."""
+    return [
+        f"{record.mechanism} ({record.variant}), {record.regime}, {record.engine} {record.setting}, {record.quantity}: "
+        f"{record.outcome}, {record.detail}"
+        for record in records
+    ]

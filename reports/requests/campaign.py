@@ -111,21 +111,15 @@ def _own_settings(options: RunsOptions) -> tuple[Setting, ...]:
     return _requested_settings(options) if is_full or EVERYTHING not in options.setting else (Setting.TUNED,)
 
 
-def request(
-    options: RunsOptions, known: Sequence[Linkage] = (), engines: Sequence[str] | None = None
-) -> CampaignRequest:
-    """The campaign's request; raises LinkproofError for bad input.
-
-    Regimes that other ``known`` linkages define may be requested: those that do not define them are not run in them.
-    ``engines``, installed or not, take the place of those of the options.
-    """
+def request(options: RunsOptions) -> CampaignRequest:
+    """The campaign's request; raises LinkproofError for bad input."""
     result = linkages(options)
-    motions, conditions, own_regimes = requested_motions(options, result, known)
+    motions, conditions, own_regimes = requested_motions(options, result)
     return CampaignRequest(
         linkages=result,
         motions=motions,
         conditions=conditions,
-        engines=requested_engines(options.engine) if engines is None else tuple(engines),
+        engines=requested_engines(options.engine),
         settings=_requested_settings(options),
         quantities=tuple(dict.fromkeys(options.quantity)),
         own_regimes=own_regimes,

@@ -94,12 +94,12 @@ class StressOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class StandardOptions:
-    """Files of limits and of a baseline, each before the project's; with ``record_baseline`` it is written anew."""
+    """Files of limits and of a baseline, which with ``record_baseline`` is written anew."""
 
     limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None
     baseline: Annotated[Path | None, Option("Errors and key figures recorded earlier.", "FILE")] = None
     record_baseline: Annotated[
-        bool, Option("Record errors and key figures in the file of --baseline or the project.", affects_results=False)
+        bool, Option("Record errors and key figures in the file of --baseline.", affects_results=False)
     ] = False
     allow_new: Annotated[bool, Option("Allow linkages and motions that the baseline does not contain.")] = False
     allow_missing: Annotated[bool, Option("Allow linkages and motions of the baseline to be missing.")] = False

@@ -7,7 +7,6 @@ import tempfile
 import time
 from dataclasses import dataclass
 from importlib import metadata
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -18,7 +17,6 @@ from analytic.machine_code import compiling
 from analytic.machine_code.compiling import Result
 from analytic.machine_code.tracing import OperationList
 from comparisons.campaign.campaign import compare
-from comparisons.campaign.project import FILE, find_project
 from comparisons.conformance.conformance import INSTALLED, check_engine
 from comparisons.conformance.trial import CheckResult, Finding
 from comparisons.judging.records import Record
@@ -93,15 +91,9 @@ def places() -> dict[str, str]:
     """Where files are read and written without being named on the command line."""
     import matplotlib as mpl  # noqa: PLC0415 - slow to import
 
-    try:
-        project = find_project(Path.cwd())
-        here = str(project.folder / FILE) if project else "none in this folder or above it"
-    except LinkproofError as error:
-        here = str(error)
     return {
         "temporary files": tempfile.gettempdir(),
         "matplotlib's cache": mpl.get_cachedir(),
-        FILE: here,
     }
 
 

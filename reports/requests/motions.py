@@ -47,16 +47,11 @@ class RequestedMotions(NamedTuple):
     own_regimes: tuple[str, ...]
 
 
-def requested_motions(
-    options: MotionOptions, linkages: Sequence[Linkage], known: Sequence[Linkage] = ()
-) -> RequestedMotions:
-    """The motions of a campaign of ``linkages``; the regimes of other ``known`` linkages may be named too.
-
-    Raises LinkproofError for motions that are impossible or unknown.
-    """
+def requested_motions(options: MotionOptions, linkages: Sequence[Linkage]) -> RequestedMotions:
+    """The motions of a campaign of ``linkages``; raises LinkproofError for motions that are impossible or unknown."""
     check_motion(options)
     motions, conditions = _prescribed_motions(options, linkages)
-    return RequestedMotions(motions, conditions, _own_regimes(options, (*linkages, *known)))
+    return RequestedMotions(motions, conditions, _own_regimes(options, linkages))
 
 
 def requested_motion(options: MotionOptions, mechanism: Mechanism) -> Motion | None:

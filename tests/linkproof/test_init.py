@@ -13,11 +13,7 @@ import pytest
 
 import linkproof
 from engines import contract, scene
-from linkproof import pytest_plugin
 from tests.linkproof import stub
-from tests.reports.pytest_plugin.projects import run
-
-pytest_plugins = ["pytester"]
 
 ROOT = Path(__file__).parents[2]
 MOST_NAMES, MOST_LINES = 20, 110
@@ -60,7 +56,7 @@ HEAVY = {"numpy", "scipy", "pydantic", "xarray", "matplotlib", "rich", "analytic
 def loaded(*more):
     print(*sorted({*HEAVY, *more} & {*sys.modules}))
 
-import linkproof, linkproof.pytest_plugin
+import linkproof
 loaded("typer", "reports")
 sys.argv = ["linkproof", "--help"]
 from reports.command_line.main import main
@@ -110,8 +106,6 @@ def test_a_strangers_package_is_named_with_the_cure_by_every_entrance(name, stra
     for entrance in ("engine.py", "__main__.py"):
         with pytest.raises(ImportError, match=sentence):
             runpy.run_path(str(ROOT / "linkproof" / entrance), run_name="__main__")
-    with pytest.raises(pytest.UsageError, match=sentence):
-        pytest_plugin._plugin(None)
 
 
 def test_a_strangers_file_is_named_too(stranger):
@@ -129,10 +123,3 @@ def test_a_module_in_place_of_a_package_is_refused(monkeypatch):
 def test_a_folder_of_that_name_without_python_does_no_harm(stranger):
     stranger("reports", file="notes.txt")
     assert linkproof.load("juki-mf7923d").name == "juki-mf7923d"
-
-
-def test_the_plug_in_leaves_a_project_without_linkages_alone(stranger, monkeypatch, pytester):
-    stranger("reports")
-    monkeypatch.setattr(pytest_plugin, "_plugin", lambda _: pytest.fail("the plug-in began"))
-    pytester.makepyfile("def test_it():\n    pass\n")
-    run(pytester).assert_outcomes(passed=1)

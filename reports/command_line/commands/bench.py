@@ -24,7 +24,6 @@ from reports.requests.campaign_options import BenchOptions, RunsOptions
 from reports.requests.exit_codes import bench_exit_code
 from reports.requests.motion_options import MotionOptions
 from reports.requests.options import command_line
-from reports.requests.standard import complete_study
 from reports.work_precision.terminal import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
@@ -33,11 +32,10 @@ REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 def bench(options: BenchOptions, destination: Destination, scheduler: object = None) -> int:
     """Measure, write the requested files, print the tables; returns the exit code.
 
-    Without names, the linkages and engines of the project are measured; by the workers of a ``scheduler``, if it is
-    given, with a single run at a time on each machine. Raises LinkproofError for bad input before any run.
+    By the workers of a ``scheduler``, if it is given, with a single run at a time on each machine. Raises
+    LinkproofError for bad input before any run.
     """
     destination.check(f"{KIND}.html")
-    options = complete_study(options)
     out = destination.out
     check_scheduler(scheduler)
     if scheduler is not None and options.costs:

@@ -10,8 +10,8 @@ from analytic.description.loading import catalogue, literature
 from comparisons.campaign.campaign import sheets
 from comparisons.campaign.errata import SPEED_QUANTITY, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
-from comparisons.campaign.project import JudgedCampaign
 from comparisons.campaign.results import save, with_runs
+from comparisons.campaign.standard import JudgedCampaign
 from comparisons.datasheet.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.run_engine import Failure
 from engines.registry import engine_names
@@ -39,7 +39,7 @@ def compare(
     destination.check(PAGE)
     wanted, out = campaign(options, standard, limits), destination.out
     request = wanted.request
-    if destination.verbose and not wanted.names_engines:
+    if destination.verbose and not options.engine:
         destination.remark(missing_engines(request.engines))
     if out:
         _ = wanted.tasks  # a run that cannot be made is refused before the folder is touched

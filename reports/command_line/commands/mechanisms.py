@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -15,11 +13,10 @@ from analytic.description.file_units import FileUnit
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature, load
 from analytic.designs.figures import figure_names
-from analytic.errors import LinkproofError, printable
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.thread_feed import compare_feed, read_required_feed
 from analytic.written import finite
-from comparisons.campaign.project import FILE, find_project
 from comparisons.datasheet.mechanism_summary import portrait, thread_facts
 from comparisons.designs.parameters import named_figures, parameters, speed_unit
 from reports.command_line.destination import Destination
@@ -31,7 +28,6 @@ from reports.requests.designs_options import SteadyOptions
 SHELVES: Final = {
     "catalogue": "The catalogue, taken where nothing is named",
     "literature": "Linkages of the literature, taken where they are named",
-    "project": f"Linkages of the {FILE} here, taken in the catalogue's place",
 }
 
 
@@ -82,15 +78,9 @@ def _print_values(
 
 
 def list_mechanisms(destination: Destination) -> None:
-    """Print or write the linkages shelf by shelf: the suite's own, those of the project here.
-
-    A linkage of the project is called by the path that commands take.
-    """
-    project = find_project(Path())
-    paths = [os.path.relpath(path) for path in project.linkages] if project else []
+    """Print or write the suite's linkages, shelf by shelf."""
     names = (catalogue(), literature())
-    shelves = {shelf: [load(name) for name in shelf_names] for shelf, shelf_names in zip(SHELVES, names, strict=False)}
-    shelves["project"] = [replace(load(path), name=printable(path)) for path in paths]
+    shelves = {shelf: [load(name) for name in shelf_names] for shelf, shelf_names in zip(SHELVES, names, strict=True)}
     destination.print(*terminal.catalogue({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()}))
     destination.write_json({"records": [_linkage_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
 

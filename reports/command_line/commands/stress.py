@@ -17,17 +17,15 @@ from reports.requests.campaign import RunResources, missing_engines, requested_e
 from reports.requests.campaign_options import RunLimits, StressOptions
 from reports.requests.exit_codes import stress_exit_code
 from reports.requests.options import command_line
-from reports.requests.standard import complete_study
 from reports.stress.tables import cell_details, printout
 
 
 def run(options: StressOptions, destination: Destination, jobs: int | None = None, scheduler: object = None) -> int:
     """Make stability maps or single cells, on the workers of a ``scheduler`` if it is given; returns the exit code.
 
-    Without names, the engines of the project are used. Raises LinkproofError for bad input before any run.
+    Raises LinkproofError for bad input before any run.
     """
     destination.check(f"{KIND}.html")
-    options = complete_study(options)
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
     if options.time_limit is not None and not 0.0 < options.time_limit < math.inf:

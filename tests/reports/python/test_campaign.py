@@ -1,12 +1,14 @@
 """``linkproof.compare``: records as a table and a picture, files of limits and baselines, refusals."""
 
+import re
+
 import numpy as np
 import pytest
 from matplotlib.text import Text
 
 import linkproof
 from analytic.description.loading import read
-from comparisons.campaign.project import JudgedCampaign
+from comparisons.campaign.standard import JudgedCampaign
 
 FAST = {"engine": "direct", "jobs": 0}
 
@@ -27,22 +29,27 @@ def test_records_are_a_table_and_a_picture_by_run_and_quantity():
         assert (row["outcome"].item(), row["steps"].item()) == (record.outcome, record.steps)
 
 
-def test_a_file_of_limits_and_the_project_of_the_first_file_are_used(tmp_path):
+def test_a_check_gives_the_comparison_or_shows_every_row_over_its_limit_of_a_file(tmp_path):
     press, limits = tmp_path / "press.toml", tmp_path / "limits.toml"
     press.write_text(read("juki-mf7923d").text, encoding="utf-8")
     limits.write_text('[[limit]]\nquantities = ["Mkr"]\nvalue = 1e-30\nreason = "none can"\n')
+    found = linkproof.compare(press, quantity=("Mkr", "Jeq"), **FAST)
+    assert found.check() is found
     found = linkproof.compare(press, quantity=("Mkr", "Jeq"), limits=limits, **FAST)
     assert [record.outcome for record in found.records] == ["over-limit", "passed"]
-    assert not found.passed
-    (tmp_path / "linkproof.toml").write_text('engines = ["direct"]\nsettings = ["best"]\n')
-    (record,) = linkproof.compare(press, quantity="S", jobs=0).records
-    assert (record.engine, record.setting) == ("direct", "best")
+    with pytest.raises(AssertionError) as failed:
+        found.check()
+    head, row = str(failed.value).splitlines()
+    assert head == "1 of 2 errors and checks failed"
+    assert re.fullmatch(
+        r"press \(as-built\), run-up, direct tuned, Mkr: over-limit, error \S+ of peak is over its limit 1e-30", row
+    )
 
 
 def test_where_nothing_can_be_judged_it_has_neither_passed_nor_failed():
     found = linkproof.Comparison(JudgedCampaign(None, (), (), ()), None)
     with pytest.raises(linkproof.LinkproofError, match="got no run at all"):
-        _ = found.passed
+        found.check()
 
 
 @pytest.mark.parametrize(

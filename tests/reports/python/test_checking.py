@@ -41,7 +41,12 @@ def test_results_of_another_tool_are_judged(curves):
     found = linkproof.judge(NAME, "a<b.csv", regime="run-up")
     assert found.passed
     assert [verdict.name for verdict in found.verdicts] == ["Mkr", "S"]
-    assert not linkproof.judge(NAME, "a<b.csv", regime="run-up", gravity=False, limit=1e-4).passed
+    assert found.check() is found
+    wrong = linkproof.judge(NAME, "a<b.csv", regime="run-up", gravity=False, limit=1e-4)
+    with pytest.raises(
+        AssertionError, match=r"run-up, a<b.csv imported, Mkr: over-limit, .* likely cause: y of gravity"
+    ):
+        wrong.check()
     with pytest.raises(linkproof.LinkproofError, match="--limit: expected a positive share"):
         linkproof.judge(NAME, "a<b.csv", limit=0.0)
 

@@ -1,4 +1,4 @@
-"""A user's project: the folder of a ``linkproof.toml``, with the linkages, engines and limits to compare."""
+"""A user's own standard: limits of a file, a baseline beside the linkages, and what results are under it."""
 
 from __future__ import annotations
 
@@ -6,114 +6,18 @@ import hashlib
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from pathlib import Path, PurePath
-from typing import Annotated, Any, Final
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
-from pydantic import Field, StrictBool
-
-from analytic.description.loading import LinkageFile, parse, read_document
-from analytic.description.schema import Positive, TomlTable
+from analytic.description.loading import LinkageFile, parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases, each_case
 from comparisons.campaign.key_figures import KeyFigure, compared, present_figures
 from comparisons.judging.baseline import Baseline, Coverage, Place, departures, read_baseline
-from comparisons.judging.limits import LimitRows, LimitTable, Standard, read_limits, shipped_limits, with_rows
+from comparisons.judging.limits import Standard, read_limits, shipped_limits
 from comparisons.judging.records import Record, RunRecord, blank_record
 from comparisons.reference.case import Case
-
-FILE: Final = "linkproof.toml"
-BASELINE: Final = "linkproof-baseline.json"
-Words = Annotated[tuple[Annotated[str, Field(min_length=1)], ...], Field(description="a list of words in quotes")]
-
-
-class ProjectDocument(TomlTable):
-    """A ``linkproof.toml`` as it is written."""
-
-    linkages: Words = ()
-    engines: Words = ()
-    settings: Words = ()
-    regimes: Words = ()
-    figures: Words = ()
-    time_limit: Positive | None = None
-    memory_limit: Positive | None = None
-    baseline: Annotated[str | None, Field(min_length=1, description="the name of a file in quotes")] = None
-    allow_new: StrictBool = False
-    allow_missing: StrictBool = False
-    limit: LimitRows = Field(default_factory=list)
-
-
-@dataclass(frozen=True)
-class Project:
-    """The contents of a ``linkproof.toml``; an empty field means the command's default.
-
-    ``linkages`` are the files that its patterns match, ``engines``, ``settings`` and ``regimes`` names as the commands
-    take them, ``time_limit`` s and ``memory_limit`` GiB of each run, ``baseline`` the file of what was recorded,
-    ``names_baseline`` whether it is named; ``allow_new`` and ``allow_missing`` let linkages and motions differ from it.
-    ``figures`` are names of figures that are recorded in it and compared besides the key figures.
-    """
-
-    folder: Path
-    baseline: Path
-    linkages: tuple[Path, ...] = ()
-    engines: tuple[str, ...] = ()
-    settings: tuple[str, ...] = ()
-    regimes: tuple[str, ...] = ()
-    figures: tuple[str, ...] = ()
-    time_limit: float | None = None
-    memory_limit: float | None = None
-    limits: LimitTable = field(default_factory=shipped_limits)
-    names_baseline: bool = False
-    allow_new: bool = False
-    allow_missing: bool = False
-
-
-def find_project(start: Path) -> Project | None:
-    """The project that a file or folder belongs to: the nearest ``linkproof.toml`` there or above; else None."""
-    here = start.resolve()
-    for folder in (here, *here.parents):
-        if (folder / FILE).is_file():
-            return read_project(folder / FILE)
-    return None
-
-
-def read_project(path: Path) -> Project:
-    """A project from its file; raises LinkproofError for a wrong one."""
-    document, folder = read_document(path, "a project's file", ProjectDocument), path.parent
-    return Project(
-        folder=folder,
-        baseline=_check_beneath(folder, document.baseline or BASELINE, "baseline", path),
-        linkages=tuple(file for pattern in document.linkages for file in _matching_files(folder, pattern, path)),
-        limits=with_rows(document.limit, str(path)) if document.limit else shipped_limits(),
-        names_baseline=document.baseline is not None,
-        **document.model_dump(exclude={"baseline", "linkages", "limit"}),
-    )
-
-
-def _check_beneath(folder: Path, place: str, key: str, path: Path) -> Path:
-    """A place beneath the project's folder; raises LinkproofError for one elsewhere, also if links lead there."""
-    try:
-        result = Path(os.path.realpath(folder / place))
-    except ValueError:  # a null character
-        result = Path(os.sep)
-    if ".." in PurePath(place).parts or not result.is_relative_to(os.path.realpath(folder)):
-        raise LinkproofError(f"{path}: {key}: expected a place beneath its folder, got '{place}'; give one there")
-    return folder / place
-
-
-def _matching_files(folder: Path, pattern: str, path: Path) -> list[Path]:
-    """The files that a pattern matches, sorted; raises LinkproofError without one, or for one outside the folder."""
-    _check_beneath(folder, pattern, "linkages", path)
-    try:
-        paths = sorted(file for file in folder.glob(pattern) if file.is_file() and file.name != FILE)
-    except (ValueError, NotImplementedError) as error:  # an absolute pattern, or a double star beside letters
-        raise LinkproofError(f"{path}: linkages: expected a pattern beneath its folder, got '{pattern}'") from error
-    if not paths:
-        raise LinkproofError(f"{path}: linkages: expected linkage files, got none that match '{pattern}'; correct it")
-    return [_check_beneath(folder, str(file.relative_to(folder)), "linkages", path) for file in paths]
-
-
-# A user's own standard: limits of a file, a baseline beside the linkages, and what results are under it.
 
 
 def places(files: Iterable[LinkageFile], folder: Path) -> dict[str, Place]:
@@ -134,30 +38,26 @@ def checksum(text: str) -> str:
 
 def standard(
     files: Iterable[LinkageFile],
-    project: Project | None = None,
     limits: Path | None = None,
     baseline: Path | None = None,
     *,
     may_lack: bool = False,
     coverage: Coverage = Coverage(),  # noqa: B008 - frozen
 ) -> Standard:
-    """The standard for results of these files: limits and a baseline, each with precedence over the project's.
+    """The standard for results of these files; without limits or baseline the suite's limits alone.
 
-    Without any of them the suite's limits alone. ``coverage`` says how much of the baseline is compared. Raises
-    LinkproofError for what cannot be read, and for a baseline named by its path that is not there, unless it
-    ``may_lack``.
+    ``coverage`` says how much of the baseline is compared. Raises LinkproofError for what cannot be read, and for a
+    baseline that is not there, unless it ``may_lack``.
     """
-    table = read_limits(limits) if limits is not None else project.limits if project else shipped_limits()
-    file = baseline or (project.baseline if project else None)
-    if file is None:
+    table = read_limits(limits) if limits is not None else shipped_limits()
+    if baseline is None:
         return Standard(table)
-    is_named = baseline is not None or (project is not None and project.names_baseline)
-    if is_named and not may_lack and not file.exists():
+    if not may_lack and not baseline.exists():
         raise LinkproofError(
-            f"expected a baseline at '{file}', got no such file: correct its name, or add --record-baseline"
+            f"expected a baseline at '{baseline}', got no such file: correct its name, or add --record-baseline"
         )
-    home = project.folder if project else file.parent
-    result = read_baseline(file, places(files, home))
+    home = baseline.parent
+    result = read_baseline(baseline, places(files, home))
     lost = (path for path in sorted(result.linkages) if path.endswith(".toml") and not (home / path).is_file())
     return Standard(table, replace(result, lost=tuple(lost), coverage=coverage))
 
