@@ -20,6 +20,7 @@ from reports.document.chart import Array, Chart, Curve, Hatch, Ink, Panel
 
 Host = Figure | SubFigure
 
+PAPER_DOTS = 300  # to the inch
 BAR = 3.0  # points, of lines that are bars
 MOST = 8  # curves that are named in the key where there is no room for all at their ends
 # Inches: beside and above the axes of a panel, left of a head, of a sample in a key, of a line of the head.
@@ -124,6 +125,13 @@ def png(drawing: Figure, dots: int = DOTS_PER_INCH) -> bytes:
 def pdf(drawing: Figure) -> bytes:
     """The figure as a PDF file on white, for papers: lines as lines, its fonts within it."""
     return _saved(drawing, "pdf", ("CreationDate", "Creator", "Producer"), facecolor="white")
+
+
+def picture(drawing: Figure, kind: str) -> str | bytes:
+    """The figure on white as a file of a ``kind``, svg, png or pdf, for papers."""
+    if kind == "svg":
+        return svg(drawing, page="white")
+    return pdf(drawing) if kind == "pdf" else png(drawing, PAPER_DOTS)
 
 
 def _saved(drawing: Figure, kind: str, left_out: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401

@@ -22,14 +22,13 @@ from reports.requests.campaign_options import (
     StressOptions,
 )
 from reports.requests.motion_options import (
-    JudgeFiles,
     JudgeOptions,
     ResultsFiles,
     ResultsOptions,
     Variant,
     WatchOptions,
 )
-from reports.requests.options import Argument, Option, OutputOptions
+from reports.requests.options import Argument, Json, Option, OutputOptions
 
 if TYPE_CHECKING:
     from reports.command_line.destination import Destination
@@ -46,7 +45,6 @@ app = typer.Typer(
 
 Mechanism = Annotated[str, Argument("MECHANISM", "mechanisms")]
 Mechanisms = Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")]
-Json = Annotated[str | None, Option("Write JSON to a file; - is stdout.", "FILE|-")]
 Quiet = Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))]
 Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
 
@@ -90,7 +88,7 @@ def list_(
     numbers: Annotated[
         str | None, Option("List every number that they can vary.", "MECHANISM", names="mechanisms")
     ] = None,
-    json: Json = None,
+    json: Json = False,
 ) -> None:
     """List the mechanisms of the catalogue, their variants and sources; or the figures or the numbers of one.
 
@@ -102,7 +100,7 @@ def list_(
 
 
 @command(app, summary="Show one mechanism: structure, links, Jeq, stroke.")
-def show(mechanism: Mechanism, variant: Variant = None, json: Json = None) -> None:
+def show(mechanism: Mechanism, variant: Variant = None, json: Json = False) -> None:
     """Show one mechanism: structure, links, Jeq, stroke, accuracy of its closed form.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
@@ -123,14 +121,13 @@ def new(name: Annotated[str, Argument("NAME")]) -> None:
     files.new(name, destination(OutputOptions()))
 
 
-@command(app, summary="Review a linkage file: mobility, groups, range, errors.")
-def check(
-    mechanism: Mechanism,
-    variant: Variant = None,
-    svg: Annotated[Path | None, Option("Draw the scheme into this file.", "FILE")] = None,
-    json: Json = None,
-    strict: Strict = False,
-) -> None:
+@command(
+    app,
+    summary="Review a linkage file: mobility, groups, range, errors.",
+    without=("out", "junit", "resume", "quiet", "verbose"),
+    texts={"save": "Draw the scheme (.svg .png .pdf .dxf) or write what is printed (.json); repeatable."},
+)
+def check(mechanism: Mechanism, output: OutputOptions, variant: Variant = None, strict: Strict = False) -> None:
     """Review a linkage file: mobility, groups, range of the crank, transmission angles, toggles, masses, errors.
 
     MECHANISM is the path of a .toml file or a name in the catalogue.
@@ -139,7 +136,7 @@ def check(
     """
     from reports.command_line.commands import files
 
-    files.check(mechanism, variant, svg, destination(OutputOptions(json=json)), strict=strict)
+    files.check(mechanism, variant, destination(output), strict=strict)
 
 
 @command(app, summary="Write the JSON schema of linkage files.")
@@ -158,7 +155,7 @@ def thread(
     mechanism: Mechanism,
     variant: Variant = None,
     required: Annotated[Path | None, Option("Required feed: columns phi_deg, feed_mm.", "CSV")] = None,
-    json: Json = None,
+    json: Json = False,
 ) -> None:
     """Show a mechanism's thread feed, and compare it with a required curve.
 
@@ -173,7 +170,7 @@ def thread(
 def published(
     mechanisms: Mechanisms = (),
     literature: Annotated[bool, Option("Show the linkages of the literature, in every installed engine too.")] = False,
-    json: Json = None,
+    json: Json = False,
 ) -> int:
     """Compare the figures printed in the sources with the closed form, in every variant.
 
@@ -184,13 +181,22 @@ def published(
     return compare.published(mechanisms, destination(OutputOptions(json=json)), with_literature=literature)
 
 
-@command(app, summary="Peaks, bearing forces and every signal of one linkage, without an engine.")
+@command(
+    app,
+    summary="Peaks, bearing forces and every signal of one linkage, without an engine.",
+    without=("junit", "resume", "verbose"),
+    texts={
+        "save": "Write every signal (.csv .json .xlsx), the pictures (.svg .png .pdf), or the scheme for CAD at the "
+        "first instant of --at or --time, or as sketched (.dxf); repeatable.",
+        "out": "Write a page with the linkage in motion into this folder.",
+    },
+)
 def results(
     options: ResultsOptions,
     files: ResultsFiles,
+    output: OutputOptions,
     opens: Annotated[bool, Option("Open the page in the browser.", flags=("--open",))] = False,
     strict: Strict = False,
-    quiet: Quiet = False,
 ) -> None:
     """Compute torque, power, bearing forces and positions of one linkage, for its designer; needs no engine.
 
@@ -200,7 +206,7 @@ def results(
     """
     from reports.command_line.commands import results
 
-    results.results(options, files, opens=opens, strict=strict, quiet=quiet)
+    results.results(options, files, destination(output), opens=opens, strict=strict)
 
 
 @command(app, summary="Work on a linkage file: its page follows the file, and saves to it.", without=("at", "time"))
@@ -217,14 +223,18 @@ def watch(options: WatchOptions) -> None:
 
 
 @command(app, summary="List the engines, their abilities and the origin of their figures.")
-def engines(names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (), json: Json = None) -> None:
+def engines(names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (), json: Json = False) -> None:
     """List the engines: supported linkages, available quantities, and the origin of each figure in the engine."""
     from reports.command_line.commands import engines
 
     engines.list_engines(names, destination(OutputOptions(json=json)))
 
 
-@command(app, summary="Simulate mechanisms; compare every error with its limit.")
+@command(
+    app,
+    summary="Simulate mechanisms; compare every error with its limit.",
+    texts={"save": "Write the records (.json); repeatable."},
+)
 def compare(options: CompareOptions, output: OutputOptions, standard: StandardOptions, limits: RunLimits) -> int:
     """Simulate mechanisms in engines and compare every error with its limit.
 
@@ -247,13 +257,12 @@ def compare(options: CompareOptions, output: OutputOptions, standard: StandardOp
     app,
     summary="Judge a curve from another tool: right or wrong, and the probable cause.",
     without=("junit", "resume"),
+    texts={
+        "save": "Draw the worst curves and the differences (.svg .png .pdf), or write the verdicts (.json) or the "
+        "recognised mapping (.toml); repeatable."
+    },
 )
-def judge(
-    options: JudgeOptions,
-    output: OutputOptions,
-    files: JudgeFiles,
-    write_mapping: Annotated[Path | None, Option("Write the recognised mapping.", "FILE")] = None,
-) -> int:
+def judge(options: JudgeOptions, output: OutputOptions) -> int:
     """Judge results exported from another tool: SolidWorks Motion, Adams, Modelica, any CSV with a header.
 
     MECHANISM is a name in the catalogue or the path of a .toml file, RESULTS are the tool's files.
@@ -265,10 +274,10 @@ def judge(
     """
     from reports.command_line.commands import judge
 
-    return judge.judge(options, destination(output), files, write_mapping)
+    return judge.judge(options, destination(output))
 
 
-@command(app, summary="Measure error against run time, over a sweep of steps.", without=("junit", "setting"))
+@command(app, summary="Measure error against run time, over a sweep of steps.", without=("save", "junit", "setting"))
 def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = None) -> int:
     """Measure error against run time: every engine, setting and method over a sweep of steps.
 
@@ -282,7 +291,7 @@ def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = N
     return bench.bench(options, destination(output), scheduler)
 
 
-@command(app, summary="Find conditions under which each engine fails.", without=("junit",))
+@command(app, summary="Find conditions under which each engine fails.", without=("save", "junit"))
 def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, scheduler: Scheduler = None) -> int:
     """Find conditions under which each engine fails, and whether the checks detect it.
 
@@ -299,7 +308,7 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, sch
 @command(app, "check-engine", summary="Test an engine's adapter.")
 def check_engine(
     engine: Annotated[str, Argument("ENGINE", "engines")],
-    json: Json = None,
+    json: Json = False,
     quiet: Quiet = False,
     jobs: Annotated[int | None, Option("Worker processes; default: one per core.", "N")] = None,
 ) -> int:
@@ -316,7 +325,7 @@ def check_engine(
 
 
 @command(app, summary="Show what is installed, and try every engine.")
-def doctor(json: Json = None) -> int:
+def doctor(json: Json = False) -> int:
     """Show versions, packages and folders, try every engine and the compiler, and say what a bug report needs.
 
     Exit codes: 0 everything that is installed works, 1 something that is installed does not.

@@ -13,7 +13,7 @@ from reports.requests.options import OutputOptions
 
 # A motion at constant speed: another --regime is refused in a sentence.
 HIDDEN = ("regime",)
-NOT_OF_DESIGNS = (*TIMED, "junit", "verbose")
+NOT_OF_DESIGNS = (*TIMED, "save", "junit", "verbose")
 
 
 @command(
@@ -21,10 +21,7 @@ NOT_OF_DESIGNS = (*TIMED, "junit", "verbose")
     summary="Compute figures of many designs, such as peak torque over a range of lengths.",
     without=NOT_OF_DESIGNS,
     hidden=HIDDEN,
-    texts={
-        "out": "Write sweep.nc, every design, and sweep.svg into this folder.",
-        "json": "Write the summary as JSON.",
-    },
+    texts={"out": "Write sweep.nc, every design, and sweep.svg into this folder."},
 )
 def sweep(options: SweepOptions, files: SweepFiles, output: OutputOptions) -> int:
     """Compute figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.

@@ -7,6 +7,7 @@ import io
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
+from functools import partial
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.runs.environment import INCIDENTAL, environment
-from comparisons.runs.files import check_writable, write_bytes, write_text
+from comparisons.runs.files import check_writable, write_bytes, write_file, write_text
 from comparisons.runs.plugins import engine
 from comparisons.runs.study import Journal
 from comparisons.runs.study_folder import to_json
@@ -25,11 +26,19 @@ from reports.document.terminal import Printed, Printout, harmless, show, write
 from reports.requests.options import OutputOptions, declared_options
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from comparisons.campaign.key_figures import KeyFigure
     from comparisons.judging.records import Record
 
 
-STDOUT = "-"
+# What a command writes by the suffix of a file: a text, bytes, or a function that fills the file at a path.
+Content = str | bytes | Callable[[Path], object]
+Writers = Mapping[str, Callable[..., Content]]
+PICTURES: Final = (".svg", ".png", ".pdf")
+# Packages that write the files of a suffix, each in an extra of the suffix's name.
+PACKAGES: Final = {".xlsx": "openpyxl", ".dxf": "ezdxf"}
+NOTHING: Final[Mapping[str, Path]] = MappingProxyType({})
 
 
 class Destination(OutputOptions):
@@ -44,12 +53,52 @@ class Destination(OutputOptions):
             raise LinkproofError("--resume needs the folder of the interrupted run: name it with --out")
         if self.quiet and self.verbose:
             raise LinkproofError("--quiet and --verbose exclude each other: leave one of them out")
-        if self.json not in (None, STDOUT):
-            check_writable(Path(self.json))
         if self.junit is not None:
             check_writable(self.junit)
         if self.out is not None:
             check_writable(self.out / file)
+
+    def check_saves(self, writers: Writers, read: Mapping[str, Path] = NOTHING) -> None:
+        """Raise LinkproofError before the work for a file of ``save`` that cannot be written.
+
+        ``writers`` has every suffix that the command writes, ``read`` the files that it reads, by what they are.
+        """
+        places: dict[Path, Path] = {}
+        for file in self.save:
+            if file.suffix.lower() not in writers:
+                raise LinkproofError(f"--save {file}: the suffix must be one of {', '.join(writers)}; rename the file")
+            place = file.resolve()
+            if place in places:
+                raise LinkproofError(f"--save {places[place]} and --save {file} are the same file: leave one out")
+            places[place] = file
+            for what, other in read.items():
+                if place == other.resolve():
+                    raise LinkproofError(f"--save {file} would take the place of {what}: give another name")
+            package = PACKAGES.get(file.suffix.lower())
+            if package is not None and find_spec(package) is None:
+                extra = file.suffix.lower().removeprefix(".")
+                raise LinkproofError(
+                    f"--save {file}: expected {package}, got none: install it with: pip install 'linkproof[{extra}]'"
+                )
+            check_writable(file)
+
+    def write_saves(self, writers: Writers, *facts: object) -> None:
+        """Write the files of ``save`` whose suffixes have ``writers``, which are called with the ``facts``.
+
+        Every content is made before the first file is written.
+        """
+        named = [(file, writers[file.suffix.lower()]) for file in self.save if file.suffix.lower() in writers]
+        for file, content in [(file, make(*facts)) for file, make in named]:
+            if callable(content):
+                write_file(file, content)
+            elif isinstance(content, bytes):
+                write_bytes(file, content)
+            else:
+                write_text(file, content)
+
+    def saves(self, *suffixes: str) -> bool:
+        """Whether a file of one of these suffixes is to be saved."""
+        return any(file.suffix.lower() in suffixes for file in self.save)
 
     def progress(self) -> AbstractContextManager[Callable[[str, int, int], None]]:
         """A progress bar, if it is to be seen."""
@@ -57,11 +106,11 @@ class Destination(OutputOptions):
 
     def own_stdout(self) -> AbstractContextManager[object]:
         """Send the output of engines in this process to stderr if stdout is for JSON."""
-        return redirect_stdout(sys.stderr) if self.json == STDOUT else nullcontext()
+        return redirect_stdout(sys.stderr) if self.json else nullcontext()
 
     def print(self, *parts: Printed) -> None:
         """Print, unless stdout is for JSON."""
-        if self.json != STDOUT:
+        if not self.json:
             show(*parts)
 
     def print_out(self, printout: Printout) -> None:
@@ -85,11 +134,9 @@ class Destination(OutputOptions):
             show(f"the results are saved in '{self.out}', but no pages are written: {error}", stderr=True)
 
     def write_json(self, document: Mapping[str, Any]) -> None:
-        """Write JSON if requested; JSON is UTF-8 whatever the character set of stdout."""
-        if self.json == STDOUT:
+        """Print JSON if requested, in UTF-8 whatever the character set of stdout."""
+        if self.json:
             write_to_stdout(to_json(document))
-        elif self.json is not None:
-            write_text(Path(self.json), to_json(document))
 
     def write_junit(self, records: Iterable[Record], figures: Sequence[KeyFigure], departures: Sequence[str]) -> None:
         """Write records, key figures and departures from a baseline as test cases, if requested."""
@@ -104,19 +151,27 @@ class Destination(OutputOptions):
             show(text, stderr=True)
 
 
-# Endings of formats: a file is not written under a name with the ending of another format.
+def picture_writers(figure: Callable[..., Figure]) -> dict[str, Callable[..., Content]]:
+    """The writers of a figure as SVG, PNG and PDF; ``figure`` draws it from the facts that a writer is called with."""
+
+    def write_as(kind: str, *facts: object) -> str | bytes:
+        from reports.charts.draw import picture  # noqa: PLC0415 - a second that other files save
+
+        return picture(figure(*facts), kind)
+
+    return {suffix: partial(write_as, suffix.removeprefix(".")) for suffix in PICTURES}
+
+
+# Until sweep and tolerance save their files by --save: those of --csv and --svg.
+STDOUT = "-"
 FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".dxf", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
-FILES: Final = ("csv", "xlsx", "json", "svg", "png", "pdf", "gif", "dxf")  # options that name a file
-BINARY: Final = {"--xlsx", "--png", "--pdf", "--gif"}
-# Packages that write the file of an option, each in an extra of the option's name.
-PACKAGES: Final = {"--xlsx": "openpyxl", "--dxf": "ezdxf"}
+FILES: Final = ("csv", "svg")  # options that name a file
 
 
 def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
     """Raise LinkproofError for files, by option, that cannot be written or would replace a file that is ``read``.
 
-    Likewise for a name with the ending of another format, and if the package that writes a format is missing. "-" is
-    stdout, which can be the place of one file.
+    Likewise for a name with the ending of another format. "-" is stdout, which can be the place of one file.
     """
     seen: dict[str, str] = {}
     for option, file in named.items():
@@ -124,14 +179,6 @@ def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
             place = "stdout" if file == STDOUT else f"'{file}'"
             raise LinkproofError(f"{seen[file]} and {option} cannot both go to {place}: give one of them a file")
         seen[file] = option
-        package = PACKAGES.get(option)
-        if package is not None and find_spec(package) is None:
-            extra = option.removeprefix("--")
-            raise LinkproofError(
-                f"{option}: expected {package}, got none: install it with: pip install 'linkproof[{extra}]'"
-            )
-        if file == STDOUT and option in BINARY:
-            raise LinkproofError(f"{option}: expected the name of a file, got '-': stdout is for text; name a file")
         if file == STDOUT:
             continue
         check_writable(Path(file))

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from io import BytesIO
 from typing import Final
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from PIL import Image
 
 from analytic.errors import LinkproofError, UnknownNameError, printable
 from analytic.signals import MAGNITUDE
@@ -19,7 +16,6 @@ from comparisons.datasheet.sheet import JOINT, Sheet
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.labels import LINE
-from reports.charts.moving import SECONDS
 from reports.charts.scales import FULL_WIDTH, PALETTE
 from reports.charts.scheme import Draw, draw_names, draw_paths, draw_position, draw_scheme, scaled_figure
 from reports.charts.scheme import place as place_scheme
@@ -30,22 +26,15 @@ from reports.mechanism.shown import chart, place, signals_panel, stacked_chart, 
 
 # Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
 TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
-PAPER_DOTS: Final = 300  # to the inch
 CURVES: Final = {"Mkr": "torque", "Peq": "power", "S": "S"}
 COLUMN: Final = 85.0 / 25.4  # inches
 SINGLE, STACKED = 2.3, 1.2  # inches: heights of a panel, and of one of several over one axis
 SIGNALS: Final = {"torque": ("Mkr",), "power": ("Peq",), "energy": ("Teq",), "inertia": ("Jeq",), "output": OUTPUT}
 
 
-def picture(sheet: Sheet, kind: str, name: str | None = None) -> str | bytes:
-    """The drawing, or one figure of it by name for a paper's column, on white; ``kind`` is svg, png or pdf.
-
-    The sheet is that of a page.
-    """
-    figure = _everything(sheet) if name is None else _column_figure(sheet, name)
-    if kind == "svg":
-        return draw.svg(figure, page="white")
-    return draw.pdf(figure) if kind == "pdf" else draw.png(figure, PAPER_DOTS)
+def results_figure(sheet: Sheet, name: str | None = None) -> Figure:
+    """The drawing, or one figure of it by name for a paper's column; the sheet is that of a page."""
+    return _everything(sheet) if name is None else _column_figure(sheet, name)
 
 
 def _everything(sheet: Sheet) -> Figure:
@@ -131,33 +120,3 @@ def _chart(sheet: Sheet, name: str) -> Chart:
         label = f"transmission angle, {sheet.file_unit_of('rad').on_page}"
     panels = [replace(signals_panel(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
     return chart(sheet, panels, SINGLE + LINE * len(signals))
-
-
-# The scheme in motion as a GIF, for a slide or a message.
-
-FRAMES: Final = 60
-DOTS, COLOURS = 100, 64  # to the inch, and of a frame
-
-
-def gif(sheet: Sheet) -> bytes:
-    """The bytes of a GIF that repeats for ever: a turn the way the crank turns, or the motion forth and back."""
-    positions, angle = sheet.positions, sheet.values["phi"]
-    assert positions is not None
-    axis = positions.axis
-    if positions.closed:
-        places = np.linspace(axis[0], axis[-1], FRAMES, endpoint=False)[:: -1 if angle[-1] < angle[0] else 1]
-    else:
-        places = np.linspace(axis[0], axis[-1], FRAMES // 2 + 1)
-        places = np.concatenate([places, places[-2:0:-1]])
-    schemes = [KinematicScheme(sheet.linkage, positions, float(place)) for place in places]
-    pictures = (draw.png(scaled_figure(scheme, scheme.extent, _draw_frame), DOTS) for scheme in schemes)
-    frames = [Image.open(BytesIO(picture)).convert("RGB") for picture in pictures]
-    first, *rest = (frame.quantize(COLOURS, Image.Quantize.MAXCOVERAGE) for frame in frames)
-    data = BytesIO()
-    first.save(data, "GIF", save_all=True, append_images=rest, duration=round(1e3 * SECONDS / FRAMES), loop=0)
-    return data.getvalue()
-
-
-def _draw_frame(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    draw_paths(axes, scheme)
-    draw_position(axes, scheme, size)

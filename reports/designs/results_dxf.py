@@ -11,11 +11,12 @@ import ezdxf
 import numpy as np
 from ezdxf import units
 
-from analytic.description.linkage import GROUND
+from analytic.description.file_units import file_unit
+from analytic.description.linkage import GROUND, Linkage
 from analytic.errors import printable
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import positions_at
-from comparisons.datasheet.sheet import Sheet
+from comparisons.datasheet.sheet import Positions
 from reports.charts import symbols
 from reports.charts.kinematic_scheme import KinematicScheme
 
@@ -26,17 +27,15 @@ JOINTS, NAMES = "joints", "names"
 PIN: Final = 0.012  # of the linkage's size: radius of a joint
 
 
-def dxf(sheet: Sheet) -> str:
-    """The text of a DXF file: at the first instant chosen, else at the sketch's angle.
+def dxf(linkage: Linkage, positions: Positions, angle: float | None = None) -> str:
+    """The text of a DXF file: at this crank angle, or at the sketch's, with guides as ``positions`` need them.
 
     Links are lines, guides lines as long as their sliders' travel, joints circles and points.
     """
-    linkage = sheet.linkage
-    assert sheet.positions is not None
-    angle = np.array([linkage.sketch_angle]) if sheet.chosen is None else sheet.chosen["phi"][:1]
-    scheme = KinematicScheme(linkage, positions_at(Mechanism(linkage), angle, closed=False), float(angle[0]))
-    whole = KinematicScheme(linkage, sheet.positions)
-    document = ezdxf.new("R2010", units=UNITS[sheet.file_unit_of("m").name])
+    place = linkage.sketch_angle if angle is None else angle
+    scheme = KinematicScheme(linkage, positions_at(Mechanism(linkage), np.array([place]), closed=False), place)
+    whole = KinematicScheme(linkage, positions)
+    document = ezdxf.new("R2010", units=UNITS[file_unit("m", linkage).name])
     space, radius = document.modelspace(), PIN * float(np.max(np.ptp(np.array(whole.extent), axis=0)))
     layers = _layers([GROUND, *linkage.links, *scheme.stretches])
     for number, layer in enumerate((JOINTS, NAMES, *layers.values())):

@@ -6,6 +6,7 @@ from dataclasses import asdict, replace
 from typing import Any, Final
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from comparisons.datasheet.instants import extreme_samples
 from comparisons.faults.ranking import FaultFinding
@@ -116,8 +117,8 @@ def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
     return JudgedCurve(verdict.name, unit, time, worst=verdict.worst_time, error=error, cause=cause, **drawn)
 
 
-def svg(judgement: ImportedJudgement, title: str) -> str:
-    """The worst curves as an SVG file on white; ``title`` names linkage and files."""
+def judged_figure(judgement: ImportedJudgement, title: str) -> Figure:
+    """The worst curves; ``title`` names linkage and files."""
     curves = judged_curves(judgement, MOST)
     causes = dict.fromkeys(f"Likely cause: {curve.cause}." for curve in curves if curve.cause)
-    return draw.svg(draw.figure(judged_chart(curves, (title, sentence(judgement), *causes))), page="white")
+    return draw.figure(judged_chart(curves, (title, sentence(judgement), *causes)))

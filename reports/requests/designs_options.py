@@ -8,7 +8,7 @@ from typing import Annotated
 
 from reports.requests.campaign_options import Scheduler
 from reports.requests.motion_options import MotionOptions
-from reports.requests.options import Argument, Option
+from reports.requests.options import Argument, Json, Option
 
 ANGLES, DESIGNS = 180, 24  # by default: crank angles of a turn, and designs that are simulated
 
@@ -136,6 +136,6 @@ class SweepFiles:
 class ToleranceFiles:
     """Files that ``linkproof tolerance`` writes."""
 
-    json: Annotated[str | None, Option("Write JSON to a file; - is stdout.", "FILE|-")] = None
+    json: Json = False
     csv: Annotated[str | None, Option("Write a row per result and parameter.", "FILE|-")] = None
     svg: Annotated[str | None, Option("Draw the effect on each result into this file.", "FILE|-")] = None

@@ -103,24 +103,13 @@ class WatchOptions(ResultsOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class ResultsFiles:
-    """Files that ``linkproof results`` writes: "-" is stdout, without other output.
+    """The form of the files of ``linkproof results``.
 
-    ``decimal`` is the point or comma in the numbers of ``csv``, ``figure`` the single picture to draw instead of
-    all. ``out`` is the folder of a report.
+    ``decimal`` is the point or comma in the numbers of a CSV file, ``figure`` the single picture to draw instead of
+    all.
     """
 
-    csv: Annotated[str | None, Option("Write every signal as a table, in the file's units.", "FILE|-")] = None
-    decimal: Annotated[str, Option("Decimal mark of --csv; with a comma, semicolons between columns.", ".|,")] = "."
-    xlsx: Annotated[str | None, Option("Write signals and key figures as a workbook.", "FILE")] = None
-    json: Annotated[str | None, Option("Write JSON to a file; - is stdout.", "FILE|-")] = None
-    svg: Annotated[str | None, Option("Draw scheme, coupler curves, torque, bearing forces.", "FILE|-")] = None
-    png: Annotated[str | None, Option("The same as PNG, 300 dots to the inch.", "FILE")] = None
-    pdf: Annotated[str | None, Option("The same as PDF.", "FILE")] = None
-    gif: Annotated[str | None, Option("Draw the linkage in motion.", "FILE")] = None
-    dxf: Annotated[
-        str | None,
-        Option("Draw the scheme for CAD, at the first instant of --at or --time, or as sketched.", "FILE|-"),
-    ] = None
+    decimal: Annotated[str, Option("Decimal mark of a .csv; with a comma, semicolons between columns.", ".|,")] = "."
     figure: Annotated[
         str | None,
         Option(
@@ -129,7 +118,6 @@ class ResultsFiles:
             "NAME",
         ),
     ] = None
-    out: Annotated[Path | None, Option("Write a page with the linkage in motion into this folder.", "DIR")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,12 +130,3 @@ class JudgeOptions(MotionOptions):
     limit: Annotated[float, Option("Largest error allowed, as a share of the closed form's peak.", "SHARE")] = (
         DEFAULT_LIMIT
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class JudgeFiles:
-    """Files that ``linkproof judge`` writes, besides those of every command."""
-
-    svg: Annotated[
-        str | None, Option("Draw the worst curves, the differences and what the cause leaves.", "FILE|-")
-    ] = None

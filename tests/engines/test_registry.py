@@ -98,7 +98,7 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
 @pytest.mark.nightly
 def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins, monkeypatch):
     (plugins / "hanging.py").write_text("")  # it would be waited for
-    words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "-", "--jobs", "0")
+    words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "--jobs", "0")
     done = linkproof(*words, "--engine", "direct", "--engine", "raising")
     assert (done.returncode, done.stderr) == (1, "")
     rows = {row["engine"]: (row["outcome"], row["detail"]) for row in json.loads(done.stdout)["records"]}

@@ -73,7 +73,7 @@ def of_results(tmp_path, text, *words):
     """The JSON of ``linkproof results`` for a file."""
     file = tmp_path / "copied.toml"
     file.write_text(text, encoding="utf-8")
-    done = linkproof("results", file, "--json", tmp_path / "out.json", "--quiet", *words)
+    done = linkproof("results", file, "--save", tmp_path / "out.json", "--quiet", *words)
     assert done.returncode == 0, done.stderr
     return json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
 

@@ -51,14 +51,13 @@ UNSTEADY = {"timed-out", "crashed"}  # what a slower machine may make of a run
 def said(*words: str, files: dict[str, str] | None = None, before: tuple[str, ...] = ()) -> Any:
     """The JSON of a command in a folder with ``files``, after another one; its exit code where it refuses."""
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "out.json"
         for name, text in (files or {}).items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
         how = {"env": os.environ | {"PYTHONPATH": str(ROOT)}, "cwd": folder, "capture_output": True}
         if before:
             subprocess.run([*COMMAND, *before], check=False, **how)
-        run = subprocess.run([*COMMAND, *words, "--json", str(out)], check=False, **how)
-        return json.loads(out.read_text(encoding="utf-8")) if out.is_file() else {"exit": run.returncode}
+        run = subprocess.run([*COMMAND, *words, "--json"], check=False, **how)
+        return json.loads(run.stdout) if run.stdout else {"exit": run.returncode}
 
 
 def variants() -> list[tuple[str, str]]:
@@ -132,7 +131,7 @@ def judgements(name: str) -> dict[str, Any]:
     """What is said of curves of the closed form with a slip."""
     found = {}
     for slip in SLIPS:
-        curves = ("results", name, "--regime", "run-up", *slip, "--csv", "curves.csv")
+        curves = ("results", name, "--regime", "run-up", *slip, "--save", "curves.csv")
         found[f"judge {name} {' '.join(slip)}"] = thinned(said("judge", name, "curves.csv", before=curves))
     return found
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from pathlib import Path
+from typing import Final
 
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
@@ -14,9 +16,10 @@ from comparisons.campaign.results import save, with_runs
 from comparisons.campaign.standard import JudgedCampaign
 from comparisons.datasheet.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.run_engine import Failure
+from comparisons.runs.study_folder import to_json
 from engines.registry import engine_names
 from reports.campaign.terminal import printout
-from reports.command_line.destination import Destination, journal, report_interruption
+from reports.command_line.destination import Destination, Writers, journal, report_interruption
 from reports.document.terminal import Printout
 from reports.mechanism import terminal
 from reports.requests import PASSED, SUITE_ERROR
@@ -26,6 +29,7 @@ from reports.requests.exit_codes import campaign_exit_code
 from reports.requests.standard import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign
 
 PAGE = "index.html"
+WRITERS: Final[Writers] = {".json": to_json}
 
 
 def compare(
@@ -37,6 +41,7 @@ def compare(
 ) -> int:
     """Run a campaign, write the requested files, print its tables, or what ``words`` makes; returns the exit code."""
     destination.check(PAGE)
+    destination.check_saves(WRITERS, {f"'{name}'": Path(name) for name in options.mechanisms})
     wanted, out = campaign(options, standard, limits), destination.out
     request = wanted.request
     if destination.verbose and not options.engine:
@@ -48,16 +53,18 @@ def compare(
         records = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
         with destination.progress() as announce, destination.own_stdout():
             judged = wanted.compared(pool, announce=counting(announce), journal=records)
-            of_errata = linkages if (destination.json or out) and request.own_regimes else ()
+            of_errata = linkages if (destination.json or destination.save or out) and request.own_regimes else ()
             # So that its runs serve for printed models too.
             has_speed = SPEED_QUANTITY in (request.quantities or (SPEED_QUANTITY,))
             known = records if has_speed else None
             errata = list(judge_errata(of_errata, engines, bounds=wanted.resources.bounds, pool=pool, journal=known))
-        if destination.json or out:
+        if destination.json or destination.save or out:
             saved = wanted.document(judged, errata, is_saved=out is not None)
             saved["environment"] |= pool.place
-            if destination.json:
-                destination.write_json(with_runs(saved, judged.runs))
+            if destination.json or destination.save:
+                everything = with_runs(saved, judged.runs)
+                destination.write_json(everything)
+                destination.write_saves(WRITERS, everything)
         if out:
             resources = wanted.resources
             save(out, saved, judged.runs, sheets(request, bounds=resources.bounds, processes=resources.processes))

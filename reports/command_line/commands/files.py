@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from analytic.description.json_schema import TITLE, json_schema
 from analytic.description.linkage import Linkage
@@ -15,8 +15,12 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
 from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.runs.files import check_writable, write_text
-from reports.command_line.destination import Destination
+from comparisons.runs.study_folder import to_json
+from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.mechanism.terminal import printed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
 SCHEMA_FILE: Final = "linkproof.schema.json"
@@ -51,35 +55,47 @@ def _is_ours(path: Path) -> bool:
         return False
 
 
-def check(name: str, variant: str | None, svg: Path | None, destination: Destination, *, strict: bool = False) -> None:
+def check(name: str, variant: str | None, destination: Destination, *, strict: bool = False) -> None:
     """Print or write the facts of a linkage up to its first fault, draw it, and raise the fault.
 
     With ``strict`` a likely mistake is a fault.
     """
     linkage = load(name, variant)
-    if svg is not None:
-        check_writable(svg)
+    destination.check_saves({**FACTS, **DRAWINGS}, {"the linkage's file": Path(name)})
     facts, fault = linkage_check.check(linkage)
     destination.print(*printed(facts, linkage.written))
     destination.write_json(facts)
+    destination.write_saves(FACTS, facts)
     if fault is not None:
         raise fault
     if strict:
         check_slips(linkage)
-    if svg is not None:
-        write_text(svg, drawing(linkage))
-        destination.print(f"wrote {svg}")
-    else:
-        destination.print(f"scheme       linkproof check {shlex.quote(name)} --svg scheme.svg draws it")
+    destination.write_saves(DRAWINGS, linkage)
+    for file in destination.save:
+        destination.print(f"wrote {file}")
+    if not destination.save:
+        destination.print(f"scheme       linkproof check {shlex.quote(name)} --save scheme.svg draws it")
 
 
-def drawing(linkage: Linkage) -> str:
-    """The scheme of a linkage as SVG, in twelve positions of its range."""
-    from comparisons.datasheet.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second to import
-    from reports.charts.draw import svg  # noqa: PLC0415
+# The writers of the files of ``check``: of its facts, and of the scheme in twelve positions of its range.
+
+
+def _scheme(linkage: Linkage) -> Figure:
+    from comparisons.datasheet.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second
     from reports.charts.scheme import scheme_figure  # noqa: PLC0415
 
-    return svg(scheme_figure(linkage, positions_over_range(Mechanism(linkage))), page="white")
+    return scheme_figure(linkage, positions_over_range(Mechanism(linkage)))
+
+
+def _dxf(linkage: Linkage) -> str:
+    from comparisons.datasheet.building import positions_over_range  # noqa: PLC0415 - ezdxf takes half a second
+    from reports.designs.results_dxf import dxf  # noqa: PLC0415
+
+    return dxf(linkage, positions_over_range(Mechanism(linkage)))
+
+
+FACTS: Final[Writers] = {".json": to_json}
+DRAWINGS: Final[Writers] = {**picture_writers(_scheme), ".dxf": _dxf}
 
 
 def schema_text() -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.loading import load
@@ -16,68 +18,83 @@ from comparisons.imported.columns import MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.mapping import with_proposals
 from comparisons.judging.records import Verdict, run_record
-from comparisons.runs.files import check_writable, write_text
-from reports.command_line.destination import STDOUT, Destination, check_files, requested_files, write_files
+from comparisons.runs.study_folder import to_json
+from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.imported.document import add_cause, blank_record_of, document
 from reports.imported.terminal import printout, sentence, sentences
 from reports.requests import FAILED, PASSED
 from reports.requests.judge import check_judgement, judge_files
-from reports.requests.motion_options import JudgeFiles, JudgeOptions
-from reports.requests.options import OutputOptions, command_line
+from reports.requests.motion_options import JudgeOptions
+from reports.requests.options import command_line
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PAGE = "index.html"
 
 
-def judge(
-    options: JudgeOptions, destination: Destination, pictures: JudgeFiles, write_mapping: Path | None = None
-) -> int:
+def judge(options: JudgeOptions, destination: Destination) -> int:
     """Judge result files, print and write the verdicts; returns the exit code."""
     destination.check(PAGE)
-    named = requested_files(pictures, OutputOptions(json=destination.json))
-    check_files(
-        named, {"the linkage's file": Path(options.mechanism), **{f"'{result}'": result for result in options.results}}
-    )
+    read = {"the linkage's file": Path(options.mechanism), **{f"'{result}'": result for result in options.results}}
+    destination.check_saves({**MAPPING, **WRITERS}, read)
     check_judgement(options)
-    if write_mapping is not None:
-        _check_is_new(write_mapping, options.mapping)
+    _check_is_new(destination, options.mapping)
     linkage = load(options.mechanism, options.variant)
     try:
         judgement = judge_files(options, linkage)
     except MappingNeededError as error:
-        if write_mapping is None:
-            raise LinkproofError(f"{error}; --write-mapping FILE writes one to fill in") from error
-        write_text(write_mapping, error.mapping_text)
-        destination.remark(f"mapping to fill in: {write_mapping}")
+        if not destination.saves(*MAPPING):
+            raise LinkproofError(f"{error}; --save FILE.toml writes one to fill in") from error
+        destination.write_saves(MAPPING, error.mapping_text)
+        _announce_mapping(destination, "mapping to fill in")
         raise
     imported = judgement.imported
-    if write_mapping is not None:
-        write_text(write_mapping, with_proposals(imported.mapping_text, judgement.proposals, imported.units))
-        destination.remark(f"mapping: {write_mapping}")
+    destination.write_saves(MAPPING, with_proposals(imported.mapping_text, judgement.proposals, imported.units))
+    _announce_mapping(destination, "mapping")
     command = command_line("judge", options)
     if destination.out is not None:
         _write_page(options, judgement, command, destination.out)
         destination.write_pages(processes=0)
     files = ", ".join(str(path) for path in options.results)
     title = f"{linkage.name} ({linkage.variant}) against {files}"
-    if pictures.svg is not None:
-        from reports.imported.document import svg  # noqa: PLC0415 - matplotlib, where a picture is drawn
-
-        write_files({pictures.svg: svg(judgement, title)})
-    destination.write_json(document(judgement, blank_record_of(judgement, files), command, sentence(judgement)))
-    if destination.quiet and pictures.svg != STDOUT:
+    facts = document(judgement, blank_record_of(judgement, files), command, sentence(judgement))
+    destination.write_saves(WRITERS, judgement, title, facts)
+    destination.write_json(facts)
+    if destination.quiet:
         destination.print(sentence(judgement))
-    if pictures.svg != STDOUT:
-        destination.print_out(printout(judgement, title))
+    destination.print_out(printout(judgement, title))
     if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
         raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")
     return PASSED if judgement.passed else FAILED
 
 
-def _check_is_new(path: Path, mapping: Path | None) -> None:
+def _figure(judgement: ImportedJudgement, title: str, _facts: object) -> Figure:
+    from reports.imported.document import judged_figure  # noqa: PLC0415 - matplotlib, where a picture is drawn
+
+    return judged_figure(judgement, title)
+
+
+def _json(_judgement: object, _title: str, facts: Mapping[str, Any]) -> str:
+    return to_json(facts)
+
+
+MAPPING: Final[Writers] = {".toml": str}
+WRITERS: Final[Writers] = {".json": _json, **picture_writers(_figure)}
+
+
+def _announce_mapping(destination: Destination, what: str) -> None:
+    for file in destination.save:
+        if file.suffix.lower() in MAPPING:
+            destination.remark(f"{what}: {file}")
+
+
+def _check_is_new(destination: Destination, mapping: Path | None) -> None:
     """Raise LinkproofError where a mapping, in which a user may have agreed to something, would be overwritten."""
-    check_writable(path)
-    if path.exists() and (mapping is None or path.resolve() != mapping.resolve()):
-        raise LinkproofError(f"--write-mapping: '{path}' exists already: use it with --mapping, or give another name")
+    for path in destination.save:
+        is_mapping = path.suffix.lower() in MAPPING
+        if is_mapping and path.exists() and (mapping is None or path.resolve() != mapping.resolve()):
+            raise LinkproofError(f"--save: '{path}' exists already: use it with --mapping, or give another name")
 
 
 def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: str, folder: Path) -> None:

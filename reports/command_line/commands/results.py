@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import webbrowser
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
@@ -11,56 +12,61 @@ from comparisons.datasheet.building import page_sheet, sheet
 from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
-from comparisons.runs.files import check_writable, claim
-from reports.command_line.destination import STDOUT, check_files, requested_files, write_files
+from comparisons.runs.files import claim
+from reports.command_line.destination import PICTURES, Destination, Writers, picture_writers, write_to_stdout
 from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.document.terminal import show
 from reports.requests.case import requested_results
 from reports.requests.motion_options import ResultsFiles, ResultsOptions
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 PAGE = "index.html"
-PICTURES = ("--svg", "--png", "--pdf")
 
 
 def results(
-    options: ResultsOptions, files: ResultsFiles, *, opens: bool = False, strict: bool = False, quiet: bool = False
+    options: ResultsOptions,
+    files: ResultsFiles,
+    destination: Destination,
+    *,
+    opens: bool = False,
+    strict: bool = False,
 ) -> None:
     """Print the key figures of a linkage, or its signals at chosen instants, and write the requested files.
 
     A browser ``opens`` the page of a folder. With ``strict`` a likely mistake is refused.
     """
-    named = requested_files(files)
-    _check(files, named, opens=opens)
-    check_files(named, {"the linkage's file": Path(options.mechanism)})
-    linkage = load(options.mechanism, options.variant)
+    _check(files, destination, opens=opens)
+    destination.check_saves(WRITERS, {"the linkage's file": Path(options.mechanism)})
+    linkage, out = load(options.mechanism, options.variant), destination.out
     if strict:
         check_slips(linkage)
     case, chosen = requested_results(linkage, options)
-    result = sheet(case, chosen, every_peak=files.json is not None)
+    result = sheet(case, chosen, every_peak=destination.json or destination.saves(".json"))
     drawn = result
-    if files.out is not None or {*PICTURES} & {*named}:
-        drawn = page_sheet(case, tuple(case.mechanism.linkage.released) if files.out is not None else ())
-    write_files(
-        {file: _file_content(option, drawn if option in PICTURES else result, files) for option, file in named.items()}
-    )
-    if files.out is not None:
-        _write_page(files.out, drawn, opens=opens, quiet=quiet)
-    if STDOUT not in named.values() and not quiet:
+    if out is not None or destination.saves(*PICTURES):
+        drawn = page_sheet(case, tuple(case.mechanism.linkage.released) if out is not None else ())
+    destination.write_saves(WRITERS, result, drawn, files)
+    if out is not None:
+        _write_page(out, drawn, opens=opens, quiet=destination.quiet)
+    if destination.json:
+        write_to_stdout(json_text(result))
+    elif not destination.quiet:
         show(*printed(result))
 
 
-def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:
+def _check(files: ResultsFiles, destination: Destination, *, opens: bool) -> None:
     """Raise LinkproofError for options of files that do not go together."""
     if files.decimal not in {".", ","}:
-        raise LinkproofError(f"--decimal: expected . or , in the numbers of --csv, got '{files.decimal}'; correct it")
-    if files.decimal == "," and files.csv is None:
-        raise LinkproofError("--decimal belongs to the table of --csv, and none is written: name a file with --csv")
-    if files.figure is not None and not {*PICTURES} & {*named}:
-        raise LinkproofError(f"--figure {files.figure} needs a file: name one with --svg, --png or --pdf")
-    if opens and files.out is None:
+        raise LinkproofError(f"--decimal: expected . or , in the numbers of a .csv, got '{files.decimal}'; correct it")
+    if files.decimal == "," and not destination.saves(".csv"):
+        raise LinkproofError("--decimal belongs to a table, and none is written: name a file with --save FILE.csv")
+    if files.figure is not None and not destination.saves(*PICTURES):
+        raise LinkproofError(f"--figure {files.figure} needs a file: name a .svg, .png or .pdf with --save")
+    if opens and destination.out is None:
         raise LinkproofError("--open shows the page that --out writes: name a folder with --out")
-    if files.out is not None:
-        check_writable(files.out / PAGE)
+    destination.check(PAGE)
 
 
 def _write_page(out: Path, sheet: Sheet, *, opens: bool, quiet: bool) -> None:
@@ -79,22 +85,36 @@ def _write_page(out: Path, sheet: Sheet, *, opens: bool, quiet: bool) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
-def _file_content(option: str, result: Sheet, files: ResultsFiles) -> str | bytes:
-    """The content of the file of an option; its writer is imported here, which takes half a second or more."""
-    if option == "--xlsx":
-        from reports.designs.results_workbook import workbook  # noqa: PLC0415
+# The writers of the files: each is called with the results, the results of a page, and the form of the files.
 
-        return workbook(result)
-    if option == "--gif":
-        from reports.designs.results_drawing import gif  # noqa: PLC0415
 
-        return gif(result)
-    if option == "--dxf":
-        from reports.designs.results_dxf import dxf  # noqa: PLC0415
+def _csv(result: Sheet, _drawn: Sheet, files: ResultsFiles) -> str:
+    return csv_table(result, files.decimal)
 
-        return dxf(result)
-    if option in PICTURES:
-        from reports.designs.results_drawing import picture  # noqa: PLC0415
 
-        return picture(result, option.removeprefix("--"), files.figure)
-    return csv_table(result, files.decimal) if option == "--csv" else json_text(result)
+def _json(result: Sheet, *_: object) -> str:
+    return json_text(result)
+
+
+def _workbook(result: Sheet, *_: object) -> bytes:
+    from reports.designs.results_workbook import workbook  # noqa: PLC0415 - half a second that other files save
+
+    return workbook(result)
+
+
+def _figure(_result: Sheet, drawn: Sheet, files: ResultsFiles) -> Figure:
+    from reports.designs.results_drawing import results_figure  # noqa: PLC0415 - a second that other files save
+
+    return results_figure(drawn, files.figure)
+
+
+def _dxf(result: Sheet, *_: object) -> str:
+    from reports.designs.results_dxf import dxf  # noqa: PLC0415 - half a second that other files save
+
+    assert result.positions is not None
+    return dxf(result.linkage, result.positions, None if result.chosen is None else float(result.chosen["phi"][0]))
+
+
+WRITERS: Final[Writers] = {
+    ".csv": _csv, ".json": _json, ".xlsx": _workbook, **picture_writers(_figure), ".dxf": _dxf,
+}  # fmt: skip

@@ -43,7 +43,7 @@ def sweep(options: SweepOptions, files: SweepFiles, destination: Destination) ->
     destination.check(FILE)
     destination.check(PICTURE)
     check_sweep(options)
-    named, read = requested_files(destination, files), {"the linkage's file": Path(options.mechanism)}
+    named, read = requested_files(files), {"the linkage's file": Path(options.mechanism)}
     check_files(named, read if options.table is None else {**read, "the table": options.table})
     request, conditions = sweep_request(load(options.mechanism, options.variant), options)
     figures, command = figures_of_file(request), command_line("sweep", options)

@@ -8,7 +8,14 @@ from analytic.description.loading import load
 from comparisons.designs.tolerance_study import ToleranceStudy, tolerance_study
 from comparisons.designs.tolerances import read_tolerances
 from comparisons.runs.study_folder import to_json
-from reports.command_line.destination import STDOUT, check_files, progress, requested_files, write_files
+from reports.command_line.destination import (
+    STDOUT,
+    check_files,
+    progress,
+    requested_files,
+    write_files,
+    write_to_stdout,
+)
 from reports.designs.tolerance_terminal import csv_table, document, printout, tornado_chart
 from reports.document.terminal import show
 from reports.requests.case import check_steady
@@ -26,15 +33,15 @@ def tolerance(options: ToleranceOptions, files: ToleranceFiles, *, quiet: bool =
     with progress(visible=not quiet) as announce:
         study = tolerance_study(request, announce)
     write_files({file: _file_content(option, study) for option, file in named.items()})
-    if STDOUT not in named.values():
+    if files.json:
+        write_to_stdout(to_json(document(study)))
+    elif STDOUT not in named.values():
         printed = printout(study)
         show(*([] if quiet else printed.tables), *printed.closing)
 
 
 def _file_content(option: str, study: ToleranceStudy) -> str:
     """The text of a file."""
-    if option == "--json":
-        return to_json(document(study))
     if option == "--csv":
         return csv_table(study)
     from reports.charts import draw  # noqa: PLC0415 - half a second that other calls save

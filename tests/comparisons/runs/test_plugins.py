@@ -34,7 +34,7 @@ def folder(tmp_path, monkeypatch):
 
 def told_by(folder, *words):
     """Exit code and JSON of a command that has nothing to say on stderr."""
-    done = linkproof(*words, "--json", "-", cwd=folder)
+    done = linkproof(*words, "--json", cwd=folder)
     assert (done.stderr, (folder / "unused.imported").exists(), HOSTILE in sys.modules) == ("", False, False)
     return done.returncode, json.loads(done.stdout, parse_constant=pytest.fail)
 

@@ -44,7 +44,7 @@ PUBLISHED = {"mechanism", "variant", "quantity", "published", "ours", "deviation
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
 def test_stdout_holds_json_alone_with_these_fields(words, fields):
-    document = json.loads(linkproof(*words, "--json", "-").stdout)
+    document = json.loads(linkproof(*words, "--json").stdout)
     assert all(fields <= set(row) for row in document.get("records", [document]))
 
 
@@ -66,7 +66,7 @@ def test_a_report_is_written_in_a_folder_whose_name_looks_like_markup(tmp_path):
         (["compare", "slotted-takeup", "--regime", "fre"], "did you mean 'free'?"),
         (["compare", NAME, "--engine", "exodyn"], "did you mean 'exudyn'?"),
         (["compare", "no/such.toml"], "got 'no/such.toml', which does not exist"),
-        (["compare", NAME, "--engine", "direct", "--json", "/dev/null/r.json"], "cannot write"),
+        (["compare", NAME, "--engine", "direct", "--save", "/dev/null/r.json"], "cannot write"),
         (["compare", NAME, "-q", "-v"], "--quiet and --verbose exclude each other"),
         (["compare", NAME, "--resume"], "name it with --out"),
         (["compare", "slotted-takeup", "--regime", "free", "--quantity", "Mkr"], "is given, not a result"),
@@ -80,7 +80,7 @@ def test_misuse_is_one_sentence_and_exit_code_2(tmp_path, words, sentence):
 
 def test_a_bad_file_is_one_sentence_and_nothing_is_written(tmp_path):
     (tmp_path / "mine.toml").write_text(read(NAME).text.replace("mass    = 0.03", "mass    = -0.03"))
-    assert "got -0.03" in refused("compare", "mine.toml", "--out", "out", "--json", "r.json", cwd=tmp_path)
+    assert "got -0.03" in refused("compare", "mine.toml", "--out", "out", "--save", "r.json", cwd=tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
 
 
@@ -88,7 +88,7 @@ def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_o
     monkeypatch.setattr(PymunkEngine, "why_unavailable", lambda _: "pymunk is not installed: install it")
     monkeypatch.setattr("reports.requests.campaign.engine_names", lambda: ("direct", "pymunk"))
     assert "pymunk is not installed: install it; or leave it out" in refused("compare", NAME, "--engine", "pymunk")
-    done = linkproof("compare", NAME, "--quantity", "Jeq", "--json", "-", "--jobs", "0", "--verbose")
+    done = linkproof("compare", NAME, "--quantity", "Jeq", "--json", "--jobs", "0", "--verbose")
     outcomes = {row["engine"]: row["outcome"] for row in json.loads(done.stdout)["records"]}
     assert (outcomes, done.returncode) == ({"direct": "passed"}, 0)
     assert "not installed, left out: pymunk" in done.stderr
@@ -96,7 +96,7 @@ def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_o
 
 def test_errata_of_a_users_own_file_are_judged_by_its_own_variants(tmp_path):
     (tmp_path / "mine.toml").write_text(read("two-crank-takeup").text.replace("duration    = 1", "duration    = 0.4"))
-    words = ("compare", "mine.toml", "--regime", "own", "--engine", "direct", "--quantity", "phi", "--json", "-")
+    words = ("compare", "mine.toml", "--regime", "own", "--engine", "direct", "--quantity", "phi", "--json")
     done = linkproof(*words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     judged = {row["erratum"]: row["supports"] for row in json.loads(done.stdout)["errata"]}
@@ -165,7 +165,7 @@ def test_output_to_a_small_character_set_is_readable():
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_a_full_stdout_is_one_sentence():
     with open("/dev/full", "w") as full:
-        done = process("list", "--json", "-", stdout=full)
+        done = process("list", "--json", stdout=full)
     assert done.returncode == 2
     assert re.fullmatch("linkproof: cannot write to stdout: .*\n", done.stderr)
 
@@ -178,7 +178,7 @@ def test_closed_streams_are_no_fault():
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes differ there")
 def test_a_reader_that_leaves_costs_no_report(tmp_path):
-    words = ("compare", NAME, "--engine", "direct", "--quantity", "Jeq", "--jobs", "0", "--json", "-", "--out", "o")
+    words = ("compare", NAME, "--engine", "direct", "--quantity", "Jeq", "--jobs", "0", "--json", "--out", "o")
     reading, writing = os.pipe()
     os.close(reading)
     with os.fdopen(writing, "wb") as pipe:
@@ -275,7 +275,7 @@ def test_a_campaign_interrupted_is_finished_by_resume(tmp_path, gate):
     gate.touch()
     assert linkproof(*words, "--out", out, "--resume").returncode == 0
     assert {path.name for path in out.iterdir()} == REPORT
-    whole = json.loads(linkproof(*words, "--json", "-", "--jobs", "0").stdout)
+    whole = json.loads(linkproof(*words, "--json", "--jobs", "0").stdout)
     saved = load(out)
     rows = [asdict(record) for record in (*saved.records, *saved.invariants)]
     assert untimed(rows) == untimed([*whole["records"], *whole["invariants"]])

@@ -10,7 +10,8 @@ from rich.console import Console
 
 from analytic.description.crank_motion import swing
 from analytic.errors import LinkproofError
-from reports.designs.results_drawing import picture
+from reports.charts.draw import picture
+from reports.designs.results_drawing import results_figure
 from reports.designs.results_terminal import printed
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text, mechanism
@@ -19,7 +20,7 @@ from tests.reports.designs.samples import IMPERIAL, piston_text, shown, shown_pi
 
 
 def words(sheet, figure=None):
-    root = ET.fromstring(picture(sheet, "svg", figure))
+    root = ET.fromstring(picture(results_figure(sheet, figure), "svg"))
     return " ".join("".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text"))
 
 
@@ -67,7 +68,7 @@ def test_forces_through_a_change_point_are_drawn_where_they_have_a_bound():
 )
 def test_one_figure_has_the_width_of_a_papers_column_and_units_on_its_axes(name, expected):
     found = shown_piston(*IMPERIAL)
-    root = ET.fromstring(picture(found, "svg", name))
+    root = ET.fromstring(picture(results_figure(found, name), "svg"))
     assert float(root.get("width").removesuffix("pt")) == pytest.approx(85.0 / 25.4 * 72.0, abs=0.01)
     assert expected in words(found, name)
     assert name == "curves" or "crank angle φ, °" in words(found, name)
@@ -77,10 +78,10 @@ def test_one_figure_has_the_width_of_a_papers_column_and_units_on_its_axes(name,
 def test_pictures_of_every_kind_are_the_same_each_time():
     found = shown_piston()
     for kind, start in (("png", b"\x89PNG"), ("pdf", b"%PDF")):
-        first, second = (picture(found, kind, "torque") for _ in range(2))
+        first, second = (picture(results_figure(found, "torque"), kind) for _ in range(2))
         assert first == second
         assert first.startswith(start)
-    width, height = PIL.Image.open(BytesIO(picture(found, "png", "torque"))).size
+    width, height = PIL.Image.open(BytesIO(picture(results_figure(found, "torque"), "png"))).size
     assert (width, height > 300) == (1003, True)  # 85 mm at 300 dots to the inch
 
 
@@ -94,5 +95,5 @@ def test_pictures_of_every_kind_are_the_same_each_time():
 def test_a_figure_that_a_linkage_lacks_is_refused_in_one_sentence(name, sentence):
     light = "\n".join(line for line in piston_text().splitlines() if not line.startswith(("mass", "inertia", "output")))
     with pytest.raises(LinkproofError) as error:
-        picture(shown(from_text(light)), "png", name)
+        results_figure(shown(from_text(light)), name)
     assert str(error.value).startswith(sentence)

@@ -29,7 +29,7 @@ def _one_check(monkeypatch):
 
 
 def test_the_facts_of_a_check_are_the_commands_and_a_fault_is_a_fact(tmp_path):
-    printed = command("check", "rimoldi-164", "--json", "-").stdout
+    printed = command("check", "rimoldi-164", "--json").stdout
     assert json.loads(json.dumps(linkproof.check("rimoldi-164"))) == json.loads(printed)
     text = linkproof.load(NAME).text
     assert "D = [54.5, 0]" in text

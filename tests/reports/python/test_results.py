@@ -24,7 +24,7 @@ MOTOR = str(DRIVES / "linear-motor.toml")
     ],
 )
 def test_every_signal_is_the_commands(words, options):
-    document = json.loads(command("results", *words, "--json", "-").stdout)
+    document = json.loads(command("results", *words, "--json").stdout)
     found = linkproof.results(words[0], **options)
     assert found.attrs["conditions"] == document["conditions"]
     assert found.sizes[document["axis"]] == len(document["values"]["time"])
@@ -85,7 +85,7 @@ def test_parts_and_components_keep_their_values_and_units():
 def test_an_optimum_has_the_numbers_and_figures_of_the_command():
     words = ["rimoldi-164", "--minimise", "Mkr.peak", "--over", "rod.B.x=172:178", "--over", "rocker.B.x=±5%"]
     words += ["--keep", "stroke=30.9:31", "--keep", "Jeq.mean"]
-    document = json.loads(command("optimise", *words, "--json", "-", "-q").stdout)
+    document = json.loads(command("optimise", *words, "--json", "-q").stdout)
     over, keep = {"rod.B.x": (172, 178), "rocker.B.x": "±5%"}, {"stroke": (30.9, 31), "Jeq.mean": None}
     found = linkproof.optimise("rimoldi-164", minimise="Mkr.peak", over=over, keep=keep)
     for row in document["figures"]:

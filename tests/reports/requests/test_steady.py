@@ -55,7 +55,7 @@ MOTOR = path_of("linear-motor")
 )
 def test_swings_and_drives_along_a_line_have_the_figures_of_results(name, motion):
     words = [word for key, value in motion.items() for word in (f"--{key.removesuffix('_angle')}", str(value))]
-    figures = json.loads(linkproof("results", name, *words, "--json", "-").stdout)["figures"]
+    figures = json.loads(linkproof("results", name, *words, "--json").stdout)["figures"]
     force = next(row for row in figures["forces"] if row["what"] == "A")["value"]
     peaks, number = ["Mkr.peak", "joint_force:A.peak"], f"{next(iter(load(name).links))}.mass"
     expected = pytest.approx([abs(figures["drive"][0]["value"]), force], rel=1e-9)

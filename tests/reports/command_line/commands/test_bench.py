@@ -1,6 +1,5 @@
 """``linkproof bench``: its regimes and times, its refusals, its files and its exit code, with the control engine."""
 
-import json
 from dataclasses import replace
 
 import pytest
@@ -50,12 +49,11 @@ def test_the_regimes_and_times_of_a_benchmark(options, regimes, times):
 
 
 def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
-    destination = Destination(json=str(tmp_path / "r.json"), out=tmp_path / "out")
-    assert bench(replace(OPTIONS, costs=True), destination) == 0
+    assert bench(replace(OPTIONS, costs=True), Destination(out=tmp_path / "out")) == 0
     text = capsys.readouterr().out
     for words in ("juki-mf7923d (as-built), run-up-quintic: Mkr", "to get", "motion alone"):
         assert words in text
-    saved = json.loads((tmp_path / "r.json").read_text())
+    saved = load(tmp_path / "out").as_dict
     assert {row["setting"] for row in saved["records"]} >= {"naive", "tuned", "best", "exact"}
     assert {cost["solver"] for cost in saved["costs"]} >= {"direct"}
     assert saved["noise"]["samples"]

@@ -85,7 +85,7 @@ def test_a_changed_mass_is_red_by_its_figures_and_in_an_engine_by_its_rows(folde
 def test_limits_of_a_file_are_saved_with_the_results(folder):
     limits = folder / "tight.toml"
     limits.write_text('[[limit]]\nquantities = ["Mkr"]\nvalue = 0.001\nreason = "my own"\n')
-    done = _compare(folder, "a/press.toml", "--limits", limits, "--quantity", "Mkr", "--json", "r.json", "--out", "out")
+    done = _compare(folder, "a/press.toml", "--limits", limits, "--quantity", "Mkr", "--save", "r.json", "--out", "out")
     assert done.returncode == 0, done.stderr
     document = json.loads((folder / "r.json").read_text(encoding="utf-8"))
     assert document["command"].endswith(f"--quantity Mkr --limits {limits} --out DIR")
@@ -99,6 +99,6 @@ def test_limits_of_a_file_are_saved_with_the_results(folder):
 
 def test_an_engine_that_prints_leaves_stdout_to_json(folder, monkeypatch):
     monkeypatch.setenv("WORDS", "free for research")
-    done = _compare(folder, "a/press.toml", "--quantity", "Jeq", "--json", "-")
+    done = _compare(folder, "a/press.toml", "--quantity", "Jeq", "--json")
     assert "free for research" in done.stderr
     assert {record["engine"] for record in json.loads(done.stdout)["records"]} == {"heavy"}

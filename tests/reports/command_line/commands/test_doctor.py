@@ -26,13 +26,12 @@ def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(
         monkeypatch.setitem(sys.modules, package, None)
     for module in ("reports.requests.doctor", "reports.requests.campaign"):
         monkeypatch.setattr(f"{module}.engine_names", lambda: names)
-    done = linkproof("doctor", "--json", "doctor.json", cwd=tmp_path)
-    facts = json.loads((tmp_path / "doctor.json").read_text())
+    done = linkproof("doctor", "--json", cwd=tmp_path)
+    facts = json.loads(done.stdout)
     assert done.returncode == 0, done.stdout
     assert [trial["name"] for trial in facts["trials"]] == [*names, "machine code"]
     assert all(trial["works"] is not False for trial in facts["trials"])
     assert set(facts["places"]) == {"temporary files", "matplotlib's cache"}
-    assert all(f"{trial['name']} " in done.stdout for trial in (*facts["trials"], *facts["packages"]))
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ class UnsendableEngine(Direct):
 
 
 @pytest.fixture
-def checked(monkeypatch, tmp_path, capsys):
+def checked(monkeypatch, capsys):
     """Exit code, output and records of ``check-engine`` with a few of its checks, two mutants among them."""
     mutants = [name for name in conformance.CHECKS if name.startswith(conformance.MUTANT)]
     names = ("identity", "installed", "silence", *mutants[:2])
@@ -46,8 +46,10 @@ def checked(monkeypatch, tmp_path, capsys):
 
     def check(engine):
         monkeypatch.setattr(engines, "engine", lambda name: engine)
-        code = engines.check("mine", Destination(json=str(tmp_path / "found.json")), 1)
-        return code, capsys.readouterr().out, json.loads((tmp_path / "found.json").read_text())["checks"]
+        code = engines.check("mine", Destination(), 1)
+        printed = capsys.readouterr().out
+        engines.check("mine", Destination(json=True), 1)
+        return code, printed, json.loads(capsys.readouterr().out)["checks"]
 
     return check
 

@@ -27,7 +27,7 @@ def checked(capsys, text, **options):
     Path("mine.toml").write_text(text, encoding="utf-8")
     fault = None
     try:
-        files.check("mine.toml", options.get("variant"), options.get("svg"), Destination(json=options.get("json")))
+        files.check("mine.toml", None, Destination(**options))
     except LinkproofError as error:
         fault = error
     return capsys.readouterr().out, fault
@@ -87,7 +87,7 @@ def test_a_name_that_cannot_be_a_file_is_refused(name):
 
 
 def test_a_swing_is_reported_with_its_limits_and_drawn(capsys):
-    output, fault = checked(capsys, DOUBLE_ROCKER, svg=Path("scheme.svg"))
+    output, fault = checked(capsys, DOUBLE_ROCKER, save=(Path("scheme.svg"), Path("facts.json")))
     assert fault is None
     assert "from 14.3615° to 112.411°; at 14.3615° coupler + rocker (RRR): folded in one line; at 112.411°" in output
     assert "40° or more from 35.82" in output
@@ -97,14 +97,14 @@ def test_a_swing_is_reported_with_its_limits_and_drawn(capsys):
 
 
 def test_everything_up_to_the_first_fault_is_reported(capsys):
-    output, fault = checked(capsys, SLIP, svg=Path("scheme.svg"))
+    output, fault = checked(capsys, SLIP, save=(Path("scheme.svg"), Path("facts.json")))
     assert isinstance(fault, StructureError)
     assert "mobility     3 = 3·3 links - 2·3 pins and slides" in output
     assert "warning: points 'C' and 'c' are two" in output
     assert not Path("scheme.svg").exists()
     output, fault = checked(capsys, DOUBLE_ROCKER.replace('angle = "deg"', 'angle = "dag"'))
     assert (output, type(fault)) == ("", DescriptionError)
-    output, fault = checked(capsys, SLIP, json="-")
+    output, fault = checked(capsys, SLIP, json=True)
     assert json.loads(output)["fault"] == str(fault)
 
 

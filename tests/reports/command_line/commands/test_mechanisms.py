@@ -8,18 +8,18 @@ from tests.commands import linkproof, refused
 
 
 def _listed(option, name):
-    document = json.loads(linkproof("list", option, name, "--json", "-").stdout)
+    document = json.loads(linkproof("list", option, name, "--json").stdout)
     return document["conditions"], {row["name"]: (row["value"], row["units"]) for row in document["records"]}
 
 
 def test_every_figure_has_the_value_of_results_and_of_a_refined_sweep():
     conditions, figures = _listed("--figures", "juki-mf7923d")
     assert "constant-speed, 1000 rpm counter-clockwise" in conditions
-    drive, *_ = json.loads(linkproof("results", "juki-mf7923d", "--json", "-").stdout)["figures"]["drive"]
+    drive, *_ = json.loads(linkproof("results", "juki-mf7923d", "--json").stdout)["figures"]["drive"]
     assert figures["Mkr.peak"] == (pytest.approx(abs(drive["value"]), rel=1e-9), "N*m")
     names = ("stroke", "joint_force:A.rms", "link:coupler:omega.range", "Jeq.mean")
     words = [word for name in names for word in ("--quantity", name)]
-    vary = ("--vary", "crank.A.x=15.5:15.5:1", "--refine", "--json", "-")
+    vary = ("--vary", "crank.A.x=15.5:15.5:1", "--refine", "--json")
     swept = json.loads(linkproof("sweep", "juki-mf7923d", *vary, *words).stdout)["figures"]
     for name in names:
         assert figures[name] == (pytest.approx(swept[name]["least"]["value"], rel=1e-12), swept[name]["units"])

@@ -43,7 +43,7 @@ def test_tables_files_and_json_have_the_same_figures(tmp_path):
         assert text in done.stdout
     assert "Mkr" in (tmp_path / "before-after.svg").read_text(encoding="utf-8")
     assert f"linkproof compare {tmp_path / 'rimoldi-164-optimised.toml'}" in done.stderr
-    repeated = json.loads(run(*document["command"].replace("'", "").split()[2:], "--json", "-", "-q").stdout)
+    repeated = json.loads(run(*document["command"].replace("'", "").split()[2:], "--json", "-q").stdout)
     assert repeated == document
 
 

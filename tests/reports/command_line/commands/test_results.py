@@ -5,13 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from analytic.errors import LinkproofError
-from reports.command_line.commands.results import results
-from reports.requests.motion_options import ResultsFiles, ResultsOptions
 from tests.analytic.drives import path_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
-from tests.options import shared_out
 from tests.reports.designs.samples import piston_text
 
 
@@ -22,10 +18,11 @@ def engine(tmp_path):
 
 
 def test_all_files_at_once_and_json_to_stdout_alone(engine, tmp_path):
-    formats = ("csv", "svg", "xlsx", "png", "gif", "dxf")
-    words = [word for name in formats for word in (f"--{name}", f"t.{name}")]
-    motion = ("--regime", "run-up", "--ramp-time", "0.1", "--decimal", ",", "--json", "-")
+    formats = ("csv", "json", "svg", "xlsx", "png", "pdf", "dxf")
+    words = [word for name in formats for word in ("--save", f"t.{name}")]
+    motion = ("--regime", "run-up", "--ramp-time", "0.1", "--decimal", ",", "--json")
     document = json.loads(linkproof("results", engine, *motion, *words, cwd=tmp_path).stdout)
+    assert json.loads((tmp_path / "t.json").read_text(encoding="utf-8")) == document
     assert document["axis"] == "time"
     assert "run-up, up to 1000 rpm" in document["conditions"]
     assert (tmp_path / "t.csv").read_text().startswith("\ufefftime [s];phi [deg];")
@@ -41,7 +38,7 @@ angle = [0, 90, 180, 270]
 torque = [0.4, 0.5, 0.4, 0.3]
 """
     (tmp_path / "rocker.toml").write_text(DOUBLE_ROCKER + released, encoding="utf-8")
-    document = json.loads(linkproof("results", "rocker.toml", "--regime", "push", "--json", "-", cwd=tmp_path).stdout)
+    document = json.loads(linkproof("results", "rocker.toml", "--regime", "push", "--json", cwd=tmp_path).stdout)
     assert document["axis"] == "time"
     assert document["conditions"].startswith("rocker (base): released at 70°")
     crank = dict(zip(np.degrees(document["values"]["phi"]), document["values"]["Mkr"], strict=True))
@@ -56,7 +53,7 @@ def test_a_likely_mistake_is_a_warning_and_with_strict_an_error(engine):
         assert (done.returncode, "warning: gravity is 9810 m/s^2" in done.stdout) == (0, True)
         strict = linkproof(command, engine, "--strict")
         assert (strict.returncode, "--strict: gravity is 9810 m/s^2" in strict.stderr) == (2, True)
-    assert "gravity is 9810" in json.loads(linkproof("results", engine, "--json", "-").stdout)["warnings"][0]
+    assert "gravity is 9810" in json.loads(linkproof("results", engine, "--json").stdout)["warnings"][0]
 
 
 def test_a_line_names_what_cannot_be_computed_or_is_numerical(tmp_path, engine):
@@ -70,45 +67,39 @@ def test_a_line_names_what_cannot_be_computed_or_is_numerical(tmp_path, engine):
 
 
 FAULTS = [
-    ({"time": (0.07,)}, "--time: expected instants from 0 to 0.06 s"),
-    ({"at": (5.0,), "from_angle": 30.0, "to_angle": 60.0}, "--at: expected what the motion passes, from 30° to 60°"),
-    ({"at": (0.0,), "time": (0.0,)}, "--at and --time both choose"),
-    ({"csv": "engine.toml/t.csv"}, "cannot write 'engine.toml/t.csv'"),
-    ({"svg": "engine.toml"}, "--svg 'engine.toml' would take the place of the linkage's file"),
-    ({"figure": "torque"}, "--figure torque needs a file: name one with --svg, --png or --pdf"),
-    ({"figure": "tork", "png": "a.png"}, "unknown figure 'tork': did you mean 'torque'?"),
-    ({"gif": "-"}, "--gif: expected the name of a file, got '-'"),
-    ({"svg": "a.png"}, "--svg: expected the name of a .svg file, got 'a.png'; --svg writes no .png"),
-    ({"csv": "a.csv", "decimal": ";"}, "--decimal: expected . or , in the numbers of --csv, got ';'"),
-    ({"decimal": ","}, "--decimal belongs to the table of --csv"),
-    ({"csv": "-", "json": "-"}, "--csv and --json cannot both go to stdout"),
-    ({"csv": "a", "svg": "a"}, "--csv and --svg cannot both go to 'a'"),
-    ({"regime": ("all",)}, "expected one motion"),
-    ({"ramp_time": 0.1}, "add --regime run-up"),
+    ("--time 0.07", "--time: expected instants from 0 to 0.06 s"),
+    ("--at 5 --from 30 --to 60", "--at: expected what the motion passes, from 30° to 60°"),
+    ("--at 0 --time 0", "--at and --time both choose"),
+    ("--save engine.toml/t.csv", "cannot write 'engine.toml/t.csv'"),
+    ("--save t.csv --save t.doc", "--save t.doc: the suffix must be one of .csv, .json, .xlsx, .svg, .png, .pdf, .dxf"),
+    ("--save t.csv --save ./t.csv", "are the same file: leave one out"),
+    ("--save link.csv", "--save link.csv would take the place of the linkage's file: give another name"),
+    ("--figure torque", "--figure torque needs a file: name a .svg, .png or .pdf with --save"),
+    ("--figure tork --save a.png --save a.csv", "unknown figure 'tork': did you mean 'torque'?"),
+    ("--save a.csv --decimal ;", "--decimal: expected . or , in the numbers of a .csv, got ';'"),
+    ("--decimal ,", "--decimal belongs to a table"),
+    ("--regime all", "expected one motion"),
+    ("--ramp-time 0.1", "add --regime run-up"),
+    ("--at 0,x", "--at: expected finite numbers with commas between them"),
+    ("--at nan", "--at: expected finite numbers with commas between them"),
+    ("--time 0.01,inf", "--time: expected finite numbers with commas between them"),
+    ("--open", "--open shows the page that --out writes"),
 ]
 
 
-@pytest.mark.parametrize(("options", "sentence"), FAULTS, ids=lambda part: "" if isinstance(part, str) else str(part))
-def test_bad_input_is_one_sentence_and_nothing_is_written(engine, tmp_path, monkeypatch, options, sentence):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(LinkproofError) as error:
-        results(*shared_out({"mechanism": str(engine), **options}, ResultsOptions, ResultsFiles))
-    assert sentence in str(error.value)
-    assert {path.name for path in tmp_path.iterdir()} == {"engine.toml"}
+@pytest.mark.parametrize(("words", "sentence"), FAULTS)
+def test_bad_input_is_one_sentence_and_nothing_is_written(engine, tmp_path, words, sentence):
+    (tmp_path / "link.csv").symlink_to(engine)
+    assert sentence in refused("results", "engine.toml", *words.split(), cwd=tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"engine.toml", "link.csv"}
 
 
-@pytest.mark.parametrize(("option", "package"), [("xlsx", "openpyxl"), ("dxf", "ezdxf")])
-def test_a_missing_package_is_one_sentence_with_the_cure(engine, tmp_path, monkeypatch, option, package):
+@pytest.mark.parametrize(("suffix", "package"), [("xlsx", "openpyxl"), ("dxf", "ezdxf")])
+def test_a_missing_package_is_one_sentence_with_the_cure(engine, tmp_path, monkeypatch, suffix, package):
     monkeypatch.setattr("reports.command_line.destination.find_spec", lambda name: None if name == package else name)
-    error = refused("results", engine, f"--{option}", f"a.{option}", cwd=tmp_path)
-    cure = f"install it with: pip install 'linkproof[{option}]'"
-    assert error == f"linkproof: --{option}: expected {package}, got none: {cure}\n"
-
-
-@pytest.mark.parametrize(("option", "text"), [("--at", "0,x"), ("--at", ""), ("--at", "nan"), ("--time", "0.01,inf")])
-def test_a_list_of_numbers_that_cannot_be_read_is_refused(option, text):
-    error = refused("results", "juki-mf7923d", option, text)
-    assert error.startswith(f"linkproof: {option}: expected finite numbers with commas between them")
+    error = refused("results", engine, "--save", f"a.{suffix}", cwd=tmp_path)
+    cure = f"install it with: pip install 'linkproof[{suffix}]'"
+    assert error == f"linkproof: --save a.{suffix}: expected {package}, got none: {cure}\n"
 
 
 def test_the_page_is_written_into_a_folder_beside_those_of_other_linkages(engine, tmp_path, monkeypatch):
@@ -124,4 +115,3 @@ def test_the_page_is_written_into_a_folder_beside_those_of_other_linkages(engine
     assert "500 rpm" in pages["other.base.html"]
     assert all(f"mechanisms/{name}" in (out / "index.html").read_text(encoding="utf-8") for name in pages)
     assert shown == [(out / "mechanisms" / "other.base.html").as_uri()]
-    assert "--open shows the page that --out writes" in refused("results", engine, "--open")

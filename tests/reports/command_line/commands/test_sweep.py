@@ -38,7 +38,7 @@ def table(path):
 
 def test_every_file_has_the_same_values_and_the_summary_counts_assembled_designs(tmp_path, capsys):
     out = tmp_path / "out"
-    swept(out, csv=str(tmp_path / "t.csv"), json=str(tmp_path / "t.json"), quiet=False)
+    swept(out, csv=str(tmp_path / "t.csv"), quiet=False)
     lines = capsys.readouterr().out.splitlines()
     assert lines[1] == (
         "15 (5 × 3) designs, of which 9 (60 %) assemble at every angle: rod.B.x from 170 to 180 mm, rod.mass from 0.1 "
@@ -47,7 +47,8 @@ def test_every_file_has_the_same_values_and_the_summary_counts_assembled_designs
     assert lines[-2:] == [f"wrote {out / name}" for name in ("sweep.nc", "sweep.svg")]
     head, rows = table(tmp_path / "t.csv")
     assert head == ["rod.B.x [mm]", "rod.mass [kg]", "Mkr.peak [N*m]", "stroke [mm]"]
-    document = json.loads((tmp_path / "t.json").read_text())
+    swept(json=True)
+    document = json.loads(capsys.readouterr().out)
     with xarray.open_dataset(out / "sweep.nc") as dataset:
         assert dataset.sizes == {"rod.B.x": 5, "rod.mass": 3}
         np.testing.assert_allclose(dataset["stroke"].values.ravel(), rows[:, 3], rtol=1e-14)
@@ -99,7 +100,7 @@ def test_bad_input_is_a_sentence_and_writes_nothing(tmp_path, monkeypatch, optio
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=10**9))
     with pytest.raises(LinkproofError) as error:
-        swept(tmp_path / "new" / "out", csv="t.csv", json="t.json", **options)
+        swept(tmp_path / "new" / "out", csv="t.csv", **options)
     assert words in str(error.value)
     assert list(tmp_path.iterdir()) == []
 

@@ -99,4 +99,4 @@ def test_bad_input_is_refused_before_anything_is_written(tmp_path, file, options
 
 
 def test_the_file_of_tolerances_is_not_overwritten(file):
-    assert "would take the place of the tolerances" in refused("tolerance", "rimoldi-164", file, "--json", file)
+    assert "would take the place of the tolerances" in refused("tolerance", "rimoldi-164", file, "--csv", file)
