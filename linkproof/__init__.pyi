@@ -46,7 +46,6 @@ def compare(
     time_limit: float | None = ...,
     memory_limit: float | None = ...,
     jobs: int | None = ...,
-    scheduler: object = ...,
 ) -> Comparison: ...
 def judge(
     linkage: Linkage | str | Path,
@@ -127,7 +126,6 @@ def sweep(
     designs: int = ...,
     seed: int = ...,
     jobs: int | None = ...,
-    scheduler: object = ...,
 ) -> xarray.Dataset: ...
 def tolerance(
     linkage: Linkage | str | Path,

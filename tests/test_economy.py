@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
 PLOTTING = ("matplotlib",)
 # Which a plain installation lacks; that ``doctor`` does without them is tested with it.
-EXTRAS = ("openpyxl", "ezdxf", "distributed", "cryptography")
+EXTRAS = ("openpyxl", "ezdxf", "dask")
 HEAVY = (*ENGINES, *PLOTTING, *EXTRAS, "xarray", "numba", "pandas")
 
 

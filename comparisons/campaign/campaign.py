@@ -23,7 +23,6 @@ from comparisons.reference.case import Case, case_of_file_regime, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost, blamed_on, run_engine
 from comparisons.runs.study import Announce, Journal, Study, Task
-from comparisons.runs.worker_process import host
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, run_jobs, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
@@ -163,7 +162,7 @@ def lost(
 ) -> RunRecord:
     """The records of a run whose process gave no result."""
     case = unpickle_case(pickled)
-    blank = blank_record(case, setting, engine_name, engine(engine_name).version() or "", failure.host)
+    blank = blank_record(case, setting, engine_name, engine(engine_name).version() or "")
     return _records_without_motion(chosen_quantities(case, names), blank, failure.outcome, failure.reason)
 
 
@@ -180,7 +179,7 @@ def judged(
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
         version, absent = adapter.version(), why_unavailable(adapter)
-    blank = blank_record(case, setting, engine_name, version or "", host())
+    blank = blank_record(case, setting, engine_name, version or "")
     if absent is not None:
         return _records_without_motion(quantities, blank, Outcome.UNAVAILABLE, absent)
     model = case.scene(_channels(quantities, with_invariants))

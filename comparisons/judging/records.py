@@ -58,10 +58,10 @@ FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Ver
 
 @dataclass(frozen=True)
 class RunFacts:
-    """The identity, machine and cost of a run.
+    """The identity and cost of a run.
 
     ``setup_seconds`` is the building of the model, ``seconds`` the stepping alone, ``steps`` all its time steps;
-    ``runs`` of the engine make its figures. ``host`` names the machine of a cluster that it was made on.
+    ``runs`` of the engine make its figures.
     """
 
     mechanism: str
@@ -75,7 +75,6 @@ class RunFacts:
     setup_seconds: float = 0.0
     steps: int = 0
     runs: int = 0
-    host: str = ""
 
     @property
     def total_seconds(self) -> float:
@@ -217,8 +216,8 @@ def _interned_fields(record: object) -> dict[str, Any]:
     return {name: sys.intern(value) if type(value) is str else value for name, value in vars(record).items()}
 
 
-def blank_record(case: Case, setting: str, engine: str = "", version: str = "", host: str = "") -> Record:
+def blank_record(case: Case, setting: str, engine: str = "", version: str = "") -> Record:
     """A record with the fields that all records of one run of a case share."""
     linkage = case.mechanism.linkage
     names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
-    return Record(*names, engine, version, setting, host=host)
+    return Record(*names, engine, version, setting)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import hashlib
 import os
 import platform
 import subprocess
@@ -13,7 +12,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from comparisons.runs.plugins import engines as adapters
-from comparisons.runs.run_engine import OURS
 from engines.registry import engine_names
 
 PACKAGES = ("linkproof", "numpy", "scipy")
@@ -34,16 +32,6 @@ def environment(engines: Sequence[str] = ()) -> dict[str, str]:
     }
 
 
-@cache
-def source_checksum() -> str:
-    """A checksum of linkproof's own files: the same for the same files, wherever they are installed."""
-    root, digest = Path(__file__).parents[2], hashlib.sha256()
-    for room in OURS:
-        for path in sorted(path for path in (root / room).rglob("*") if path.suffix in (".py", ".toml")):
-            digest.update(str(path.relative_to(root)).encode() + path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
 def _version(package: str) -> str:
     try:
         return version(package)
@@ -61,6 +49,7 @@ def _processor() -> str:
     return names[0] if names else platform.processor() or "unknown processor"
 
 
+@cache
 def _commit() -> str:
     """The commit the program runs from, if it runs from a checkout."""
     folder = Path(__file__).parent

@@ -49,11 +49,10 @@ class Failure(StrEnum):
 
 @dataclass(frozen=True)
 class Lost:
-    """A job that gave no result; ``reason`` in one sentence, ``host`` as in records."""
+    """A job that gave no result; ``reason`` in one sentence."""
 
     outcome: Failure
     reason: str
-    host: str = ""
 
 
 class AdapterError(Exception):

@@ -43,7 +43,7 @@ _OUTPUT_END: Final = 4096  # bytes of the end of a worker's output that are sear
 _CHUNK: Final = 1 << 16
 _ANSWER_TIMEOUT: Final = 30.0  # s that a worker may pause in its answer
 _EXIT_TIMEOUT: Final = 2.0  # s within which a process must end after it has closed its connection
-_PULSE: Final = 1.0  # s
+_PULSE: Final = 1.0  # s, after which a Ctrl-C is noticed where it does not interrupt a wait
 _START_LOCK: Final = threading.Lock()  # a process is cut off as a whole, whichever of its threads starts a worker
 
 
@@ -136,8 +136,7 @@ class _Worker:
 class WorkerPool:
     """At most ``size`` worker processes for ``jobs``, which are taken from their iterable when they are needed.
 
-    ``begun`` is called with the index of each job that begins, ``check`` at least every second while workers work; an
-    exception of ``check`` ends the work. Results name the machine ``host`` if it is given.
+    ``begun`` is called with the index of each job that begins.
     """
 
     function: Callable[..., Any]
@@ -145,8 +144,6 @@ class WorkerPool:
     bounds: Bounds
     size: int
     begun: Callable[[int], object] = lambda _: None
-    check: Callable[[], object] = lambda: None
-    host: str = ""
     workers: list[_Worker] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -188,7 +185,7 @@ class WorkerPool:
                     self._stop(worker)
         busy = sum(worker.job is not None for worker in self.workers)
         while len(self.workers) < min(self.size, busy + len(self.todo)):
-            self.workers.append(_new_worker(self.pickled, self.function, self.bounds.memory, self.host))
+            self.workers.append(_new_worker(self.pickled, self.function, self.bounds.memory))
         for worker in self._free_workers():
             if self.todo and not (worker.used and self.todo[0].needs_new):
                 self._assign(worker, self.todo.popleft())
@@ -210,7 +207,6 @@ class WorkerPool:
         first = min(worker.deadline for worker in self.workers)
         seconds = min(_PULSE, max(0.0, first - time.monotonic()))
         wait([source for worker in self.workers for source in worker.sources], seconds)
-        self.check()
         for worker in self.workers:
             worker.read_output()
 
@@ -273,7 +269,7 @@ class WorkerPool:
         worker.kill()
 
 
-def _new_worker(pickled: bytes, function: Callable[..., Any], memory: int, host: str) -> _Worker:
+def _new_worker(pickled: bytes, function: Callable[..., Any], memory: int) -> _Worker:
     """A worker process that has been started, though it may not be ready yet."""
     while isinstance(function, partial):
         function = function.func
@@ -284,7 +280,7 @@ def _new_worker(pickled: bytes, function: Callable[..., Any], memory: int, host:
         channel, far_end = context.Pipe()
         output, far_output = context.Pipe(duplex=False) if os.name == "posix" else (None, None)
         process = context.Process(  # type: ignore[attr-defined]
-            target=serve, args=(far_end, far_output, pickled, memory, host), daemon=True
+            target=serve, args=(far_end, far_output, pickled, memory), daemon=True
         )
         with _START_LOCK, isolated_start():
             process.start()

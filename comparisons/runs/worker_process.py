@@ -26,8 +26,7 @@ from typing import Any, Final
 
 from comparisons.runs.run_engine import SHOW_OUTPUT, lost
 
-HOST: Final = "LINKPROOF_HOST"  # in a worker's environment: the name of its machine, if results have to name it
-IDLE_TIMEOUT: Final = 60.0  # s without a job after which a worker of a cluster ends: no one says which job was the last
+WORKER: Final = "LINKPROOF_WORKER"  # in a worker's environment
 START_MARK: Final = bytes(16)  # of a worker's first message, which is empty; a job's result has the job's mark
 _HEADER: Final = struct.Struct("!16sQI")  # of a message: its mark, its length, its checksum
 _CHUNK: Final = 1 << 20  # bytes read at once
@@ -35,14 +34,9 @@ _CHUNK: Final = 1 << 20  # bytes read at once
 START: Final = "LINKPROOF_WORKER_START"
 
 
-def host() -> str:
-    """Name of the machine that this worker of a cluster runs on; empty in all other processes."""
-    return os.environ.get(HOST, "")
-
-
 def is_worker() -> bool:
     """Whether this is a worker process, which may import a plug-in."""
-    return HOST in os.environ
+    return WORKER in os.environ
 
 
 class BrokenMessageError(Exception):
@@ -179,10 +173,10 @@ def _output_discarded() -> Iterator[None]:
             os.close(descriptor)
 
 
-def serve(channel: Connection, output: Connection | None, function: bytes, memory: int, host: str = "") -> None:
+def serve(channel: Connection, output: Connection | None, function: bytes, memory: int) -> None:
     """Receive pickled tuples of arguments and send back the results of ``function``, until the channel is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.environ[HOST] = host
+    os.environ[WORKER] = "1"
     # Temporary files are in the folder of the command's own, which goes with the command however that ends.
     tempfile.tempdir = os.environ["TMPDIR"] = util.get_temp_dir()
     if hasattr(os, "setpgid"):
@@ -192,7 +186,7 @@ def serve(channel: Connection, output: Connection | None, function: bytes, memor
     _redirect_output(output)
     _send(channel, START_MARK, b"")
     with contextlib.suppress(EOFError):
-        while channel.poll(IDLE_TIMEOUT if host else None):
+        while True:
             mark, job = channel.recv_bytes(), channel.recv_bytes()
             _send(channel, mark, _run_pickled_job(function, job, memory))
 

@@ -1,19 +1,18 @@
-"""Pools in which jobs run: worker processes of this machine, each within bounds, or any other."""
+"""Pools in which jobs run: worker processes of this machine, each within bounds."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
-from analytic.errors import LinkproofError
 from analytic.machine_code.compiling import cores
 from comparisons.runs.run_engine import Lost, lost
 from comparisons.runs.worker_pool import DEFAULT_BOUNDS, Bounds, WorkerPool
 
 __all__ = [
-    "DEFAULT_BOUNDS", "EVERY_CORE", "ONE_BY_ONE", "Bounds", "LastingPool", "LocalPool", "Pool", "PoolLostError",
+    "DEFAULT_BOUNDS", "EVERY_CORE", "ONE_BY_ONE", "Bounds", "LastingPool", "LocalPool", "Pool",
     "run_jobs", "usual_processes",
 ]  # fmt: skip
 
@@ -25,39 +24,11 @@ def usual_processes(count: int) -> int:
     return 0 if count == 1 else cores()
 
 
-class PoolLostError(LinkproofError):
-    """The machines that run the jobs are gone, in half a sentence; the results until then are saved."""
-
-
-class Pool(Protocol):
-    """A place in which jobs run."""
-
-    @property
-    def place(self) -> Mapping[str, str]:
-        """Facts of the machines that run the jobs, for the environment of the results; empty for this machine."""
-        ...
-
-    def run(
-        self,
-        function: Callable[..., R],
-        jobs: Iterable[tuple[Any, ...]],
-        bounds: Bounds = ...,
-        begun: Callable[[int], object] = ...,
-    ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job; yields (index of the job, result) as they complete."""
-        ...
-
-
 @dataclass(frozen=True)
 class LocalPool:
     """Worker ``processes`` of this machine, as ``run_jobs`` takes them."""
 
     processes: int | None = None
-
-    @property
-    def place(self) -> Mapping[str, str]:
-        """Nothing: this machine."""
-        return {}
 
     def run(
         self,
@@ -78,8 +49,6 @@ class LastingPool:
 
     A list whose results are not all taken ends the workers, and so do ``close`` and a list for another function.
     """
-
-    place: Mapping[str, str] = {}
 
     def __init__(self, processes: int = 1) -> None:
         self.processes = processes
@@ -108,6 +77,9 @@ class LastingPool:
         if self._pool is not None:
             self._pool.close()
             self._pool = None
+
+
+Pool = LocalPool | LastingPool
 
 
 def run_jobs(

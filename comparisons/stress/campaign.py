@@ -71,7 +71,7 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     results, counts = tuple(study.results()), summary(study.results())
     document = {
         "command": request.command,
-        "environment": {**environment(list(counts)), **request.pool.place},
+        "environment": environment(list(counts)),
         "quick": request.quick,
         "summary": counts,
         "borders": [border.document for border in narrow],

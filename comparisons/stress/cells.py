@@ -17,7 +17,6 @@ from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.case import Case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Lost, blamed_on, run_engine
-from comparisons.runs.worker_process import host
 from comparisons.stress.cell_result import Cell, CellResult, StressVerdict, blank_result
 from comparisons.stress.scenes import Conditions, case, scene
 from comparisons.stress.verdict import judged
@@ -186,7 +185,7 @@ def run_cell(cell: Cell) -> CellResult:
     """Make a cell's run here and now, and judge it."""
     begun = time.perf_counter()
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    blank = replace(_blank_result(cell), host=host())
+    blank = _blank_result(cell)
     adapter = engine(cell.engine)
     with blamed_on(adapter):
         absent = why_unavailable(adapter)
@@ -209,7 +208,7 @@ def run_cell(cell: Cell) -> CellResult:
 
 def lost(loss: Lost, cell: Cell) -> CellResult:
     """A cell whose worker gave no result."""
-    return replace(_blank_result(cell), verdict=StressVerdict(loss.outcome.value), reason=loss.reason, host=loss.host)
+    return replace(_blank_result(cell), verdict=StressVerdict(loss.outcome.value), reason=loss.reason)
 
 
 def _blank_result(cell: Cell) -> CellResult:

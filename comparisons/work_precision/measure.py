@@ -19,7 +19,6 @@ from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import blamed_on, checked, started
-from comparisons.runs.worker_process import host
 from comparisons.work_precision.records import CALIBRATION, FIRST_USE, METHOD, SETTING, PointRecord
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
 from engines.scene import Scene
@@ -63,7 +62,6 @@ def point_record(
     *,
     outcome: str = "",
     detail: str = "",
-    host: str = "",
 ) -> PointRecord:
     """The record of a case in an engine by a setting, or by a method at a step, before it is measured."""
     linkage, method = case.mechanism.linkage, usage if isinstance(usage, Method) else None
@@ -84,7 +82,6 @@ def point_record(
         steps_per_turn=steps_per_turn,
         outcome=outcome,
         detail=detail,
-        host=host,
     )
 
 
@@ -110,7 +107,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
         if isinstance(usage, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
         first_use = _warm_up(adapter, scene, longest_step(case, WARM_UP_STEPS))
-        blank = point_record(case, adapter, usage, steps_per_turn, host=host())
+        blank = point_record(case, adapter, usage, steps_per_turn)
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, usage, blank.step))
         run = checked(run, scene, name)

@@ -82,9 +82,9 @@ class Rounds:
         return self.study.result(key) if self.study.has(key) else None
 
     def repeats(self, point: Point, rounds: int) -> list[PointRecord]:
-        """The finished measurements of a point, round by round, on the machine of the first."""
+        """The finished measurements of a point, round by round."""
         every = [record for number in range(rounds) if (record := self.measurement(number, point)) is not None]
-        return [run for run in every if run.outcome == Outcome.FINISHED and run.host == every[0].host]
+        return [run for run in every if run.outcome == Outcome.FINISHED]
 
     def is_worth_repeating(self, point: Point, number: int) -> bool:
         """Whether a point takes part in a later round: while it has not taken too long."""
@@ -140,8 +140,8 @@ class Rounds:
         """The record of a run without a result; None if our own deadline ended it, not a fault of the engine."""
         if self.seconds_left() <= 0.0:
             return None
-        sentences = {"outcome": lost.outcome.value, "detail": lost.reason, "host": lost.host}
-        return point_record(unpickle_case(pickled), engine(engine_name), usage, steps, **sentences)
+        case, adapter = unpickle_case(pickled), engine(engine_name)
+        return point_record(case, adapter, usage, steps, outcome=lost.outcome.value, detail=lost.reason)
 
     def seconds_left(self) -> float:
         """Time until the deadline, s."""
@@ -214,7 +214,7 @@ def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Round
     return {
         "command": request.command,
         "conditions": "; ".join(dict.fromkeys(case.conditions for case in request.cases)),
-        "environment": {**environment(request.engines), **request.pool.place},
+        "environment": environment(request.engines),
         "extent": {name: value for name, value in asdict(request.extent).items() if value != math.inf},
         "noise": {"work": WORK, "samples": [round(calibration, 9) for calibration in rounds.calibrations]},
         "first_use": [{"engine": name, "seconds": _first_uses(sweeps, name)} for name in request.engines],

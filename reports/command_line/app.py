@@ -17,7 +17,6 @@ from reports.requests.campaign_options import (
     ExportOptions,
     Jobs,
     RunLimits,
-    Scheduler,
     StandardOptions,
     StressOptions,
 )
@@ -278,7 +277,7 @@ def judge(options: JudgeOptions, output: OutputOptions) -> int:
 
 
 @command(app, summary="Measure error against run time, over a sweep of steps.", without=("save", "junit", "setting"))
-def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = None) -> int:
+def bench(options: BenchOptions, output: OutputOptions) -> int:
     """Measure error against run time: every engine, setting and method over a sweep of steps.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
@@ -288,11 +287,11 @@ def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = N
     _start_workers("comparisons.work_precision.measure")
     from reports.command_line.commands import bench
 
-    return bench.bench(options, destination(output), scheduler)
+    return bench.bench(options, destination(output))
 
 
 @command(app, summary="Find conditions under which each engine fails.", without=("save", "junit"))
-def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, scheduler: Scheduler = None) -> int:
+def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None) -> int:
     """Find conditions under which each engine fails, and whether the checks detect it.
 
     AXIS is a stability map; CELL is one run of a map, AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.
@@ -302,7 +301,7 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, sch
     _start_workers("comparisons.stress.cells")
     from reports.command_line.commands import stress
 
-    return stress.run(options, destination(output), jobs, scheduler)
+    return stress.run(options, destination(output), jobs)
 
 
 @command(app, "check-engine", summary="Test an engine's adapter.")

@@ -21,7 +21,6 @@ from comparisons.runs.files import check_writable, write_bytes, write_file, writ
 from comparisons.runs.plugins import engine
 from comparisons.runs.study import Journal
 from comparisons.runs.study_folder import to_json
-from comparisons.runs.workers import PoolLostError
 from reports.document.terminal import Printed, Printout, harmless, show, write
 from reports.requests.options import OutputOptions, declared_options
 
@@ -276,8 +275,7 @@ def journal(
 def report_interruption(folder: Path | None, what: str = "runs") -> Iterator[Callable[[Announce], Announce]]:
     """A wrapper that counts the runs passed to ``announce``.
 
-    Ctrl-C, and the loss of the machines of a cluster, raise KeyboardInterrupt with the number of runs saved in
-    ``folder``.
+    Ctrl-C raises KeyboardInterrupt with the number of runs saved in ``folder``.
     """
     finished, total = 0, 0
 
@@ -291,10 +289,9 @@ def report_interruption(folder: Path | None, what: str = "runs") -> Iterator[Cal
 
     try:
         yield counting
-    except (KeyboardInterrupt, PoolLostError) as interrupt:
-        why = f"{interrupt}; " if isinstance(interrupt, PoolLostError) else ""
+    except KeyboardInterrupt as interrupt:
         if folder is None or not total:
-            raise KeyboardInterrupt(f"{why}nothing was written" if why else str(interrupt)) from interrupt
+            raise
         raise KeyboardInterrupt(
-            f"{why}{finished} of {total} {what} are saved in {folder}: repeat the command with --resume to finish"
+            f"{finished} of {total} {what} are saved in {folder}: repeat the command with --resume to finish"
         ) from interrupt

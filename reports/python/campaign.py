@@ -148,8 +148,7 @@ def compare(
 ) -> Comparison:
     """Simulate mechanisms in engines and compare every error with its limit, as ``linkproof compare`` does.
 
-    Mechanisms are names of the catalogue and paths of files; ``time_limit`` is in s and ``memory_limit`` in GiB; a
-    client of Dask may replace the address of its scheduler.
+    Mechanisms are names of the catalogue and paths of files; ``time_limit`` is in s and ``memory_limit`` in GiB.
     Raises LinkproofError for bad input; a run that fails is a record.
     """
     for mechanism in mechanisms:
@@ -159,8 +158,7 @@ def compare(
                 "limits and baselines belong to files"
             )
     wanted = campaign(replace(options, mechanisms=tuple(map(str, mechanisms))), standard, limits)
-    with wanted.resources.pool() as pool:
-        return Comparison(wanted.compared(pool), wanted)
+    return Comparison(wanted.compared(wanted.resources.pool), wanted)
 
 
 def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> Named:

@@ -23,7 +23,6 @@ from comparisons.designs.sweep import SweepRequest, figures_of_file, sweep_block
 from comparisons.designs.sweep import sweep as sweep_space
 from comparisons.designs.tolerance_study import QUANTILES, ToleranceStudy, tolerance_study
 from comparisons.designs.tolerances import Tolerances, read_tolerances
-from comparisons.runs.cluster import opened
 from reports.designs.optimise_terminal import document
 from reports.python.keywords import Words, resolve_linkage, with_keywords, words
 from reports.requests.case import steady_case
@@ -57,8 +56,7 @@ def sweep(
     ``design``. Values go in and figures come out in the units of the linkage's file, as on the command line;
     ``evaluate`` takes its ``designs`` in SI. ``figures`` are the names of ``--quantity``, such as "Mkr.peak".
 
-    If values are Dask arrays, so are the figures, computed chunk by chunk on request. Figures of other values are
-    computed by the workers of a ``scheduler`` of Dask, if it is given: its address, "local:N" or a client. Extremes are
+    If values are Dask arrays, so are the figures, computed chunk by chunk on request. Extremes are
     taken at the sampled crank ``angles``, or are exact with ``refine``; with ``scale_mass`` masses change with lengths.
     ``simulate`` names engines that run some of the designs, as many as ``designs``, chosen by ``seed``:
     ``share_of_limit``, over ``engine`` and the designs, is the largest error of a design over its limit, infinite if a
@@ -80,11 +78,7 @@ def sweep(
     space = _design_space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
     request, conditions = build_sweep_request(case, space, options)
     figures_of_file(request)  # raises LinkproofError for figures that no design has
-    rows = (
-        _dask_array(request, [*values.values()])
-        if is_lazy
-        else _compute_figures(request.with_fixed_path(), options.scheduler)
-    )
+    rows = _dask_array(request, [*values.values()]) if is_lazy else _compute_figures(request.with_fixed_path())
     about = {name: value for name, value in dataset_attributes(request, conditions, "").items() if name != "command"}
     dataset = labelled_dataset(request, values, rows, about)
     return _add_engine_errors(dataset, request.with_fixed_path(), options) if options.simulate else dataset
@@ -95,8 +89,7 @@ def _add_engine_errors(dataset: xarray.Dataset, request: SweepRequest, options: 
     with TemporaryDirectory() as folder:
         designs, wanted, limits = simulated_campaign(request, options, Path(folder))
         runs = campaign(wanted, limits=limits)
-        with runs.resources.pool() as pool:
-            judged = runs.compared(pool)
+        judged = runs.compared(runs.resources.pool)
     shares = shares_of_limits(designs, judged.records, request.space.count)
     values = np.array([*shares.values()]).reshape(-1, *request.space.shape)
     over = ("engine", *request.space.dimensions)
@@ -126,15 +119,14 @@ def _design_space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_t
     return Listed(parts, tuple(values))
 
 
-def _compute_figures(request: SweepRequest, scheduler: object) -> Array:
-    """Figures of all designs, (figures, *shape), computed here or on the workers of a scheduler."""
+def _compute_figures(request: SweepRequest) -> Array:
+    """Figures of all designs, (figures, *shape)."""
     values = np.empty((len(request.figures), request.space.count))
 
     def keep(number: int, block: Array) -> None:
         values[:, slice(*request.block(number))] = block
 
-    with opened(scheduler, None) as pool:
-        sweep_space(request if pool is None else replace(request, cores=1), keep=keep, pool=pool)
+    sweep_space(request, keep=keep)
     return values.reshape(-1, *request.space.shape)
 
 

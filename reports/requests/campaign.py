@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,10 +14,9 @@ from analytic.description.loading import LinkageFile, catalogue, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable
 from analytic.machine_code.compiling import cores
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.runs.cluster import check_scheduler, opened
 from comparisons.runs.plugins import engines as adapters
 from comparisons.runs.run_engine import GIB
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.requests.campaign_options import CompareOptions, RunLimits, RunsOptions
@@ -128,24 +126,24 @@ def request(options: RunsOptions) -> CampaignRequest:
     )
 
 
-# The place of runs, and the time and memory that each may use.
+# The worker processes of runs, and the time and memory that each may use.
 
 
 @dataclass(frozen=True)
 class RunResources:
-    """The ``bounds`` of each run, and the worker ``processes`` here, or the ``scheduler`` whose workers make them."""
+    """The ``bounds`` of each run, and the number of worker ``processes``."""
 
     bounds: Bounds
     processes: int
-    scheduler: object
 
-    def pool(self, here: Pool | None = None) -> AbstractContextManager[Pool]:
-        """The workers: the scheduler's, else ``here``, else a new pool; raises LinkproofError if none opens."""
-        return opened(self.scheduler, here or LocalPool(self.processes))
+    @property
+    def pool(self) -> LocalPool:
+        """The worker processes."""
+        return LocalPool(self.processes)
 
 
 def run_resources(limits: RunLimits) -> RunResources:
-    """The bounds and the place of runs; raises LinkproofError for bad input.
+    """The bounds and the worker processes of runs; raises LinkproofError for bad input.
 
     By default there are as many worker processes as cores; a single run has a process of its own, too.
     """
@@ -161,9 +159,6 @@ def run_resources(limits: RunLimits) -> RunResources:
             )
     if limits.jobs is not None and limits.jobs < 0:
         raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {limits.jobs}")
-    if limits.jobs is not None and limits.scheduler is not None:
-        raise LinkproofError("--jobs and --scheduler exclude each other: leave one of them out")
-    check_scheduler(limits.scheduler)
     seconds = DEFAULT_BOUNDS.seconds if limits.time_limit is None else limits.time_limit
     memory = DEFAULT_BOUNDS.memory if limits.memory_limit is None else round(limits.memory_limit * GIB)
-    return RunResources(Bounds(seconds, memory), cores() if limits.jobs is None else limits.jobs, limits.scheduler)
+    return RunResources(Bounds(seconds, memory), cores() if limits.jobs is None else limits.jobs)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from reports.requests.motion_options import MotionOptions
 from reports.requests.options import Argument, Option
@@ -24,14 +24,6 @@ Settings = Annotated[
 Jobs = Annotated[
     int | None,
     Option("Worker processes; default: one per core; compare: 0 for none, no limits.", "N", affects_results=False),
-]
-Scheduler = Annotated[
-    Any,  # an address, or in Python a client of Dask
-    Option(
-        "Run on the workers of a Dask scheduler, tcp://HOST:8786, or on N of this machine, local:N.",
-        "ADDRESS",
-        affects_results=False,
-    ),
 ]
 
 
@@ -107,12 +99,8 @@ class StandardOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RunLimits:
-    """Limits of each run, s and GiB, and the place of runs; None means the default.
-
-    ``scheduler`` is an address, or in Python a client of Dask: its workers make the runs.
-    """
+    """Limits of each run, s and GiB, and worker processes; None means the default."""
 
     time_limit: Annotated[float | None, Option("Wall time that one run may take; default: 600.", "SECONDS")] = None
     memory_limit: Annotated[float | None, Option("Memory that one run may add; default: 4.", "GIB")] = None
     jobs: Jobs = None
-    scheduler: Scheduler = None

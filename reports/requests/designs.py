@@ -46,7 +46,7 @@ def check_sweep(options: SweepOptions) -> None:
     named(options.simulate)
     if options.jobs is not None and options.jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more cores, got {options.jobs}; correct it")
-    run_resources(RunLimits(jobs=options.jobs, scheduler=options.scheduler))
+    run_resources(RunLimits(jobs=options.jobs))
 
 
 def sweep_request(linkage: Linkage, options: SweepOptions) -> tuple[SweepRequest, str]:
@@ -92,7 +92,7 @@ def simulated_campaign(request: SweepRequest, options: SweepOptions, folder: Pat
         write_text(folder / f"{name}.toml", text)
     files = tuple(str(folder / f"{name}.toml") for name in designs.files)
     campaign = CompareOptions(mechanisms=files, engine=options.simulate, **vars(of_files))
-    return SimulatedCampaign(designs, campaign, RunLimits(jobs=options.jobs, scheduler=options.scheduler))
+    return SimulatedCampaign(designs, campaign, RunLimits(jobs=options.jobs))
 
 
 def build_optimisation_request(options: OptimiseOptions) -> OptimisationRequest:

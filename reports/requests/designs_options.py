@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from reports.requests.campaign_options import Scheduler
 from reports.requests.motion_options import MotionOptions
 from reports.requests.options import Argument, Json, Option
 
@@ -70,7 +69,6 @@ class SweepOptions(SteadyOptions, _Designs):
     ] = DESIGNS
     seed: Annotated[int, Option("Seed of the sample.", "N", affects_results=False)] = 0
     jobs: Annotated[int | None, Option("Processor cores; default: all.", "N", affects_results=False)] = None
-    scheduler: Scheduler = None
 
 
 @dataclass(frozen=True, kw_only=True)

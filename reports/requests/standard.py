@@ -131,8 +131,8 @@ class Campaign:
 
     @property
     def environment(self) -> dict[str, str]:
-        """How many runs are made side by side on this machine, where they are."""
-        count = min(self.resources.processes, len(self.tasks)) if self.resources.scheduler is None else 1
+        """How many runs are made side by side, where they are."""
+        count = min(self.resources.processes, len(self.tasks))
         return {CONCURRENT_RUNS: str(count)} if count > 1 else {}
 
     def document(

@@ -49,7 +49,7 @@ BEYOND = 2
 RUNS = len(catalogue()) * len(REGIMES)
 # Seconds that processes are given to notice their parent's death.
 PATIENCE = 600.0
-UNSTEADY = ("seconds", "setup_seconds", "host")  # fields of a record that differ from run to run
+UNSTEADY = ("seconds", "setup_seconds")  # fields of a record that differ from run to run
 _PR_SET_CHILD_SUBREAPER = 36
 
 

@@ -11,7 +11,6 @@ from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
-from comparisons.runs.cluster import check_scheduler, opened
 from comparisons.runs.workers import LastingPool
 from comparisons.work_precision.measure import JOINTS, chosen_families
 from comparisons.work_precision.points import FULL, QUICK
@@ -29,26 +28,18 @@ from reports.work_precision.terminal import printout
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 
 
-def bench(options: BenchOptions, destination: Destination, scheduler: object = None) -> int:
+def bench(options: BenchOptions, destination: Destination) -> int:
     """Measure, write the requested files, print the tables; returns the exit code.
 
-    By the workers of a ``scheduler``, if it is given, with a single run at a time on each machine. Raises
-    LinkproofError for bad input before any run.
+    Raises LinkproofError for bad input before any run.
     """
     destination.check(f"{KIND}.html")
     out = destination.out
-    check_scheduler(scheduler)
-    if scheduler is not None and options.costs:
-        raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
     requested = request(_default_runs(options))
     wanted = _request(options, requested)
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(requested.engines))
-    with (
-        closing(LastingPool()) as here,
-        opened(scheduler, here, alone=True) as pool,
-        report_interruption(out) as counting,
-    ):
+    with closing(LastingPool()) as pool, report_interruption(out) as counting:
         records = (
             journal(out, wanted.command, requested.engines, requested.linkages, resume=destination.resume)
             if out

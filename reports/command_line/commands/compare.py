@@ -48,7 +48,8 @@ def compare(
         destination.remark(missing_engines(request.engines))
     if out:
         _ = wanted.tasks  # a run that cannot be made is refused before the folder is touched
-    with wanted.resources.pool() as pool, report_interruption(out) as counting:
+    pool = wanted.resources.pool
+    with report_interruption(out) as counting:
         engines, linkages = request.engines, request.linkages
         records = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
         with destination.progress() as announce, destination.own_stdout():
@@ -60,7 +61,6 @@ def compare(
             errata = list(judge_errata(of_errata, engines, bounds=wanted.resources.bounds, pool=pool, journal=known))
         if destination.json or destination.save or out:
             saved = wanted.document(judged, errata, is_saved=out is not None)
-            saved["environment"] |= pool.place
             if destination.json or destination.save:
                 everything = with_runs(saved, judged.runs)
                 destination.write_json(everything)

@@ -20,8 +20,8 @@ from reports.requests.options import command_line
 from reports.stress.tables import cell_details, printout
 
 
-def run(options: StressOptions, destination: Destination, jobs: int | None = None, scheduler: object = None) -> int:
-    """Make stability maps or single cells, on the workers of a ``scheduler`` if it is given; returns the exit code.
+def run(options: StressOptions, destination: Destination, jobs: int | None = None) -> int:
+    """Make stability maps or single cells; returns the exit code.
 
     Raises LinkproofError for bad input before any run.
     """
@@ -30,14 +30,14 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
     if options.time_limit is not None and not 0.0 < options.time_limit < math.inf:
         raise LinkproofError(f"--time-limit: expected a positive finite number of s, got {options.time_limit:g}")
-    where = run_resources(RunLimits(jobs=jobs, scheduler=scheduler))
+    where = run_resources(RunLimits(jobs=jobs))
     cells = [word for word in options.words if "/" in word]
     if cells:
         return _make_named_cells(options, cells, destination, where)
     wanted, out = _request(options), destination.out
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(wanted.engines))
-    with closing(LastingPool(where.processes)) as here, where.pool(here) as pool, report_interruption(out) as counting:
+    with closing(LastingPool(where.processes)) as pool, report_interruption(out) as counting:
         records = journal(out, wanted.command, wanted.engines, resume=destination.resume) if out else None
         with destination.progress() as announce:
             result = stress(replace(wanted, pool=pool), counting(announce), records)
@@ -67,8 +67,7 @@ def _make_named_cells(
     if len(cells) < len(options.words):
         raise LinkproofError("expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind")
     chosen = [find_cell(name) for name in cells]
-    with where.pool() as pool:
-        results = make_cells(chosen, options.time_limit, pool)
+    results = make_cells(chosen, options.time_limit, where.pool)
     destination.print(*map(cell_details, results))
     destination.write_json({"cells": [result.data for result in results]})
     return stress_exit_code(results)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import tempfile
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -15,7 +14,6 @@ from comparisons.designs.saved_sweep import FILE, SavedSweep, dataset_attributes
 from comparisons.designs.simulated_designs import engines_over_designs
 from comparisons.designs.sweep import Summary, SweepRequest, figures_of_file, reason_not_assembled
 from comparisons.designs.sweep import sweep as sweep_space
-from comparisons.runs.cluster import opened
 from comparisons.runs.files import write_file, write_text
 from comparisons.runs.study import Journal
 from reports.command_line.destination import (
@@ -89,7 +87,7 @@ def _simulate(options: SweepOptions, destination: Destination, request: SweepReq
 def _compute_designs(
     options: SweepOptions, destination: Destination, request: SweepRequest, saved: SavedSweep | None
 ) -> Summary:
-    """Compute the designs that are not yet saved, here or on the workers of a scheduler."""
+    """Compute the designs that are not yet saved."""
     done: set[int] = set()
     begun = Summary(request)
     if saved is not None:
@@ -97,15 +95,10 @@ def _compute_designs(
         done = saved.begin(_journal(saved, options.table, resume=destination.resume))
         for number in sorted(done):
             begun.add(request.blocks[number], saved.read(number))
-    with (
-        opened(options.scheduler, None) as pool,
-        report_interruption(destination.out, "designs") as counting,
-        destination.progress() as announce,
-    ):
+    with report_interruption(destination.out, "designs") as counting, destination.progress() as announce:
         heard = counting(announce)
         summary = sweep_space(
-            request if pool is None else replace(request, cores=1),
-            pool=pool,
+            request,
             keep=saved.keep if saved else lambda *_: None,
             done=done,
             begun=begun,

@@ -92,7 +92,7 @@ def test_the_command_repeats_the_request(options, words):
 
 def test_limits_become_bounds_and_stay_with_the_command():
     assert (run_resources(RunLimits()), changed_options(RunLimits())) == (
-        RunResources(DEFAULT_BOUNDS, cores(), None),
+        RunResources(DEFAULT_BOUNDS, cores()),
         {},
     )
     assert run_resources(RunLimits(time_limit=90.0, memory_limit=0.5)).bounds == Bounds(90.0, GIB // 2)
@@ -109,7 +109,6 @@ def test_limits_become_bounds_and_stay_with_the_command():
         ({"memory_limit": 0.0}, "--memory-limit: expected a positive finite number of GiB, got 0"),
         ({"jobs": -2}, "--jobs: expected a number of processes, or 0 for none, got -2"),
         ({"memory_limit": 1.0, "jobs": 0}, "leave one of the two out"),
-        ({"jobs": 2, "scheduler": "local:2"}, "--jobs and --scheduler exclude each other"),
     ],
 )
 def test_impossible_limits_are_refused(limits, words):
