@@ -29,7 +29,6 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
 from comparisons.judging.records import CURVE, Record, RunRecord
 from comparisons.runs.environment import environment
-from comparisons.runs.files import write_file
 from comparisons.runs.study_folder import has_study, load_study, save_study
 from engines.contract import ReadOut
 
@@ -232,24 +231,15 @@ CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "
 
 
 def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
-    """Write the curves of all runs into one CSV file, with every digit.
+    """Fill a CSV file with the curves of all runs, with every digit.
 
     Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
-    observed and reference in the unit. Raises LinkproofError where no run has a curve, or the file cannot be written.
+    observed and reference in the unit.
     """
-    rows = _curve_rows(runs)
-    first = next(rows, None)
-    if first is None:
-        raise LinkproofError("expected curves to write as CSV, got none: no run finished")
-
-    def write(target: Path) -> None:
-        with target.open("w", encoding="utf-8", newline="") as opened:
-            writer = csv.writer(opened, lineterminator="\n")
-            writer.writerow(CURVE_COLUMNS)
-            writer.writerow(first)
-            writer.writerows(rows)
-
-    write_file(file, write)
+    with file.open("w", encoding="utf-8", newline="") as opened:
+        writer = csv.writer(opened, lineterminator="\n")
+        writer.writerow(CURVE_COLUMNS)
+        writer.writerows(_curve_rows(runs))
 
 
 def _curve_rows(runs: Iterable[RunRecord]) -> Iterator[tuple[str | float, ...]]:

@@ -232,7 +232,7 @@ def engines(names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (
 @command(
     app,
     summary="Simulate mechanisms; compare every error with its limit.",
-    texts={"save": "Write the records (.json); repeatable."},
+    texts={"save": "Write every record (.json) or every curve (.csv); repeatable."},
 )
 def compare(options: CompareOptions, output: OutputOptions, standard: StandardOptions, limits: RunLimits) -> int:
     """Simulate mechanisms in engines and compare every error with its limit.

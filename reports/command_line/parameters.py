@@ -12,10 +12,10 @@ from types import MappingProxyType
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from analytic.errors import LinkproofError
-from reports.command_line import completion
+from reports.command_line import completion, gone
 from reports.requests.options import Argument, DeclaredOption, Option, declared_options, member_type
 
 GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
@@ -37,9 +37,32 @@ class CommandGroup(TyperGroup):
         except KeyboardInterrupt as interrupt:
             raise InterruptedRunError(str(interrupt) or "nothing was written") from interrupt
 
+    def resolve_command(self, ctx: typer.Context, args: list[str]) -> Any:  # type: ignore[override]  # noqa: ANN401
+        """The command of the first word; raises LinkproofError for one that is gone."""
+        if args[0] not in self.commands and not ctx.resilient_parsing and args[0] in gone.COMMANDS:
+            raise LinkproofError(gone.answer_to_command(args[0]))
+        return super().resolve_command(ctx, args)
+
     def get_help(self, ctx: typer.Context) -> str:  # type: ignore[override]
         """The help of typer and the glossary."""
         return f"{super().get_help(ctx)}\n\n{GLOSSARY.read_text(encoding='utf-8')}"
+
+
+class Command(TyperCommand):
+    """A command that answers an option that is gone with what to do instead."""
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
+        """Parse the words; raises LinkproofError for an option that is gone."""
+        answer = "" if ctx.resilient_parsing else gone.answer_to_json_file(args)
+        try:
+            if not answer:
+                return super().parse_args(ctx, args)
+        except Exception as error:
+            option = getattr(error, "option_name", None)  # of typer's own NoSuchOption, or click's
+            answer = gone.answer_to_option(self.name or "", option) if option else ""
+            if not answer:
+                raise
+        raise LinkproofError(answer)
 
 
 def command(
@@ -80,7 +103,7 @@ def command(
         called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         called.__annotations__ = {number.name: number.annotation for number in parameters}
         del called.__wrapped__  # its signature would replace this one
-        app.command(name, short_help=summary)(called)
+        app.command(name, cls=Command, short_help=summary)(called)
         return function
 
     return add_command

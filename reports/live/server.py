@@ -27,21 +27,15 @@ HEADERS: Final = {
 
 
 class PageServer(ThreadingHTTPServer):
-    """Serves the files that ``page`` gives by name, on a port of this machine, 0 for any free one.
+    """Serves the files that ``page`` gives by name, on a free port of this machine.
 
     Among them are index.html and "state", by which a page notices that it has changed. ``address`` leads to it.
     ``save`` gets a text and the state of the page that it comes from; what it raises is shown on that page.
-    Raises LinkproofError where it cannot serve there.
     """
 
-    def __init__(self, page: Callable[[], Mapping[str, bytes]], save: Callable[[str, str], None], port: int) -> None:
+    def __init__(self, page: Callable[[], Mapping[str, bytes]], save: Callable[[str, str], None]) -> None:
         self.page, self.save = page, save
-        try:
-            super().__init__((HOST, port), _Request)
-        except (OSError, OverflowError) as error:
-            raise LinkproofError(
-                f"cannot serve at --port {port} ({error}): name another, or leave it out for a free one"
-            ) from error
+        super().__init__((HOST, 0), _Request)
         self.site = f"http://{HOST}:{self.server_port}"
         self.folder = f"/{secrets.token_urlsafe(24)}/"
         self.address = self.site + self.folder

@@ -95,9 +95,8 @@ class ResultsOptions(MotionOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class WatchOptions(ResultsOptions):
-    """The motion of ``linkproof watch``, its ``port``, 0 for any free one, and whether it ``opens`` a browser."""
+    """The motion of ``linkproof watch``, and whether it ``opens`` a browser."""
 
-    port: Annotated[int, Option("Port of the local server; default: a free one.", "N")] = 0
     opens: Annotated[bool, Option("Open no browser, only print the address.", flags=("--no-open",))] = True
 
 

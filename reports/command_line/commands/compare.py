@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +13,7 @@ from analytic.description.loading import catalogue, literature
 from comparisons.campaign.campaign import sheets
 from comparisons.campaign.errata import SPEED_QUANTITY, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
-from comparisons.campaign.results import save, with_runs
+from comparisons.campaign.results import save, with_runs, write_curves
 from comparisons.campaign.standard import JudgedCampaign
 from comparisons.datasheet.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.run_engine import Failure
@@ -29,7 +30,10 @@ from reports.requests.exit_codes import campaign_exit_code
 from reports.requests.standard import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign
 
 PAGE = "index.html"
-WRITERS: Final[Writers] = {".json": to_json}
+WRITERS: Final[Writers] = {
+    ".json": lambda saved, runs: to_json(with_runs(saved, runs)),
+    ".csv": lambda _, runs: partial(write_curves, runs),
+}
 
 
 def compare(
@@ -61,10 +65,9 @@ def compare(
             errata = list(judge_errata(of_errata, engines, bounds=wanted.resources.bounds, pool=pool, journal=known))
         if destination.json or destination.save or out:
             saved = wanted.document(judged, errata, is_saved=out is not None)
-            if destination.json or destination.save:
-                everything = with_runs(saved, judged.runs)
-                destination.write_json(everything)
-                destination.write_saves(WRITERS, everything)
+            if destination.json:
+                destination.write_json(with_runs(saved, judged.runs))
+            destination.write_saves(WRITERS, saved, judged.runs)
         if out:
             resources = wanted.resources
             save(out, saved, judged.runs, sheets(request, bounds=resources.bounds, processes=resources.processes))

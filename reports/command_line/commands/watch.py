@@ -31,7 +31,7 @@ def watch(options: WatchOptions) -> None:
         browser = webbrowser.get() if options.opens else None
     except webbrowser.Error as error:
         raise LinkproofError("no browser on this machine: add --no-open, and open the printed address") from error
-    with PageServer(file.page, file.save, options.port) as server:
+    with PageServer(file.page, file.save) as server:
         show(f"page: {server.address}; Ctrl-C ends it", stderr=True)
         if browser:
             Thread(target=browser.open, args=(server.address,), daemon=True).start()

@@ -1,0 +1,64 @@
+"""Every command and option of linkproof 1.0 that is gone is answered in a sentence; what there is, is listed here."""
+
+import pytest
+import typer
+
+from analytic.errors import LinkproofError
+from reports.command_line import app as main_app
+from reports.command_line import designs_app  # noqa: F401 - adds its commands
+from tests.commands import refused
+
+MOTION = "variant regime speed ramp-time hold-time start-angle from to clockwise no-gravity"
+SWING = "variant regime speed from to clockwise no-gravity"
+# Commands and options of 1.0.
+BEFORE = {
+    "list": "figures numbers json",
+    "show": "variant json",
+    "new": "",
+    "check": "variant svg json strict",
+    "schema": "",
+    "thread": "variant required json",
+    "published": "literature json",
+    "results": f"{MOTION} at time csv decimal xlsx json svg png pdf gif dxf figure out open strict quiet",
+    "watch": f"{MOTION} port no-open",
+    "engines": "json",
+    "compare": f"{MOTION} engine setting quantity full out json junit resume quiet verbose limits baseline "
+    "record-baseline allow-new allow-missing time-limit memory-limit jobs scheduler",
+    "judge": f"{MOTION} mapping limit out json quiet verbose svg write-mapping",
+    "bench": f"{MOTION} engine quantity quick costs out json resume quiet verbose scheduler",
+    "stress": "engine setting quick time-limit out json resume quiet verbose jobs scheduler",
+    "check-engine": "json quiet jobs",
+    "doctor": "json",
+    "export": f"{MOTION} engine setting cell out",
+    "sweep": f"{SWING} vary table quantity scale-mass angles refine simulate designs seed jobs scheduler csv svg "
+    "out json resume quiet",
+    "optimise": f"{SWING} minimise maximise over keep scale-mass angles starts seed global round simulate "
+    "out json quiet",
+    "tolerance": "variant regime from to clockwise no-gravity scale-mass angles samples seed json csv svg quiet",
+    "report": "out single-file csv png open",
+    "verify": "limits json quiet",
+    "diff": "json quiet verbose",
+    "merge": "out",
+}
+COMMANDS = typer.main.get_command(main_app.app).commands
+NOW = {
+    name: [flag.removeprefix("--") for option in command.params for flag in option.opts if flag.startswith("--")]
+    for name, command in COMMANDS.items()
+}
+
+
+@pytest.mark.parametrize("command", [name for name in BEFORE if name not in NOW])
+def test_a_command_that_is_gone_is_answered(command):
+    assert refused(command, "juki-mf7923d", "--json").startswith(f"linkproof: {command}: ")
+
+
+@pytest.mark.parametrize("command", [name for name in BEFORE if name in NOW])
+def test_an_option_that_is_gone_is_answered(command):
+    for option in {*BEFORE[command].split()} - {*NOW[command]}:
+        with pytest.raises(LinkproofError, match=f"^--{option}: "):
+            COMMANDS[command].make_context(command, ["x", f"--{option}", "y"])
+
+
+@pytest.mark.parametrize("file", ["-", "r.json"])
+def test_a_file_after_json_is_answered(file):
+    assert "--json: takes no file and prints on stdout" in refused("compare", "juki-mf7923d", "--json", file)
