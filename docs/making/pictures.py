@@ -31,7 +31,7 @@ def draw(picture: str, page: str, command: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for name, text in FILE.findall((ROOT / page).read_text(encoding="utf-8")):
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        words = [sys.executable, "-m", "reports.command_line.main", *command.split(), "--svg", picture]
+        words = [sys.executable, "-m", "reports.command_line.main", *command.split(), "--save", picture]
         subprocess.run(words, cwd=folder, check=True, stdout=subprocess.DEVNULL)
         shutil.copy(Path(folder) / picture, ASSETS / picture)
 

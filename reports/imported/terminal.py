@@ -44,7 +44,7 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
     rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
     parts += [Table("", head, rows, "lrrrrrrl"), *_notes(judgement)]
     if judgement.not_judged:
-        parts += ["", "Not judged; if one is a signal, name it in a mapping (--write-mapping FILE writes one):"]
+        parts += ["", "Not judged; if one is a signal, name it in a mapping (--save FILE.toml writes one):"]
         parts.append(
             Table("", ("column", "why"), [(f"'{c.header}' ({c.place})", w) for c, w in judgement.not_judged], "l")
         )
