@@ -1,4 +1,4 @@
-"""The analysis of a benchmark's records: orders, floors, fronts, the point to choose, and the settings' standing.
+"""The analysis of a benchmark's records: orders, least errors, fronts, the point to choose, and the settings' standing.
 
 Pure functions of records. Times are those of set-up and stepping, each the shortest of the repeats: a method that steps
 fast because it builds for long is not cheap.
@@ -7,12 +7,12 @@ fast because it builds for long is not cheap.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import attrgetter
 
 from comparisons.work_precision.records import METHOD, SETTING, Bench, BenchRecord, PointRecord, split_by_quantity
-from comparisons.work_precision.step_sweep import Floor, StepSweep, floor, observed_order, pareto, price, sustained
+from comparisons.work_precision.step_sweep import is_falling, observed_order, pareto, price, sustained
 from engines.contract import Setting
 
 # Largest errors, over the peak, that somebody may want.
@@ -21,13 +21,9 @@ WANTED = tuple(10.0**-k for k in range(2, 9))
 
 @dataclass(frozen=True)
 class MethodSweep:
-    """One method at one solver effort in one quantity: its points that finished, coarse to fine.
-
-    ``others`` are the same method's sweeps at other efforts, which tell why it gets no nearer to the truth.
-    """
+    """One method in one quantity: its points that finished, coarse to fine."""
 
     records: tuple[BenchRecord, ...]
-    others: Sequence[MethodSweep] = field(default=(), compare=False, repr=False)
 
     @property
     def first(self) -> BenchRecord:
@@ -37,7 +33,7 @@ class MethodSweep:
     @property
     def least(self) -> BenchRecord:
         """The point of the smallest error."""
-        return self.records[self.numbers.best]
+        return min(self.records, key=_largest_error)
 
     @cached_property
     def seconds(self) -> tuple[float, ...]:
@@ -45,21 +41,19 @@ class MethodSweep:
         return tuple(record.total_seconds for record in self.records)
 
     @cached_property
-    def numbers(self) -> StepSweep:
-        """Steps, largest errors over the peak and the solver's effort as bare numbers."""
-        steps, finest = tuple(record.step or 0.0 for record in self.records), self.records[-1]
-        work = finest.solver_work / finest.steps if finest.steps else 0.0
-        return StepSweep(steps, tuple(map(_largest_error, self.records)), finest.effort, finest.effort_unit, work)
+    def errors(self) -> tuple[float, ...]:
+        """The largest error of each point, over the peak."""
+        return tuple(map(_largest_error, self.records))
 
     @cached_property
     def order(self) -> float | None:
         """The observed order; None unless three points agree on it."""
-        return observed_order(self.numbers)
+        return observed_order([record.step or 0.0 for record in self.records], self.errors)
 
-    @cached_property
-    def floor(self) -> Floor:
-        """The smallest error, and why it is not smaller."""
-        return floor(self.numbers, [other.numbers for other in self.others])
+    @property
+    def has_floor(self) -> bool:
+        """Whether finer steps do not lower the least error."""
+        return len(self.errors) > 1 and not is_falling(self.errors)
 
 
 @dataclass(frozen=True)
@@ -93,23 +87,14 @@ class SettingComparison:
 
 
 def method_sweeps(records: Iterable[BenchRecord]) -> tuple[MethodSweep, ...]:
-    """The methods' sweeps among these records, in the order they appear, each beside those at other efforts."""
+    """The methods' sweeps among these records, in the order they appear."""
     groups: dict[tuple[object, ...], list[BenchRecord]] = {}
     for record in records:
         if record.kind == METHOD and record.finished:
             groups.setdefault(record.sweep, []).append(record)
-    sweeps = [MethodSweep(tuple(sorted(group, key=lambda record: -(record.step or 0.0)))) for group in groups.values()]
-    methods: dict[tuple[object, ...], list[MethodSweep]] = {}
-    for sweep in sweeps:
-        methods.setdefault(_method_key(sweep.first), []).append(sweep)
     return tuple(
-        replace(sweep, others=[other for other in methods[_method_key(sweep.first)] if other is not sweep])
-        for sweep in sweeps
+        MethodSweep(tuple(sorted(group, key=lambda record: -(record.step or 0.0)))) for group in groups.values()
     )
-
-
-def _method_key(record: BenchRecord) -> tuple[object, ...]:
-    return (*record.place, record.engine, record.setting, record.quantity)
 
 
 def judged(points: Sequence[PointRecord]) -> tuple[PointRecord, ...]:
@@ -166,7 +151,7 @@ def _largest_error(record: BenchRecord) -> float:
 def choices(records: Sequence[BenchRecord], limits: Sequence[float] = WANTED) -> tuple[PointChoice, ...]:
     """The point to choose for every error, among one engine's records of one quantity; empty if nothing finished.
 
-    A point of a sweep counts if the finer ones, down to the sweep's floor, hold the error too.
+    A point of a sweep counts if the finer ones, down to the sweep's least error, hold the error too.
     """
     finished = [record for record in records if record.finished]
     if not finished:
@@ -181,7 +166,7 @@ def _points_reaching(records: Sequence[BenchRecord], limit: float) -> Iterator[B
     """Settings at or below an error, and of every sweep its coarsest step that holds it."""
     yield from (record for record in records if record.kind == SETTING and _largest_error(record) <= limit)
     for sweep in method_sweeps(records):
-        place = sustained(sweep.numbers.errors, limit)
+        place = sustained(sweep.errors, limit)
         if place is not None:
             yield sweep.records[place]
 
@@ -193,13 +178,13 @@ def compare_settings(records: Sequence[BenchRecord]) -> tuple[SettingComparison,
     for record in records:
         if record.kind == SETTING and record.finished:
             rivals = [sweep for sweep in sweeps if record.setting == Setting.BEST or not sweep.first.is_extrapolated]
-            prices = [(price(sweep.seconds, sweep.numbers.errors, _largest_error(record)), sweep) for sweep in rivals]
+            prices = [(price(sweep.seconds, sweep.errors, _largest_error(record)), sweep) for sweep in rivals]
             met = [(cost, sweep) for cost, sweep in prices if cost is not None]
             cheapest = min(met, key=lambda pair: pair[0], default=None)
             if cheapest is None:
                 results.append(SettingComparison(record, None, None))
             else:
-                place = sustained(cheapest[1].numbers.errors, _largest_error(record))
+                place = sustained(cheapest[1].errors, _largest_error(record))
                 assert place is not None
                 results.append(SettingComparison(record, cheapest[1].records[place], cheapest[0]))
     return tuple(results)
@@ -210,8 +195,6 @@ def compare_settings(records: Sequence[BenchRecord]) -> tuple[SettingComparison,
 
 # The quantity by which a place is judged unless the user names others: the first of these that it has.
 FOREMOST = ("Mkr", "phi")
-# Methods' names and the solver efforts that they come with.
-Efforts = tuple[tuple[str, float | None], ...]
 
 
 @dataclass(frozen=True)
@@ -220,17 +203,11 @@ class EngineFacts:
 
     engine: str
     records: tuple[BenchRecord, ...]
-    default_efforts: Efforts
 
     @cached_property
     def sweeps(self) -> tuple[MethodSweep, ...]:
-        """Order and floor of every method at every effort."""
+        """The sweep of every method over its steps."""
         return method_sweeps(self.records)
-
-    @cached_property
-    def methods(self) -> tuple[MethodSweep, ...]:
-        """The sweeps at a method's default effort."""
-        return tuple(sweep for sweep in self.sweeps if self.is_default_effort(sweep.first))
 
     @property
     def is_control(self) -> bool:
@@ -247,10 +224,6 @@ class EngineFacts:
         """The settings compared with the methods' front; empty for the control."""
         return () if self.is_control else compare_settings(self.records)
 
-    def is_default_effort(self, record: BenchRecord) -> bool:
-        """Whether a point belongs to a method at its default effort."""
-        return (record.setting, record.effort) in self.default_efforts
-
 
 @dataclass(frozen=True)
 class PlaceFacts:
@@ -261,7 +234,6 @@ class PlaceFacts:
     variant: str
     regime: str
     records: tuple[BenchRecord, ...]
-    default_efforts: Mapping[str, Efforts]
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -287,7 +259,7 @@ class PlaceFacts:
         return {quantity: tuple(self._engine_facts(rows)) for quantity, rows in mine.items()}
 
     def _engine_facts(self, rows: Mapping[str, Sequence[BenchRecord]]) -> list[EngineFacts]:
-        facts = [EngineFacts(name, tuple(mine), self.default_efforts.get(name, ())) for name, mine in rows.items()]
+        facts = [EngineFacts(name, tuple(mine)) for name, mine in rows.items()]
         return sorted(facts, key=lambda entry: entry.is_control)
 
     def rankable_records(self, quantity: str) -> list[BenchRecord]:
@@ -301,14 +273,11 @@ Regimes = Mapping[str, Sequence[PlaceFacts]]
 def places(bench: Bench) -> tuple[PlaceFacts, ...]:
     """All mechanisms and regimes of a benchmark, in the order measured."""
     titles = {facts["name"]: facts["title"] for facts in bench.document["mechanisms"]}
-    efforts: dict[str, Efforts] = {}
-    for words in bench.document["methods"]:
-        efforts[words["engine"]] = (*efforts.get(words["engine"], ()), (words["name"], words["effort"]))
     groups: dict[tuple[str, str, str], list[BenchRecord]] = {}
     for record in bench.records:
         groups.setdefault(record.place, []).append(record)
     return tuple(
-        PlaceFacts(name, titles.get(name, name), variant, regime, tuple(records), efforts)
+        PlaceFacts(name, titles.get(name, name), variant, regime, tuple(records))
         for (name, variant, regime), records in groups.items()
     )
 

@@ -1,10 +1,10 @@
-"""The points of a benchmark: methods, steps and solver efforts, the end of each sweep, the number of repeats."""
+"""The points of a benchmark: methods and steps, the end of each sweep, the number of repeats."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 from comparisons.judging.records import Verdict
 from comparisons.runs.run_engine import Failure
@@ -12,11 +12,6 @@ from comparisons.work_precision.records import PointRecord
 from comparisons.work_precision.step_sweep import still_improves
 from engines.contract import Method, Outcome, Setting
 
-# Solver efforts that are tried beside a method's own, in the units engines speak of.
-EFFORTS: Mapping[str, tuple[float, ...]] = {
-    "iterations": (10.0, 30.0, 100.0, 300.0),
-    "relative tolerance": (1e-6, 1e-9, 1e-12),
-}
 # A step too long for an engine may be cured by a shorter one, but not for ever.
 MOST_FAILURES = 3
 # Steps that every sweep takes, whatever they cost and gain: fewer are no curve, and show neither order nor floor.
@@ -35,21 +30,20 @@ class Extent:
 
     ``steps_per_turn`` of the crank's peak speed, coarse to fine; after ``FEWEST`` a sweep ends before a point that
     would take longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s,
-    in all; both count set-up and stepping. ``effort_stride`` is the stride through the steps in sweeps at other solver
-    efforts; 0 leaves these out. No run is begun after ``deadline``, s from the start. ``fronts_only`` measures of each
-    engine the most advanced method, of a single run and of several, and leaves out the best setting, which repeats one.
+    in all; both count set-up and stepping. No run is begun after ``deadline``, s from the start. ``fronts_only``
+    measures of each engine the most advanced method, of a single run and of several, and leaves out the best setting,
+    which repeats one.
     """
 
     steps_per_turn: tuple[float, ...]
     budget: float
     repeats: int
     patience: float
-    effort_stride: int = 0
     deadline: float = math.inf
     fronts_only: bool = False
 
 
-FULL = Extent(tuple(12.0 * 2.0**k for k in range(12)), budget=1.0, repeats=5, patience=0.6, effort_stride=2)
+FULL = Extent(tuple(12.0 * 2.0**k for k in range(12)), budget=1.0, repeats=5, patience=0.6)
 QUICK = Extent(
     tuple(6.0 * 2.0**k for k in range(8)), budget=0.3, repeats=2, patience=0.1, deadline=45.0, fronts_only=True
 )
@@ -60,7 +54,7 @@ OUT_OF_TIME = "the time for the whole benchmark was up"
 class Point:
     """One way of running one engine on one case: a setting as it is, or a method at a step.
 
-    ``case`` is its place among the cases; ``method`` carries the solver effort.
+    ``case`` is its place among the cases.
     """
 
     case: int
@@ -76,11 +70,10 @@ class Point:
 
     @property
     def words(self) -> str:
-        """Setting, or method with its effort and steps, in words."""
+        """Setting, or method with its steps, in words."""
         if self.method is None:
             return f"setting {self.setting}"
-        effort = "" if self.method.effort is None else f" at {self.method.effort_unit} {self.method.effort:g}"
-        return f"{self.method.name}{effort}, {self.steps_per_turn:g} steps a turn"
+        return f"{self.method.name}, {self.steps_per_turn:g} steps a turn"
 
     @property
     def key(self) -> str:
@@ -150,30 +143,19 @@ class PointSweep:
 
 
 def planned_sweeps(
-    case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent, *, efforts: bool
+    case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent
 ) -> list[PointSweep]:
-    """The sweeps of one engine on one case: settings, methods, and on request methods at other solver ``efforts``."""
+    """The sweeps of one engine on one case: settings, then methods."""
     if extent.fronts_only:
         settings = [setting for setting in settings if setting is not Setting.BEST]
         methods = [*_most_advanced(methods, extrapolated=False), *_most_advanced(methods, extrapolated=True)]
     sweeps = [PointSweep([Point(case, engine, setting)], math.inf) for setting in settings]
     for method in methods:
-        sweeps.append(_method_sweep(case, engine, method, extent.steps_per_turn, extent))
-        if efforts and extent.effort_stride:
-            steps = extent.steps_per_turn[:: extent.effort_stride]
-            sweeps += [_method_sweep(case, engine, other, steps, extent) for other in _other_efforts(method)]
+        points = [Point(case, engine, method=method, steps_per_turn=n) for n in extent.steps_per_turn]
+        sweeps.append(PointSweep(points, extent.budget))
     return sweeps
 
 
 def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
     """The most advanced method of a single run, or of several extrapolated: an engine names its simplest first."""
     return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
-
-
-def _method_sweep(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> PointSweep:
-    return PointSweep([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
-
-
-def _other_efforts(method: Method) -> list[Method]:
-    """The method at the efforts of its unit, less its own."""
-    return [replace(method, effort=e) for e in EFFORTS.get(method.effort_unit, ()) if e != method.effort]

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Any, Final
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, TypeAdapter
+from pydantic import NonNegativeFloat, TypeAdapter
 from typing_extensions import TypedDict
 
 from comparisons.judging.records import QuantityRecord, RunRecord, Verdict
@@ -75,8 +75,7 @@ class PointRecord(RunRecord):
     @property
     def key(self) -> str:
         """The unique key of the point."""
-        steps = (("step", self.step), ("effort", self.effort))
-        return super().key + "".join(f", {name} {value!r}" for name, value in steps if value is not None)
+        return super().key + ("" if self.step is None else f", step {self.step!r}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,9 +85,9 @@ class BenchRecord(PointRecord):
     quantity: str
 
     @property
-    def sweep(self) -> tuple[str, str, str, str, str, str, float | None, str]:
+    def sweep(self) -> tuple[str, ...]:
         """The identity of a point's sweep: everything but the step."""
-        return (*self.place, self.engine, self.kind, self.setting, self.effort, self.quantity)
+        return (*self.place, self.engine, self.kind, self.setting, self.quantity)
 
     @property
     def error(self) -> QuantityRecord | None:
@@ -147,27 +146,6 @@ class Noise:
         return float(np.quantile(self.samples, 0.9)) / self.least - 1.0 if self.samples else 0.0
 
 
-@dataclass(frozen=True)
-class MeasuredCost:
-    """One reduction of a linkage in one engine.
-
-    ``solver`` is the engine, the reference's control where ``is_control``; ``about`` describes the scene. ``seconds``
-    are of every repeat, s: whole runs, of which ``stepping`` is the engine's own share.
-    """
-
-    mechanism: str
-    variant: str
-    solver: str
-    reduction: str
-    about: str
-    outcome: str = Outcome.FINISHED.value
-    reason: str = ""
-    seconds: Annotated[tuple[float, ...], Field(min_length=1)] = ()
-    stepping: tuple[float, ...] = ()
-    steps: int = 0
-    is_control: bool = False
-
-
 class SavedNoise(TypedDict):
     """Times of the same fixed work, s."""
 
@@ -186,12 +164,10 @@ class SavedBench(TypedDict):
     first_use: list[Mapping[str, Any]]  # by engine, s its first scene took more than its second
     mechanisms: list[Mapping[str, str]]
     methods: list[Mapping[str, Any]]  # as the engines describe them
-    costs: list[MeasuredCost]
     quantities: list[str]
 
 
 FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedBench)
-_COSTS: Final = TypeAdapter(tuple[MeasuredCost, ...])
 
 
 @dataclass(frozen=True)
@@ -210,11 +186,6 @@ class Bench:
     def records(self) -> tuple[BenchRecord, ...]:
         """Every point in each of its quantities."""
         return split_by_quantity(self.points, self.document["quantities"])
-
-    @cached_property
-    def costs(self) -> tuple[MeasuredCost, ...]:
-        """The cost of each output and load; empty if not requested."""
-        return _COSTS.validate_python(self.document["costs"])
 
     @cached_property
     def noise(self) -> Noise:

@@ -16,7 +16,6 @@ from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from typing import Any
 
-from analytic.description.linkage import Linkage
 from analytic.errors import UnknownNameError
 from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.environment import environment
@@ -24,7 +23,6 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.study import Announce, Journal, Study, Task
 from comparisons.runs.workers import ONE_BY_ONE, Bounds, Pool
-from comparisons.work_precision import costs
 from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.measure import WORK, measure, point_record
 from comparisons.work_precision.points import FULL, Extent, Point, PointSweep, planned_sweeps
@@ -159,9 +157,7 @@ QUANTITIES = ("Mkr", "Jeq", "phi", "joint_force")
 class BenchRequest:
     """The request of a benchmark; no ``methods`` means all of them.
 
-    Solver efforts are tried on the first regime of every mechanism alone, which is enough to show their effect.
-    The ``pool`` makes one run at a time on a machine. ``with_costs`` measures what each output and load costs, too.
-    ``command`` repeats it.
+    The ``pool`` makes one run at a time on a machine. ``command`` repeats it.
     """
 
     cases: tuple[Case, ...]
@@ -171,7 +167,6 @@ class BenchRequest:
     methods: tuple[str, ...] = ()
     extent: Extent = FULL
     pool: Pool = ONE_BY_ONE
-    with_costs: bool = False
     command: str = ""
 
 
@@ -222,15 +217,8 @@ def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Round
             {"name": linkage.name, "title": linkage.title, "variant": linkage.variant} for linkage in linkages.values()
         ],
         "methods": _method_descriptions(request),
-        "costs": _costs(list(linkages.values()), request.engines) if request.with_costs else [],
         "quantities": list(request.quantities),
     }
-
-
-def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:
-    """The cost of each output and load, in the linkage with the most loads and the installed engines."""
-    present = [name for name in engines if why_unavailable(engine(name)) is None]
-    return [asdict(cost) for cost in costs.measure(costs.most_reducible(linkages), present)]
 
 
 def _first_uses(sweeps: Sequence[PointSweep], engine: str) -> tuple[float, ...]:
@@ -268,17 +256,13 @@ def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
 
 def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
     """All sweeps of the request; an engine that is not installed has one point that says so."""
-    known: set[tuple[str, str]] = set()
     for number, case in enumerate(request.cases):
-        linkage = case.mechanism.linkage
-        first = (linkage.name, linkage.variant) not in known
-        known.add((linkage.name, linkage.variant))
         for name in request.engines:
             if why_unavailable(engine(name)) is not None:
                 yield PointSweep([Point(number, name)], 0.0)
             else:
                 methods = _methods(request, case, name)
-                yield from planned_sweeps(number, name, methods, request.settings, request.extent, efforts=first)
+                yield from planned_sweeps(number, name, methods, request.settings, request.extent)
 
 
 def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[list[PointSweep]]:

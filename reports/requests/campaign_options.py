@@ -56,7 +56,6 @@ class BenchOptions(RunsOptions):
     """The runs of ``linkproof bench``, which has settings and methods of its own."""
 
     quick: Annotated[bool, Option("Measure only the fronts, over one turn, in under a minute.")] = False
-    costs: Annotated[bool, Option("Also measure the cost of each output and load.")] = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -89,5 +89,5 @@ def _cell(engines: Sequence[EngineFacts], column: int) -> TableCell:
         least = [facts.choices[column].closest.error_max or 0.0 for facts in engines if facts.choices]
         return TableCell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
     share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
-    taken = Counter(way_words(*pair) for pair in met).most_common(1)[0][0]
+    taken = Counter(way_words(record) for _, record in met).most_common(1)[0][0]
     return TableCell(_time_span([record for _, record in met]), note=f"{taken}{share}")

@@ -54,7 +54,7 @@ def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
     notes = []
     for facts in place.engines(place.foremost):
         curves += _engine(facts, colours[facts.engine])
-        notes += [_order_note(sweep) for sweep in facts.methods if sweep.order]
+        notes += [_order_note(sweep) for sweep in facts.sweeps if sweep.order]
     title, names = f"{place.mechanism}: {plain(place.foremost)}", ("set-up and stepping, s", "largest |error| / peak")
     return Panel(tuple(curves), *names, notes=tuple(notes), scale="loglog", title=title)
 
@@ -66,10 +66,10 @@ def _order_note(sweep: MethodSweep) -> Note:
 
 def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
     """The curves of one engine: its sweeps, floors, fronts and settings."""
-    for sweep in facts.methods:
+    for sweep in facts.sweeps:
         line = LINES[sweep.first.is_extrapolated]
         yield Curve(*_places(sweep.records), ink=ink, line=line, width=0.6, marker=".")
-        if sweep.floor.cause.is_floor:
+        if sweep.has_floor:
             yield Curve(*_places([sweep.least]), ink=ink, line="", marker="_", size=11.0)
     fronts = _fronts(facts.records)
     lowest = min((y[-1] for _, y in fronts if len(y)), default=0.0)

@@ -1,16 +1,14 @@
-"""The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods, costs."""
+"""The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods."""
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from comparisons.judging.limits import grouped
 from comparisons.runs.record_file import RECORDS
 from comparisons.work_precision.analysis import EngineFacts, PlaceFacts, Regimes, by_regime, places
-from comparisons.work_precision.records import KIND, SETTING, Bench, BenchRecord, MeasuredCost
-from engines.contract import Outcome
+from comparisons.work_precision.records import KIND, Bench, BenchRecord
 from reports.document.numbers import ABSENT, error, seconds
 from reports.document.parts import (
     Bullets,
@@ -36,43 +34,15 @@ from reports.work_precision.overview import drawn_error, figures, inks
 from reports.work_precision.words import (
     comparison_words,
     effort_words,
-    engine_label,
     engine_labels,
     failed_methods,
     judged_by,
     label_of,
-    limit_words,
+    least_words,
     method_words,
     noise_note,
     noise_share,
 )
-
-# The cost of a whole scene beside those of scenes with less in them.
-
-
-def cost_table(costs: Sequence[MeasuredCost]) -> Table:
-    """Least times, with their shares of the whole scene's: scenes down, engines across, the control last."""
-    ordered = sorted(costs, key=lambda cost: cost.is_control)
-    solvers, scenes = dict.fromkeys(map(_cost_label, ordered)), dict.fromkeys(cost.reduction for cost in costs)
-    whole = {_cost_label(cost): min(cost.seconds) for cost in costs if cost.reduction == next(iter(scenes))}
-    cells = {(cost.reduction, _cost_label(cost)): _cell(cost, whole[_cost_label(cost)]) for cost in costs}
-    rows = tuple((scene, *(cells.get((scene, name), "") for name in solvers)) for scene in scenes)
-    notes = sentence("cost_notes", costs=costs)
-    return Table(sentence("cost_of_runs", first=costs[0]), ("scene", *solvers), rows, "lr", notes)
-
-
-def _cost_label(cost: MeasuredCost) -> str:
-    return engine_label(cost.solver, cost.is_control)
-
-
-def _cell(cost: MeasuredCost, whole: float) -> TableCell:
-    """The least time of a scene with its share of the whole scene's, s; or why there is none."""
-    if cost.outcome != Outcome.FINISHED:
-        return TableCell(cost.outcome, "failed", tooltip=cost.reason)
-    least, median = min(cost.seconds), statistics.median(cost.seconds)
-    more = f"median {seconds(median)}; stepping {seconds(min(cost.stepping, default=0.0))}, {cost.steps} steps"
-    return TableCell(f"{seconds(least)} ({100.0 * least / whole:.0f} %)", tooltip=more)
-
 
 # The diagram of error over cost, as data for its script: any mechanism, quantity and measure of the cost.
 
@@ -101,8 +71,8 @@ def place_data(place: PlaceFacts) -> dict[str, Any]:
     """Sweeps and settings of one mechanism and regime, JSON-ready.
 
     A quantity is its name, a reader's, its unit and the closed form's peak; the foremost is the first. A sweep's
-    ``ends`` have by quantity what limits the error, and the order; a point's ``errors`` are, over the peak, the largest
-    as drawn, the largest and the root mean square.
+    ``ends`` have by quantity the least error in words, and the order; a point's ``errors`` are, over the peak, the
+    largest as drawn, the largest and the root mean square.
     """
     names = sorted(place.quantities, key=lambda name: name != place.foremost)
     sweeps: dict[tuple[object, ...], dict[str, Any]] = {}
@@ -110,25 +80,24 @@ def place_data(place: PlaceFacts) -> dict[str, Any]:
     for facts in (entry for name in names for entry in place.engines(name)):
         for record in facts.records:
             if record.finished and (quantity_record := record.error):
-                point = _point_as_dict(sweeps.setdefault(_sweep_key(record), _shared_facts(facts, record)), record)
+                point = _point_as_dict(sweeps.setdefault(_sweep_key(record), _shared_facts(record)), record)
                 errors = (drawn_error(record), quantity_record.error_max, quantity_record.error_rms)
                 point["errors"][record.quantity] = [*map(_digits, errors)]
                 peaks[record.quantity] = [quantity_record.unit, _digits(quantity_record.peak)]
         for sweep in facts.sweeps:
-            sweeps[_sweep_key(sweep.first)]["ends"][sweep.first.quantity] = [limit_words(sweep), _digits(sweep.order)]
+            sweeps[_sweep_key(sweep.first)]["ends"][sweep.first.quantity] = [least_words(sweep), _digits(sweep.order)]
     tables = [{**sweep, "points": list(sweep["points"].values())} for sweep in sweeps.values()]
     return {"quantities": [[name, plain(name), *peaks[name]] for name in names], "sweeps": tables}
 
 
 def _sweep_key(record: BenchRecord) -> tuple[object, ...]:
-    return (record.engine, record.kind, record.setting, record.effort)
+    return (record.engine, record.kind, record.setting)
 
 
-def _shared_facts(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
+def _shared_facts(record: BenchRecord) -> dict[str, Any]:
     return {
         **{name: getattr(record, name) for name in SHARED},
-        "way": method_words(facts, record),
-        "own": record.kind == SETTING or facts.is_default_effort(record),
+        "way": method_words(record),
         "solver": effort_words(record.effort, record.effort_unit),
         "ends": {},
         "points": {},
@@ -146,7 +115,7 @@ def _digits(value: object) -> object:
     return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
-# The settings compared with the methods of their engine, and the methods' orders and floors.
+# The settings compared with the methods of their engine, and the methods' orders and least errors.
 
 
 # Of one engine in one place: a row's head and its cell there.
@@ -154,7 +123,7 @@ Rows = Callable[[EngineFacts], Iterator[tuple[TableCell, TableCell]]]
 
 
 def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise: float) -> Section:
-    """Settings, orders and floors; times closer than the share ``noise`` are the same.
+    """Settings, orders and least errors; times closer than the share ``noise`` are the same.
 
     ``methods`` are what the benchmark's document says of each.
     """
@@ -162,19 +131,19 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
 
     def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
         for each in facts.setting_comparisons:
-            comparison = comparison_words(each, facts, noise).lstrip(":; ") if facts.sweeps else ""
+            comparison = comparison_words(each, noise).lstrip(":; ") if facts.sweeps else ""
             words = f"{error(each.record.error_max)} in {seconds(each.record.total_seconds)}".replace(" ", "\u00a0")
             cell = TableCell(words, note=comparison.partition(":")[0], tooltip=comparison)
             yield TableCell(each.record.setting), cell
 
     def sweeps(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
-        for method in facts.methods:
+        for method in facts.sweeps:
             order = "no order" if method.order is None else f"order {method.order:.1f}"
-            row = TableCell(method_words(facts, method.first), note=about[facts.engine, method.first.setting])
-            yield row, TableCell(order, note=limit_words(method), tooltip=method.floor.evidence)
+            row = TableCell(method_words(method.first), note=about[facts.engine, method.first.setting])
+            yield row, TableCell(order, note=least_words(method))
 
     orders = _by_mechanism(regimes, "bench_orders", "Method", sweeps)
-    folds = (Fold("The methods: orders and floors", (orders,)),) if orders.rows else ()
+    folds = (Fold("The methods: orders and least errors", (orders,)),) if orders.rows else ()
     name = "bench_standings" if folds else "bench_settings"
     table = _by_mechanism(regimes, name, "Setting", settings)
     heading = "The settings against the methods" if folds else "The settings"
@@ -200,7 +169,7 @@ def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Tab
     return Table(sentence(about, judged=judged_by(regimes)), head, tuple(rows), "l", groups=groups)
 
 
-# The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods, costs.
+# The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods.
 
 LINK = PageLink("Work-precision", "bench.html")
 
@@ -218,9 +187,6 @@ def page(bench: Bench) -> Page:
         sections += [choices.section(groups, noise_note(bench)), methods]
     if failed := _failures(every):
         sections.append(Section("failed", "What gave nothing", (Fold(f"Failures: {len(failed)}", (Bullets(failed),)),)))
-    if bench.costs:
-        costs = (Paragraph(sentence("bench_costs")), cost_table(bench.costs))
-        sections.append(Section("costs", "What each output and load costs", costs))
     heading, about = "How accurate is an engine for its cost?", sentence("bench_subtitle")
     sections.append(_measured(bench))
     return Page(LINK.href, LINK.text, heading, about, first, tuple(sections), charts=bool(groups))

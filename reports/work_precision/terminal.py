@@ -12,11 +12,10 @@ from reports.document.parts import Paragraph, Table
 from reports.document.templates import plain
 from reports.document.terminal import Printed, Printout
 from reports.work_precision import words
-from reports.work_precision.page import cost_table
 from reports.work_precision.words import engine_label, label_of
 
 CHOICES = ("engine", "to get", "time", "by")
-METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
+METHODS = ("engine", "method", "order", "least error", "steps/turn", "time")
 POINTS = (
     *("mechanism", "regime", "engine", "method", "runs", "effort", "step s", "quantity", "outcome", "error", "RMS"),
     *("set-up", "stepping", "steps", "why"),
@@ -29,8 +28,6 @@ def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
     for place in places(bench):
         for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
             blocks += _place_printout(place, name, words.noise_share(bench))
-    if bench.costs:
-        blocks += [cost_table(bench.costs), ""]
     return Printout(blocks, [words.noise_note(bench)], [_points(bench), ""])
 
 
@@ -58,7 +55,7 @@ def _place_printout(place: PlaceFacts, quantity: str, noise: float) -> Iterator[
         yield from (_methods(place, quantity), "", _choices(place, quantity), "")
     for facts in engines if measured else ():
         for comparison in facts.setting_comparisons:
-            record, standing = comparison.record, words.comparison_words(comparison, facts, noise)
+            record, standing = comparison.record, words.comparison_words(comparison, noise)
             cost = f"{error(record.error_max)} in {seconds(record.total_seconds)}"
             yield f"{facts.engine} {record.setting}: {cost}{standing}"
     for facts in engines:
@@ -69,14 +66,14 @@ def _place_printout(place: PlaceFacts, quantity: str, noise: float) -> Iterator[
 
 
 def _methods(place: PlaceFacts, quantity: str) -> Table:
-    """Order, least error with the step and the time there, and what limits it."""
+    """Order, least error with the step and the time there."""
     rows = []
-    for facts, sweep in [(entry, sweep) for entry in place.engines(quantity) for sweep in entry.methods]:
-        least, floor = sweep.least, sweep.floor
+    for facts, sweep in [(entry, sweep) for entry in place.engines(quantity) for sweep in entry.sweeps]:
+        least = sweep.least
         order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
-        names = (error(floor.error), words.per_turn(least), seconds(least.total_seconds), floor.cause.value)
-        rows.append((label_of(facts), words.method_words(facts, sweep.first), order, *names))
-    return Table("", METHODS, tuple(rows), "llrrrrl")
+        names = (error(least.error_max), words.per_turn(least), seconds(least.total_seconds))
+        rows.append((label_of(facts), words.method_words(sweep.first), order, *names))
+    return Table("", METHODS, tuple(rows), "llrrrr")
 
 
 def _choices(place: PlaceFacts, quantity: str) -> Table:
@@ -87,7 +84,7 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
             errors = [bound(error) for _, error in part]
             span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
             if record := choice.record:
-                names = (seconds(record.total_seconds), words.way_words(facts, record))
+                names = (seconds(record.total_seconds), words.way_words(record))
             else:
                 names = (ABSENT, f"not reached; least {error(choice.closest.error_max)}")
             rows.append((label_of(facts), span, *names))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from comparisons.judging.limits import grouped
 from comparisons.work_precision.analysis import EngineFacts, MethodSweep, Regimes, SettingComparison
-from comparisons.work_precision.records import SETTING, Bench, BenchRecord
-from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
+from comparisons.work_precision.records import Bench, BenchRecord
+from comparisons.work_precision.step_sweep import SATURATED
 from engines.contract import Setting
 from reports.document.numbers import bound, error, figure, seconds
 from reports.document.templates import plain, sentence
@@ -14,7 +14,7 @@ from reports.document.templates import plain, sentence
 LEAST_NOISE = 0.05
 
 
-def comparison_words(comparison: SettingComparison, facts: EngineFacts, noise: float) -> str:
+def comparison_words(comparison: SettingComparison, noise: float) -> str:
     """A setting's distance from the methods' front, as the end of a sentence.
 
     ``best`` is compared with all methods, the others with those of a single run; a share ``noise`` of its time is
@@ -26,34 +26,31 @@ def comparison_words(comparison: SettingComparison, facts: EngineFacts, noise: f
     if ratio is None or comparison.rival is None or comparison.rival_seconds is None:
         return f"; no {'method' if whole else 'single run'} measured gets there"
     front = "the front" if whole else "the front of single runs"
-    beside = f"{method_words(facts, comparison.rival)} takes {seconds(comparison.rival_seconds)} to the same error"
+    beside = f"{method_words(comparison.rival)} takes {seconds(comparison.rival_seconds)} to the same error"
     if ratio <= 1.0 / (1.0 + noise):
         return f"; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
     return f"; {'on' if ratio <= 1.0 + noise else f'{figure(ratio, 2)} ×'} {front}: {beside}"
 
 
-def way_words(facts: EngineFacts, record: BenchRecord) -> str:
+def way_words(record: BenchRecord) -> str:
     """A point's way and, behind an @, its steps a turn, which a setting's adapter fixes: "trapezoidal x4 @ 48"."""
-    return " @ ".join(filter(None, (method_words(facts, record), per_turn(record))))
+    return " @ ".join(filter(None, (method_words(record), per_turn(record))))
 
 
-def method_words(facts: EngineFacts, record: BenchRecord) -> str:
-    """The name of a point's setting or method, with an effort other than the default, without its step.
+def method_words(record: BenchRecord) -> str:
+    """The name of a point's setting or method, without its step.
 
     Of several runs extrapolated it ends in "x3", with which the name of a method may end already.
     """
     runs = f" x{record.runs}" if record.is_extrapolated else ""
-    name = record.setting.removesuffix(runs) + runs
-    if record.kind == SETTING or facts.is_default_effort(record):
-        return name
-    return f"{name}, {effort_words(record.effort, record.effort_unit)}"
+    return record.setting.removesuffix(runs) + runs
 
 
 def effort_words(effort: float | None, unit: str) -> str:
     """A solver effort: "300 iterations", "relative tolerance 1e-6"; of an engine's own, that it is."""
     if effort is None:
         return f"the engine's own {unit}" if unit else ""
-    return f"{unit} {bound(effort)}" if falls_with_effort(unit) else f"{effort:g} {unit}"
+    return f"{unit} {bound(effort)}" if "tolerance" in unit else f"{effort:g} {unit}"
 
 
 def per_turn(record: BenchRecord) -> str:
@@ -61,10 +58,9 @@ def per_turn(record: BenchRecord) -> str:
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
 
 
-def limit_words(sweep: MethodSweep) -> str:
-    """The least error of a sweep, called a floor where a finer step does not lower it, and what limits it."""
-    least, cause = error(sweep.floor.error), sweep.floor.cause
-    return f"floor {least}: {cause.value}" if cause.is_floor else f"{least}, {cause.value}"
+def least_words(sweep: MethodSweep) -> str:
+    """The least error of a sweep, called a floor where a finer step does not lower it, and its steps a turn."""
+    return f"{'floor' if sweep.has_floor else 'least'} {error(sweep.least.error_max)} @ {per_turn(sweep.least)}"
 
 
 def noise_share(bench: Bench) -> float:

@@ -6,8 +6,8 @@ from analytic.dynamics.reduced import drive_torque
 from engines.contract import Abilities, History, Method, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
 
-FIRST = Method("first", "first order", effort_unit="")
-SECOND = Method("second", "second order down to a floor the solver sets", effort=30.0, effort_unit="iterations")
+FIRST = Method("first", "first order")
+SECOND = Method("second", "second order down to a floor")
 FOURTH = Method("fourth", "fourth order until rounding grows", runs=2)
 WRONG = Method("wrong", "a read-out that no step mends")
 BROKEN = Method("broken", "raises")
@@ -16,7 +16,7 @@ SIZE = 0.2
 
 
 class KnownEngine:
-    """Errors over the peak: c h, c h² + floor(effort), c h⁴ + r/h, a constant; h over the step at 12 a turn."""
+    """Errors over the peak: c h, c h² + a floor, c h⁴ + r/h, a constant; h over the step at 12 a turn."""
 
     name = "known"
     work_unit = "iterations"
@@ -39,7 +39,7 @@ class KnownEngine:
         return self._finished(1e-3, error, {"scheme": "known"}, 4 if setting is Setting.BEST else 1)
 
     def run_method(self, scene, method, step):
-        self.runs.append((method.name, method.effort, step))
+        self.runs.append((method.name, step))
         if method.name == "broken":
             raise RuntimeError("matrix is singular")
         return self._finished(step, self.error(method, step), {"step": step}, method.runs)
@@ -49,7 +49,7 @@ class KnownEngine:
         h = step * 12.0 * self.motion.peak_speed / (2.0 * np.pi)
         return {
             "first": SIZE * h,
-            "second": SIZE * h**2 + 1e-2 / (method.effort or 1.0) ** 2,
+            "second": SIZE * h**2 + 3e-5,
             "fourth": SIZE * h**4 + 1e-8 / h,
             "wrong": 0.05,
         }[method.name]

@@ -8,7 +8,7 @@ from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 def made_up_bench(
     mechanisms=("juki-mf7923d", "rimoldi-164"), regimes=("run-up-quintic",), engines=("alpha", "beta"), control=""
 ):
-    """Two methods, three efforts of one of them, three settings and a failure, in every place and engine.
+    """Two methods, three settings and a failure, in every place and engine.
 
     One of the engines may be the control.
     """
@@ -24,10 +24,7 @@ def made_up_bench(
 
 def _engine(quantity, dearer, where):
     facts = {"quantity": quantity, **where}
-    second = sweep_rows(
-        [0.1 / 4**k for k in range(8)], cost=1e-3 * dearer, effort=100.0, effort_unit="iterations", **facts
-    )
-    loose = sweep_rows([0.1, 0.03, 0.03, 0.03], cost=1e-3 * dearer, effort=10.0, effort_unit="iterations", **facts)
+    second = sweep_rows([0.1 / 4**k for k in range(8)], cost=1e-3 * dearer, **facts)
     fourth = sweep_rows([0.1 / 16**k for k in range(6)], cost=4e-3 * dearer, setting="higher", runs=2, **facts)
     settings = [
         setting_row(name, error, seconds * dearer, runs=runs, used="scheme <made up>", **facts)
@@ -35,7 +32,7 @@ def _engine(quantity, dearer, where):
     ]
     failed = row(setting="torn", outcome="diverged", detail="the joints <gave> way", error_max=None, seconds=0.0,
                  repeats=(), **facts)  # fmt: skip
-    return [*settings, *second, *loose, *fourth, failed]
+    return [*settings, *second, *fourth, failed]
 
 
 def document(mechanisms, engines, **changes):
@@ -45,7 +42,7 @@ def document(mechanisms, engines, **changes):
         "command": "linkproof bench --quick",
         "conditions": "as tested",
         "environment": {"date": "today", "machine": "this one", "commit": "none", "python": "3"},
-        "extent": {"steps_per_turn": [12.0], "budget": 1.0, "repeats": 5, "patience": 0.6, "effort_stride": 2},
+        "extent": {"steps_per_turn": [12.0], "budget": 1.0, "repeats": 5, "patience": 0.6},
         "noise": {"work": "some additions", "samples": [1e-3, 1.1e-3, 1.3e-3]},
         "first_use": [{"engine": name, "seconds": [0.3, 0.2]} for name in engines],
         "mechanisms": [{"name": name, "title": f"The {name}", "variant": "v"} for name in mechanisms],
@@ -55,7 +52,6 @@ def document(mechanisms, engines, **changes):
             for engine in engines
             for name, effort, unit, runs in methods
         ],
-        "costs": [],
         "quantities": ["Mkr", "joint_force"],
         **changes,
     }  # fmt: skip

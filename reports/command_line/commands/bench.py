@@ -86,7 +86,7 @@ def _request(options: BenchOptions, requested: CampaignRequest) -> BenchRequest:
             raise LinkproofError(_nothing_to_measure(case, quantities))
         check_defined(case, [quantity for family in groups.values() for quantity in family])
     extent, command = QUICK if options.quick else FULL, command_line("bench", options)
-    return BenchRequest(every, requested.engines, quantities, extent=extent, with_costs=options.costs, command=command)
+    return BenchRequest(every, requested.engines, quantities, extent=extent, command=command)
 
 
 def _nothing_to_measure(case: Case, quantities: Iterable[str]) -> str:

@@ -20,7 +20,6 @@
     const [quantity, quantityLabel] = choice("Quantity", [], changed);
     const [axis, axisLabel] = choice("Over", AXES.map(([name], number) => [number, name]), changed);
     const [shown, engineSet] = toggles("Engines", engines.map(({ label }) => label), () => true, coloured, changed);
-    const [efforts, effortSet] = toggles("Also", ["other solver efforts"], () => false, () => "", changed);
     const controls = make("div", "", { className: "controls" }), plot = make("div");
     let data = given.first;
 
@@ -28,7 +27,7 @@
       const [, title, value, isShared] = AXES[axis.value], { drawn, traces, layout } = linkproof.bench;
       const asked = data.quantities.find(([key]) => key === quantity.value), on = shown();
       const parts = (colours) => engines.map((engine) => drawn(
-        data, asked, value, { ...engine, isOn: on.includes(engine.label) }, efforts().length, colours));
+        data, asked, value, { ...engine, isOn: on.includes(engine.label) }, colours));
       linkproof.plot(plot, (colours) => traces(parts(colours), isShared, colours),
         (colours) => layout(parts(colours), title));
     }
@@ -37,11 +36,10 @@
       const kept = quantity.value;
       data = place.selectedIndex ? await linkproof.load(element, place.value) : given.first;
       quantity.replaceChildren(...data.quantities.map(([key, words]) => new Option(words, key, false, key === kept)));
-      effortSet.hidden = data.sweeps.every((sweep) => sweep.own);
       draw();
     }
 
-    controls.append(placeLabel, quantityLabel, axisLabel, engineSet, effortSet);
+    controls.append(placeLabel, quantityLabel, axisLabel, engineSet);
     element.append(controls, plot, linkproof.saveButton(plot, "work-precision"));
     show();
   });

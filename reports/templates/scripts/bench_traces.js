@@ -36,15 +36,15 @@ linkproof.bench = (() => {
     x: points.map((one) => one.x), y: points.map((one) => one.y), line: { color: colour, ...style }, ...more });
 
   /* All traces of one engine, and its methods' fronts of single runs and of several: no line joins settings. */
-  function drawn(data, quantity, value, engine, efforts, colours) {
+  function drawn(data, quantity, value, engine, colours) {
     const colour = colours.c[engine.ink.slice(1)] || colours.muted;
     const kinds = [[], []], found = [], visible = engine.isOn;
     data.sweeps.filter((sweep) => sweep.engine === engine.name).forEach((sweep, number) => {
       const points = sweep.points.filter((one) => one.errors[quantity[0]] && value(one) > 0)
         .map((one) => ({ x: value(one), y: one.errors[quantity[0]][0], text: told(sweep, one, quantity) }));
-      const kind = Number(sweep.runs > 1), style = { width: 1, dash: sweep.own ? DASHES[kind] : "dot" };
+      const kind = Number(sweep.runs > 1), style = { width: 1, dash: DASHES[kind] };
       if (!isSetting(sweep)) kinds[kind].push(...points);
-      if (!points.length || !(sweep.own || efforts)) return;
+      if (!points.length) return;
       const [symbol, size] = isSetting(sweep) ? MARKS[sweep.setting] || ["hexagon", 10] : [SYMBOLS[number % 8], 5];
       const edge = { color: symbol === "circle-open" ? colour : colours.ink, width: isSetting(sweep) ? 1.3 : 0 };
       found.push(line(points, colour, style, { visible, mode: "lines+markers", hoverinfo: "text", opacity: 0.85,

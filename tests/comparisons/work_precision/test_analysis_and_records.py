@@ -17,7 +17,6 @@ from comparisons.work_precision.analysis import (
     split_by_runs,
 )
 from comparisons.work_precision.records import KIND, Bench, load, save, split_by_quantity
-from comparisons.work_precision.step_sweep import Cause
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -25,23 +24,14 @@ SECOND = sweep_rows([0.1 / 4**k for k in range(8)], setting="second")
 FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, runs=2)
 
 
-def test_order_and_floor_of_every_sweep_are_found_and_written_into_its_points():
+def test_order_and_least_error_of_every_sweep_are_found_and_written_into_its_points():
     found = {one.first.setting: one for one in method_sweeps([*SECOND, *FOURTH])}
     assert found["second"].order == pytest.approx(2.0)
     assert found["fourth"].order == pytest.approx(4.0)
-    assert found["second"].floor.cause is Cause.FALLING
+    assert (found["second"].least, found["second"].has_floor) == (SECOND[-1], False)
     completed = judged(points([*SECOND, setting_row("tuned", 1e-4, 1e-2)]))
     orders = {(one.setting, one.orders.get("Mkr")) for one in completed}
     assert orders == {("second", found["second"].order), ("tuned", None)}
-
-
-def test_efforts_of_one_method_explain_each_other_and_only_each_other():
-    loose = sweep_rows([1e-2, 1e-4, 1e-4, 1e-4], effort=10.0, effort_unit="iterations", quantity="Jeq")
-    tight = sweep_rows([1e-2, 1e-4, 1e-6, 1e-8], effort=300.0, effort_unit="iterations", quantity="Jeq")
-    other = sweep_rows([1e-2, 1e-4, 1e-4, 1e-4], effort=10.0, effort_unit="iterations", setting="other", quantity="Jeq")
-    found = {(one.first.setting, one.first.effort): one.floor.cause for one in method_sweeps([*loose, *tight, *other])}
-    assert found["plain", 10.0] is Cause.EFFORT
-    assert found["other", 10.0] is Cause.MODEL
 
 
 def test_the_cheapest_point_that_holds_an_error_is_chosen():
@@ -115,7 +105,6 @@ def _document():
     own = {
         "noise": noise,
         "extent": extent,
-        "costs": [],
         "quantities": ["Mkr"],
     }
     return {**told, **own}

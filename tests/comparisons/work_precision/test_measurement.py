@@ -1,9 +1,8 @@
-"""One point and one cost measured in a real engine."""
+"""One point measured in a real engine."""
 
 import gc
-import json
 import pickle
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import pytest
 
@@ -11,20 +10,12 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, case_of_file_regime
-from comparisons.reference.motion import scene
 from comparisons.runs.run_engine import AdapterError
-from comparisons.work_precision import costs
 from comparisons.work_precision import measure as point
-from comparisons.work_precision.costs import REDUCTIONS, most_reducible
 from comparisons.work_precision.measure import calibrate, chosen_families, measure, no_collection, timed
-from comparisons.work_precision.records import Bench, Noise
-from engines.contract import History, Method, Origin, Outcome, Run, Setting
-from engines.mechanics.joints import JointEquations
+from comparisons.work_precision.records import Noise
+from engines.contract import History, Method, Origin, Setting
 from engines.registry import engine
-from engines.scene import Prescribed
-from tests.analytic.linkages import mechanism
-from tests.counting import calls
-from tests.engines.lighter import without_loads
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", hold_time=0.0, ramp_time=0.2))
 PICKLED = pickle.dumps(CASE)
@@ -111,54 +102,6 @@ def test_a_first_use_is_timed_once_in_a_process(monkeypatch):
     monkeypatch.setattr(point, "timed", lambda work: next(costs, None) or real(work))
     first, second = (measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=False) for _ in range(2))
     assert [one.details["first_use"] for one in (first, second)] == [2.5, 0.0]
-
-
-SLOTTED = "slotted-takeup"
-
-
-def test_every_reduction_is_run_in_turn_there_and_back_records_no_more_than_it_says_and_survives_json(monkeypatch):
-    monkeypatch.setattr(costs, "ROUNDS", 2)
-    run = calls(monkeypatch, costs, "run_engine")
-    measured = costs.measure(load(SLOTTED), ["direct"])
-    assert [cost.reduction for cost in measured] == [reduction.name for reduction in REDUCTIONS]
-    assert all((cost.outcome, cost.reason) == ("finished", "") and cost.steps for cost in measured)
-    assert all(len(cost.seconds) == len(cost.stepping) == 2 for cost in measured)
-    assert all(0.0 < inside <= whole for c in measured for inside, whole in zip(c.stepping, c.seconds, strict=True))
-    channels, turns = [one.channels for one in REDUCTIONS], [args[1].channels for args in run[1:]]
-    assert turns == [*channels, *reversed(channels)]
-    document = {"costs": json.loads(json.dumps([asdict(one) for one in measured], allow_nan=False))}
-    assert list(Bench(document, ()).costs) == measured
-
-
-class Refusing:
-    """An engine that can do nothing."""
-
-    name = "refusing"
-    is_control = False
-
-    def run(self, scene, setting):
-        return Run(Outcome.UNSUPPORTED, "it will not")
-
-
-def test_what_an_engine_cannot_do_is_a_row_with_its_outcome(monkeypatch):
-    monkeypatch.setattr(costs, "engine", lambda name: Refusing())
-    measured = costs.measure(load(SLOTTED), ["refusing"])
-    assert {(cost.outcome, cost.reason, cost.steps) for cost in measured} == {("unsupported", "it will not", 0)}
-
-
-def test_the_linkage_with_most_to_leave_out_is_chosen_and_a_reduction_of_nothing_left_out():
-    bare = without_loads(mechanism("centric-slider-crank").linkage)  # no gravity either
-    assert most_reducible([bare, load(SLOTTED), bare]).name == SLOTTED
-    assert [part for part in REDUCTIONS if part.reduce(bare)] == [part for part in REDUCTIONS if not part.without]
-    assert all(part.reduce(load(SLOTTED)) for part in REDUCTIONS)
-
-
-def test_a_reduced_linkage_still_has_as_many_equations_as_unknowns():
-    for part in REDUCTIONS:
-        if rest := part.reduce(load(SLOTTED)):
-            model = scene(Mechanism(rest), Prescribed(crank_motion(start_angle=0.7)), part.channels)
-            equations = JointEquations(model)
-            assert equations.rows == equations.size
 
 
 def test_an_engine_without_any_requested_quantity_provides_nothing(monkeypatch):

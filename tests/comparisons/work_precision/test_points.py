@@ -10,7 +10,7 @@ from comparisons.work_precision.points import FEWEST, FULL, QUICK, Point, PointS
 from engines.contract import Method, Setting
 from tests.comparisons.bench_rows import row
 
-METHOD = Method("plain", "as it comes", effort_unit="iterations")
+METHOD = Method("plain", "as it comes")
 STEPS = tuple(12.0 * 2.0**k for k in range(9))
 
 
@@ -83,20 +83,16 @@ def test_failures_end_a_sweep_unless_a_shorter_step_may_cure_them(results, count
         assert sweep.ended.endswith("why")
 
 
-def test_settings_methods_and_other_efforts_are_swept():
-    fixed = dataclasses.replace(METHOD, name="fixed", effort_unit="")
-    found = planned_sweeps(0, "alpha", [METHOD, fixed], tuple(Setting), FULL, efforts=True)
+def test_settings_and_methods_are_swept():
+    found = planned_sweeps(0, "alpha", [METHOD], tuple(Setting), FULL)
     assert [sweep.points[0].setting for sweep in found[:3]] == list(Setting)
-    efforts = [(sweep.points[0].method.name, sweep.points[0].method.effort) for sweep in found[3:]]
-    assert efforts == [("plain", None), *(("plain", e) for e in (10.0, 30.0, 100.0, 300.0)), ("fixed", None)]
-    assert len(found[3].points) == len(FULL.steps_per_turn)
-    assert len(found[4].points) == len(FULL.steps_per_turn) / 2
+    assert [[point.steps_per_turn for point in sweep.points] for sweep in found[3:]] == [list(FULL.steps_per_turn)]
 
 
-def test_a_quick_benchmark_has_the_most_advanced_methods_and_neither_the_best_setting_nor_other_efforts():
+def test_a_quick_benchmark_has_the_most_advanced_methods_and_not_the_best_setting():
     names = {"simple": 1, "advanced": 1, "simple x2": 2, "advanced x2": 2}
     methods = [dataclasses.replace(METHOD, name=name, runs=runs) for name, runs in names.items()]
-    found = planned_sweeps(0, "alpha", methods, tuple(Setting), QUICK, efforts=True)
+    found = planned_sweeps(0, "alpha", methods, tuple(Setting), QUICK)
     measured = [sweep.points[0].setting or sweep.points[0].method.name for sweep in found]
     assert measured == ["naive", "tuned", "advanced", "advanced x2"]
     assert all(len(sweep.points) > FEWEST for sweep in found[2:])

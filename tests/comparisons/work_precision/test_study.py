@@ -18,14 +18,13 @@ from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import method_sweeps
 from comparisons.work_precision.points import OUT_OF_TIME, Extent, planned_sweeps
 from comparisons.work_precision.records import SETTING
-from comparisons.work_precision.step_sweep import Cause
 from comparisons.work_precision.study import BenchRequest, bench
 from engines.contract import Setting
 from tests.comparisons.bench_engine import METHODS, KnownEngine
 from tests.comparisons.faults import PATIENCE
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.0))
-EXTENT = Extent(tuple(12.0 * 2.0**k for k in range(9)), budget=PATIENCE, repeats=3, patience=PATIENCE, effort_stride=1)
+EXTENT = Extent(tuple(12.0 * 2.0**k for k in range(9)), budget=PATIENCE, repeats=3, patience=PATIENCE)
 REQUEST = BenchRequest((CASE,), ("known",), ("Mkr",), extent=EXTENT, pool=LocalPool(0))
 
 
@@ -62,17 +61,15 @@ def runs(whole):
     return whole[1].runs
 
 
-def test_orders_and_causes_of_the_known_engine_are_found(measured):
-    found = {(one.first.setting, one.first.effort): one for one in method_sweeps(measured.records)}
-    assert found["first", None].order == pytest.approx(1.0, abs=0.05)
-    assert found["second", 30.0].order == pytest.approx(2.0, abs=0.1)
-    assert found["fourth", None].order == pytest.approx(4.0, abs=0.1)
-    assert found["wrong", None].order is None
-    causes = {key: one.floor.cause for key, one in found.items()}
-    assert causes["first", None] is Cause.FALLING
-    assert causes["second", 30.0] is Cause.EFFORT
-    assert causes["fourth", None] is Cause.ROUNDING
-    assert causes["wrong", None] is Cause.MODEL
+def test_orders_and_floors_of_the_known_engine_are_found(measured):
+    found = {one.first.setting: one for one in method_sweeps(measured.records)}
+    assert found["first"].order == pytest.approx(1.0, abs=0.05)
+    assert found["second"].order == pytest.approx(2.0, abs=0.1)
+    assert found["fourth"].order == pytest.approx(4.0, abs=0.1)
+    assert found["wrong"].order is None
+    assert {name: sweep.has_floor for name, sweep in found.items()} == {
+        "first": False, "second": True, "fourth": True, "wrong": True
+    }  # fmt: skip
 
 
 def test_every_point_is_repeated_round_after_round(measured, runs):
@@ -159,15 +156,6 @@ def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkey
     assert found.document["methods"] == []
 
 
-def test_other_efforts_are_tried_on_the_first_regime_alone(known):
-    second = Case(CASE.mechanism, crank_motion("run-up"))
-    short = dataclasses.replace(EXTENT, steps_per_turn=(12.0, 24.0, 48.0), repeats=1)
-    found = bench(dataclasses.replace(REQUEST, cases=(CASE, second), extent=short)).records
-    efforts = {(one.regime, one.effort) for one in found if one.setting == "second"}
-    assert ("run-up-quintic", 300.0) in efforts
-    assert {effort for regime, effort in efforts if regime == "run-up"} == {30.0}
-
-
 def test_an_engine_without_methods_to_study_has_its_settings(known, monkeypatch):
     monkeypatch.delattr(KnownEngine, "run_method")
     monkeypatch.setattr(known, "is_control", True)
@@ -193,7 +181,7 @@ def _cases(*names):
 
 def test_a_linkage_of_each_structure_is_measured_before_those_that_repeat_one_single_runs_first(known):
     cases = _cases("fork-takeup", "two-crank-takeup", "juki-mf7923d", "rimoldi-164", "slotted-takeup")
-    sweeps = [one for place in range(5) for one in planned_sweeps(place, "known", METHODS, (), EXTENT, efforts=False)]
+    sweeps = [one for place in range(5) for one in planned_sweeps(place, "known", METHODS, (), EXTENT)]
     turns = [{(sweep.points[0].case, sweep.points[0].method.runs > 1) for sweep in turn}
              for turn in benchmark._sweep_groups(cases, sweeps)]  # fmt: skip
     structures = [0, 2, 3, 4]

@@ -56,7 +56,7 @@ def test_bold_lines_are_the_fronts_solid_of_single_runs_and_dashed_of_several():
 
 
 def test_a_floor_is_barred_and_an_order_noted_at_the_least_error():
-    records = sweep_rows([1e-1, 1e-2, 1e-3, 1e-3, 1e-3], ratio=10.0, effort=100.0, effort_unit="iterations")
+    records = sweep_rows([1e-1, 1e-2, 1e-3, 1e-3, 1e-3], ratio=10.0)
     bench = Bench(document(("m",), ("alpha",)), points(records))
     panel = chart(places(bench), inks(engine_labels(bench))).panels[0]
     assert [list(curve.y) for curve in panel.curves if curve.marker == "_"] == [[1e-3]]

@@ -1,13 +1,11 @@
-"""A benchmark in words and tables: choices, orders and floors, costs, and the terminal."""
+"""A benchmark in words and tables: choices, orders and floors, and the terminal."""
 
 from comparisons.work_precision.analysis import by_regime, places
-from comparisons.work_precision.records import Bench, MeasuredCost
-from comparisons.work_precision.step_sweep import Cause
+from comparisons.work_precision.records import Bench
 from reports.document.terminal import rendered
 from reports.work_precision.choices import section, verdicts
-from reports.work_precision.page import cost_table
 from reports.work_precision.terminal import printout
-from reports.work_precision.words import comparison_words, limit_words
+from reports.work_precision.words import comparison_words, least_words
 from tests.comparisons.bench_rows import points, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -22,18 +20,18 @@ def test_a_floor_is_an_error_that_a_finer_step_does_not_lower():
     def told(errors):
         (facts,) = _facts(sweep_rows(errors))
         (sweep,) = facts.sweeps
-        return sweep.floor.cause, limit_words(sweep)
+        return least_words(sweep)
 
-    assert told([1e-1, 1e-2, 1e-3]) == (Cause.FALLING, "1.0e-3, still falling")
-    assert told([1e-2]) == (Cause.UNSETTLED, "1.0e-2, undecided")
-    assert told([1e-1, 2e-3, 1.9e-3, 1.8e-3]) == (Cause.MODEL, "floor 1.8e-3: read-out or model")
+    assert told([1e-1, 1e-2, 1e-3]) == "least 1.0e-3 @ 4"
+    assert told([1e-2]) == "least 1.0e-2 @ 1"
+    assert told([1e-1, 2e-3, 1.9e-3, 1.8e-3]) == "floor 1.8e-3 @ 8"
 
 
 def test_a_setting_is_on_ahead_of_or_off_the_front():
     (alpha, _) = places(BENCH)[0].engines("Mkr")
 
     def told(noise):
-        return {one.record.setting: comparison_words(one, alpha, noise) for one in alpha.setting_comparisons}
+        return {one.record.setting: comparison_words(one, noise) for one in alpha.setting_comparisons}
 
     assert told(0.1)["naive"] == ": no solution"
     assert told(0.1)["best"] == "; no method measured gets there"
@@ -68,33 +66,6 @@ def test_what_an_engine_does_not_reach_says_how_near_it_comes():
     assert found[-1].note == "least 2.0e-6"
 
 
-def _run(engine, reduction, least, outcome="finished", reason=""):
-    about = f"about {reduction}"
-    seconds, stepping = (3.0 * least, least, 2.0 * least), (0.5 * least, 0.25 * least, 0.75 * least)
-    return MeasuredCost("made-up", "base", engine, reduction, about, outcome, reason, seconds, stepping, 1400)
-
-
-COSTS = (
-    _run("first", "everything", 0.05),
-    _run("first", "Jeq <alone>", 0.02),
-    _run("second", "everything", 2.0),
-    _run("second", "Jeq <alone>", 0.0, "unsupported", "it will not"),
-)
-
-
-def test_scenes_stand_down_and_engines_across_each_with_its_share_of_the_whole():
-    table = cost_table(COSTS)
-    assert table.head == ("scene", "first", "second")
-    (_, whole, _), (name, part, failed) = table.rows
-    assert (whole.words, whole.tooltip) == ("50.0 ms (100 %)", "median 100 ms; stepping 12.5 ms, 1400 steps")
-    assert (name, part.words) == ("Jeq <alone>", "20.0 ms (40 %)")
-    assert (failed.words, failed.tooltip) == ("unsupported", "it will not")
-    assert "made-up (base)" in table.caption
-    assert "3 runs" in table.caption
-    assert "Jeq <alone>: about Jeq <alone>" in table.note
-    assert "second, Jeq <alone>: it will not." in table.note
-
-
 def _text(bench, quantities=(), width=110):
     tables, closing, _ = printout(bench, quantities)
     return rendered(*tables, *closing, width=width)
@@ -103,7 +74,6 @@ def _text(bench, quantities=(), width=110):
 def test_methods_choices_and_settings_stand_in_one_block_per_place():
     text = _text(made_up_bench())
     assert text.count("largest error over the peak") == 2
-    assert "still falling" in text
     assert "alpha   1e-2          4.00 ms  plain @ 4\n" in text
     assert "beta    1e-6 to 1e-7   256 ms  higher x2 @ 32\n" in text
     assert "tuned: 4.0e-4 in 17.0 ms; on the front of single runs" in text
