@@ -47,8 +47,6 @@ def test_results_of_another_tool_are_judged(curves):
         AssertionError, match=r"run-up, a<b.csv imported, Mkr: over-limit, .* likely cause: y of gravity"
     ):
         wrong.check()
-    with pytest.raises(linkproof.LinkproofError, match="--limit: expected a positive share"):
-        linkproof.judge(NAME, "a<b.csv", limit=0.0)
 
 
 def test_an_engine_is_checked_by_name_or_as_it_is():

@@ -48,13 +48,6 @@ def test_results_are_saved_and_read_as_netcdf(tmp_path):
         assert np.array_equal(saved["joint_force"].sel(joint="A"), found["joint_force"].sel(joint="A"))
 
 
-def test_refusals_of_the_command_are_errors():
-    with pytest.raises(linkproof.LinkproofError, match="--at and --time both"):
-        linkproof.results("juki-mf7923d", at=[0], time=[0])
-    with pytest.raises(linkproof.LinkproofError, match="got neither"):
-        linkproof.optimise("rimoldi-164", over={"rod.B.x": (170, 180)})
-
-
 @pytest.mark.parametrize(
     ("name", "place"),
     [

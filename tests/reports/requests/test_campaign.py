@@ -3,7 +3,6 @@
 import math
 import re
 import shlex
-from pathlib import Path
 
 import pytest
 
@@ -15,11 +14,9 @@ from comparisons.runs.run_engine import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine_names
-from reports.requests import campaign
-from reports.requests.campaign import RunResources, installed, linkages, missing_engines, request, run_resources
+from reports.requests.campaign import RunResources, installed, request, run_resources
 from reports.requests.campaign_options import CompareOptions, RunLimits
 from reports.requests.options import changed_options, command_line
-from tests.counting import calls
 
 JUKI = "juki-mf7923d"
 
@@ -35,13 +32,6 @@ def test_the_defaults_are_everything_tuned_on_the_usual_ramp():
     assert (default.settings, default.engines) == ((Setting.TUNED,), tuple(installed(engine_names())))
     assert default.with_invariants
     assert not request(CompareOptions(mechanisms=(JUKI,), quantity=("Jeq",))).with_invariants
-
-
-def test_engines_that_are_not_installed_are_left_out_with_a_remark_unless_engines_are_named(monkeypatch):
-    monkeypatch.setattr(campaign, "why_unavailable", lambda adapter: "not here" if adapter.name != "direct" else None)
-    assert request(CompareOptions()).engines == ("direct",)
-    assert missing_engines(("direct",)).startswith("not installed, left out: drake, exudyn, mujoco")
-    assert missing_engines(engine_names()) == ""
 
 
 def test_options_become_si():
@@ -124,11 +114,3 @@ def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
     assert conditions[JUKI].endswith(", gravity on")
     assert conditions["weightless"].endswith(", gravity off")
     assert all(linkage.gravity == (0.0, 0.0) for linkage in request(CompareOptions(gravity=False)).linkages)
-
-
-def test_a_linkage_file_is_read_once_and_its_text_kept(monkeypatch):
-    reads = calls(monkeypatch, Path, "read_text")
-    chosen = linkages(CompareOptions(mechanisms=(JUKI, "rimoldi-164"), variant="as-printed", gravity=False))
-    assert [linkage.variant for linkage in chosen] == ["as-printed", "as-printed"]
-    assert [path.stem for (path,) in reads if path.suffix == ".toml"] == [JUKI, "rimoldi-164"]
-    assert chosen[0].text.startswith("# Juki MF-7923D")
