@@ -44,6 +44,7 @@ HELD = {
     "bench": ("outcome", "error_max", "error_rms", "peak", "steps"),
     "stress": ("verdict", "quantity", "deviation", "invariant"),
 }
+GONE = {"host"}  # names of a record that pins still have
 ONLY: list[str] = []  # parts of names: mechanisms of the figures that are made, all if empty
 UNSTEADY = {"timed-out", "crashed"}  # what a slower machine may make of a run
 
@@ -217,6 +218,8 @@ def _record_moved(key: str, old: dict[str, Any], new: dict[str, Any]) -> list[st
 
 def _figures_moved(key: str, old: Any, new: Any, where: str, scale: float = 0.0) -> list[str]:
     """Leaf by leaf; ``scale`` is the largest number beside a leaf."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        old, new = ({name: v for name, v in side.items() if name not in GONE} for side in (old, new))
     if isinstance(old, dict) and isinstance(new, dict) and old.keys() == new.keys():
         scale = max((abs(v) for v in old.values() if isinstance(v, float)), default=0.0)
         return [line for name in old for line in _figures_moved(key, old[name], new[name], f"{where}.{name}", scale)]
