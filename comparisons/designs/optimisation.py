@@ -103,7 +103,7 @@ OF_HIGHEST: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of s
 
 @dataclass(frozen=True)
 class OptimisationRequest:
-    """An optimisation as typed: a figure, numbers to vary, figures to constrain, and search options.
+    """An optimisation as typed: a figure, numbers to vary, figures to constrain, whether to search ``everywhere``.
 
     Lengths are rounded to a ``step``, if there is one.
     """
@@ -112,19 +112,8 @@ class OptimisationRequest:
     over: Sequence[str]
     keep: Sequence[str] = ()
     is_least: bool = True
-    starts: int = 1
-    seed: int = 0
     everywhere: bool = False
     step: str = ""
-
-    def check(self) -> None:
-        """Raise LinkproofError for options that contradict one another or are out of range."""
-        if self.starts < 1:
-            raise LinkproofError(f"--starts: expected 1 or more designs, got {self.starts}; correct it")
-        if self.seed < 0:
-            raise LinkproofError(f"--seed: expected a number that is not negative, got {self.seed}; correct it")
-        if self.everywhere and self.starts > 1:
-            raise LinkproofError("--global chooses its starts itself, and --starts says how many: leave one out")
 
 
 @dataclass(frozen=True)
@@ -175,7 +164,6 @@ class Optimum:
 
 def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRequest, announce: Announce) -> Optimum:
     """The best design between the bounds; raises LinkproofError for bad input and if no design is feasible."""
-    request.check()
     varied = variables(mechanism.linkage, request.over, motion.speed)
     step = step_size(varied, request.step) if request.step else None
     aims = named_figures(mechanism, [request.figure])
@@ -201,7 +189,7 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRe
     )  # fmt: skip
     start = np.clip((np.array(list(before.values())) - problem.low) / problem.width, 0.0, 1.0)
     _check_depends(problem, start)
-    result = search(problem, start, announce, starts=request.starts, seed=request.seed, everywhere=request.everywhere)
+    result = search(problem, start, announce, everywhere=request.everywhere)
     end = _feasible_end(problem, result, motion)
     exact = problem.numbers(end.place)
     after = exact if step is None else round_lengths(problem, exact, step)

@@ -191,6 +191,7 @@ PICKED: Final = 12  # of them, from which is searched downhill
 AGREEING: Final = 6  # where so many searches, the first ones, all end at the same, that is taken for the least
 RESTARTS: Final = 8  # designs to start from where the search from the file's design ends at none that is allowed
 SPACED: Final = 0.1  # share of the bounds by which two of these differ in one variable or more
+SEED: Final = 0  # of the Sobol sequence
 PENALTY: Final = 3.0  # weight of a violated constraint beside the aim
 Announce = Callable[[str, int, int], None]
 
@@ -229,27 +230,15 @@ def _other_ends(ends: Sequence[End | None]) -> tuple[End, ...]:
     )  # fmt: skip
 
 
-def search(
-    problem: DesignProblem,
-    start: Array,
-    announce: Announce,
-    *,
-    starts: int = 1,
-    seed: int = 0,
-    everywhere: bool = False,
-) -> Search:
-    """Search from the file's design ``start``, and from others: ``starts`` in all, or ``everywhere`` the best sampled.
+def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhere: bool = False) -> Search:
+    """Search from the file's design ``start``, and ``everywhere`` from the best of a Sobol sample.
 
-    The others are drawn by ``seed``, a Sobol sequence. Those sampled everywhere are not all searched from where the
-    first few searches have ended at the same.
+    Not all of these are searched from where the first few searches have ended at the same. Where the file's design
+    leads to none that is allowed, a few others of the sequence are tried.
     """
     counter = Counter()
     descent = Descent(problem, counter)
-    others = []
-    if everywhere or starts > 1:
-        others = (
-            _pick_starts(problem, counter, seed) if everywhere else _draw_starts(problem, counter, starts - 1, seed)
-        )
+    others = _pick_starts(problem, counter) if everywhere else []
     ends: list[End | None] = []
     for number, place in enumerate([start, *others]):
         announce(f"search {number + 1}", number, 1 + len(others))
@@ -257,7 +246,7 @@ def search(
         if everywhere and len(ends) == AGREEING and None not in ends and not _other_ends(ends):
             break
     if len(ends) == 1 and (ends[0] is None or not ends[0].is_feasible):
-        for place in _draw_starts(problem, counter, RESTARTS, seed):
+        for place in _draw_starts(problem, counter):
             ends.append(descent.run(place))
             if ends[-1] is not None and ends[-1].is_feasible:
                 break
@@ -269,16 +258,16 @@ def search(
     return replace(result, residual=descent.residual(best.place))
 
 
-def _draw_starts(problem: DesignProblem, counter: Counter, count: int, seed: int) -> list[Array]:
-    """Places to start from: the first designs of a Sobol sequence that can be assembled, up to ``count``."""
-    places, merits = _sample_merits(problem, counter, max(64, 16 * count), seed)
-    return list(places[np.isfinite(merits)][:count])
+def _draw_starts(problem: DesignProblem, counter: Counter) -> list[Array]:
+    """Places to start from: the first designs of a Sobol sequence that can be assembled."""
+    places, merits = _sample_merits(problem, counter, 16 * RESTARTS)
+    return list(places[np.isfinite(merits)][:RESTARTS])
 
 
-def _pick_starts(problem: DesignProblem, counter: Counter, seed: int) -> list[Array]:
+def _pick_starts(problem: DesignProblem, counter: Counter) -> list[Array]:
     """Places to start from: the best designs of a Sobol sample, no two of them near each other."""
     count = min(SAMPLES * 2 ** max(0, len(problem.variables) - 2), MOST_SAMPLES)
-    places, merits = _sample_merits(problem, counter, count, seed)
+    places, merits = _sample_merits(problem, counter, count)
     picked: list[Array] = []
     for number in np.argsort(merits):
         if len(picked) == PICKED or not np.isfinite(merits[number]):
@@ -288,11 +277,11 @@ def _pick_starts(problem: DesignProblem, counter: Counter, seed: int) -> list[Ar
     return picked
 
 
-def _sample_merits(problem: DesignProblem, counter: Counter, count: int, seed: int) -> tuple[Array, Array]:
+def _sample_merits(problem: DesignProblem, counter: Counter, count: int) -> tuple[Array, Array]:
     """Designs of a Sobol sequence (designs, variables), and how low they are: nan where they cannot be assembled."""
     from scipy.stats import qmc  # noqa: PLC0415
 
-    places = qmc.Sobol(len(problem.variables), rng=seed).random_base2(int(np.ceil(np.log2(count))))
+    places = qmc.Sobol(len(problem.variables), rng=SEED).random_base2(int(np.ceil(np.log2(count))))
     counter.sampled += len(places)
     angles = problem.maxima.grid[:: max(1, len(problem.maxima.grid) // ANGLES)]
     aim, violation = problem.sample_designs(places, angles)

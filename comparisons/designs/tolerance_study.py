@@ -31,6 +31,7 @@ Array = NDArray[np.float64]
 Announce = Callable[[str, int, int], None]  # name of the stage, count done, count of all
 
 FEWEST, MOST = 2, 10**7
+SEED: Final = 0  # of the random designs
 SAMPLES: Final = 10_000
 FEW_SAMPLES: Final = 200  # of a linkage whose groups are followed anew for every design, which takes a second or so
 TOGETHER, ALONE = 1000, 5  # designs worked out between two announcements
@@ -45,7 +46,6 @@ class ToleranceRequest:
     figures: tuple[NamedFigure, ...]
     motion: SteadyMotion
     samples: int
-    seed: int = 0
     conditions: str = ""
 
     @property
@@ -111,13 +111,12 @@ def tolerance_request(
     requested: Tolerances,
     *,
     samples: int | None = None,
-    seed: int = 0,
     conditions: str = "",
 ) -> ToleranceRequest:
     """The checked request of a tolerance study; ``conditions`` describes the motion in words.
 
     Without ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
-    LinkproofError for an unknown name, no results, too few or too many samples, or a negative seed.
+    LinkproofError for an unknown name, no results, or too few or too many samples.
     """
     result = tolerances(mechanism.linkage, requested.table, f"{requested.origin}tolerances.", motion.speed)
     if not requested.results:
@@ -132,9 +131,7 @@ def tolerance_request(
         raise LinkproofError(f"--samples: expected {FEWEST} or more random designs, got {samples}; draw more")
     if samples > MOST:
         raise LinkproofError(f"--samples: expected {MOST} random designs or fewer, got {samples}; draw fewer")
-    if seed < 0:
-        raise LinkproofError(f"--seed: expected a number from 0 on, got {seed}; give another")
-    request = ToleranceRequest(mechanism, result, figures, motion, samples, seed)
+    request = ToleranceRequest(mechanism, result, figures, motion, samples)
     return replace(request, conditions=conditions + mass_words(mechanism.linkage, request.names))
 
 
@@ -240,7 +237,7 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
     corners = sizes[:, None] * _corners(derivatives)
     from scipy.stats.qmc import LatinHypercube  # noqa: PLC0415 - a second that help does not pay
 
-    drawn = LatinHypercube(count, rng=request.seed).random(request.samples).T
+    drawn = LatinHypercube(count, rng=SEED).random(request.samples).T
     random = np.stack(
         [
             tolerance.plus_minus * tolerance.distribution.quantiles_at(row)

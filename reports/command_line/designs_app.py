@@ -5,45 +5,40 @@ They are added to the commands of ``app``; what they need is imported when they 
 
 from __future__ import annotations
 
-from reports.command_line.app import Quiet, app, destination
+from reports.command_line.app import app, destination
 from reports.command_line.parameters import command
-from reports.requests.designs_options import OptimiseOptions, SweepFiles, SweepOptions, ToleranceFiles, ToleranceOptions
-from reports.requests.motion_options import TIMED
+from reports.requests.designs_options import NOT_STEADY, OptimiseOptions, SweepOptions, ToleranceOptions
 from reports.requests.options import OutputOptions
 
-# A motion at constant speed: another --regime is refused in a sentence.
-HIDDEN = ("regime",)
-NOT_OF_DESIGNS = (*TIMED, "save", "junit", "verbose")
+LEFT_OUT = (*NOT_STEADY, "out", "junit", "resume", "verbose")
 
 
 @command(
     app,
     summary="Compute figures of many designs, such as peak torque over a range of lengths.",
-    without=NOT_OF_DESIGNS,
-    hidden=HIDDEN,
-    texts={"out": "Write sweep.nc, every design, and sweep.svg into this folder."},
+    without=LEFT_OUT,
+    texts={"save": "Write every design (.csv .nc), a picture (.svg .png .pdf) or the summary (.json); repeatable."},
 )
-def sweep(options: SweepOptions, files: SweepFiles, output: OutputOptions) -> int:
+def sweep(options: SweepOptions, output: OutputOptions) -> None:
     """Compute figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
 
-    Values are in the units of the file. The crank turns at constant speed; extremes are taken at sampled angles, or are
+    Values are in the units of the file. The crank turns at constant speed; extremes are taken at 180 angles, or are
     exact with --refine. A design that does not assemble at one of the angles has no figures.
     """
     from reports.command_line.commands import sweep
 
-    return sweep.sweep(options, files, destination(output))
+    sweep.sweep(options, destination(output))
 
 
 @command(
     app,
     summary="Find the best lengths: the smallest peak torque at the same stroke, for example.",
-    without=(*NOT_OF_DESIGNS, "resume"),
-    hidden=HIDDEN,
-    texts={"out": "Write the new linkage file, JSON and curves into this folder."},
+    without=LEFT_OUT,
+    texts={"save": "Write the new linkage (.toml), the curves (.svg .png .pdf) or the results (.json); repeatable."},
 )
-def optimise(options: OptimiseOptions, output: OutputOptions) -> int:
+def optimise(options: OptimiseOptions, output: OutputOptions) -> None:
     """Find the best values within bounds while holding the results you choose; in closed form.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; values are in the units of the file.
@@ -52,17 +47,16 @@ def optimise(options: OptimiseOptions, output: OutputOptions) -> int:
     """
     from reports.command_line.commands import optimise
 
-    return optimise.optimise(options, destination(output))
+    optimise.optimise(options, destination(output))
 
 
 @command(
     app,
     summary="Show which length, angle or mass changes which result by how much.",
-    without=(*TIMED, "speed"),  # which stands in the file of tolerances
-    hidden=HIDDEN,
-    texts={"angles": "Crank angles between which extremes are refined."},
+    without=(*LEFT_OUT, "speed"),  # which stands in the file of tolerances
+    texts={"save": "Write a row per result and number (.csv .json) or a picture (.svg .png .pdf); repeatable."},
 )
-def tolerance(options: ToleranceOptions, files: ToleranceFiles, quiet: Quiet = False) -> None:
+def tolerance(options: ToleranceOptions, output: OutputOptions) -> None:
     """Compute the effect of tolerances on results: one by one, the worst case, random designs; in closed form.
 
     MECHANISM is a name in the catalogue or the path of a .toml file. Example of TOLERANCES.toml:
@@ -74,4 +68,4 @@ def tolerance(options: ToleranceOptions, files: ToleranceFiles, quiet: Quiet = F
     """
     from reports.command_line.commands import tolerance
 
-    tolerance.tolerance(options, files, quiet=quiet)
+    tolerance.tolerance(options, destination(output))

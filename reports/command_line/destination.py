@@ -22,7 +22,7 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.study import Journal
 from comparisons.runs.study_folder import to_json
 from reports.document.terminal import Printed, Printout, harmless, show, write
-from reports.requests.options import OutputOptions, declared_options
+from reports.requests.options import OutputOptions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -161,56 +161,6 @@ def picture_writers(figure: Callable[..., Figure]) -> dict[str, Callable[..., Co
     return {suffix: partial(write_as, suffix.removeprefix(".")) for suffix in PICTURES}
 
 
-# Until sweep and tolerance save their files by --save: those of --csv and --svg.
-STDOUT = "-"
-FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".dxf", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
-FILES: Final = ("csv", "svg")  # options that name a file
-
-
-def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
-    """Raise LinkproofError for files, by option, that cannot be written or would replace a file that is ``read``.
-
-    Likewise for a name with the ending of another format. "-" is stdout, which can be the place of one file.
-    """
-    seen: dict[str, str] = {}
-    for option, file in named.items():
-        if file in seen:
-            place = "stdout" if file == STDOUT else f"'{file}'"
-            raise LinkproofError(f"{seen[file]} and {option} cannot both go to {place}: give one of them a file")
-        seen[file] = option
-        if file == STDOUT:
-            continue
-        check_writable(Path(file))
-        for what, other in read.items():
-            if Path(file).resolve() == other.resolve():
-                raise LinkproofError(f"{option} '{file}' would take the place of {what}: give another name")
-        suffix, expected = Path(file).suffix.lower(), f".{option.removeprefix('--')}"
-        if suffix in FORMATS and suffix != expected:
-            raise LinkproofError(
-                f"{option}: expected the name of a {expected} file, got '{file}'; {option} writes no {suffix}"
-            )
-
-
-def requested_files(*options: Any) -> dict[str, str]:  # noqa: ANN401 - dataclasses of options
-    """The files to write, by option."""
-    declared_files = [
-        (each, option) for each in options for option in declared_options(type(each)) if option.name in FILES
-    ]
-    named = {f"--{option.name}": getattr(each, option.field.name) for each, option in declared_files}
-    return {option: file for option, file in named.items() if file is not None}
-
-
-def write_files(contents: Mapping[str, str | bytes]) -> None:
-    """Write files by name; "-" is stdout."""
-    for file, content in contents.items():
-        if isinstance(content, bytes):
-            write_bytes(Path(file), content)
-        elif file != STDOUT:
-            write_text(Path(file), content)
-    if isinstance(on_screen := contents.get(STDOUT), str):
-        write_to_stdout(on_screen)
-
-
 def write_to_stdout(text: str) -> None:
     """Write data to stdout, in UTF-8 whatever its character set."""
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -254,17 +204,15 @@ def journal(
     linkages: Iterable[Linkage] = (),
     *,
     resume: bool,
-    files: Mapping[str, str] = MappingProxyType({}),
 ) -> Journal:
     """The journal of a request: empty, or with the finished runs of the same request if it is resumed.
 
-    Two requests are the same if the command, the linkage files, the digests of other ``files`` by name, and the
-    versions of linkproof, its libraries and the engines are equal.
+    Two requests are the same if the command, the linkage files, and the versions of linkproof, its libraries and the
+    engines are equal.
     """
     facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
     facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
     facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
-    facts |= {f"file {name}": digest[:16] for name, digest in files.items()}
     records = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
     if not resume:
         records.clear()
@@ -272,7 +220,7 @@ def journal(
 
 
 @contextmanager
-def report_interruption(folder: Path | None, what: str = "runs") -> Iterator[Callable[[Announce], Announce]]:
+def report_interruption(folder: Path | None) -> Iterator[Callable[[Announce], Announce]]:
     """A wrapper that counts the runs passed to ``announce``.
 
     Ctrl-C raises KeyboardInterrupt with the number of runs saved in ``folder``.
@@ -293,5 +241,5 @@ def report_interruption(folder: Path | None, what: str = "runs") -> Iterator[Cal
         if folder is None or not total:
             raise
         raise KeyboardInterrupt(
-            f"{finished} of {total} {what} are saved in {folder}: repeat the command with --resume to finish"
+            f"{finished} of {total} runs are saved in {folder}: repeat the command with --resume to finish"
         ) from interrupt

@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.errors import printable
 from analytic.written import csv_text, finite, plain
-from comparisons.designs.tolerance_study import EXACT, ToleranceStudy
+from comparisons.designs.tolerance_study import EXACT, SEED, ToleranceStudy
 from reports.document.chart import Chart, Curve, Mark, Panel, axis_label
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table
@@ -28,7 +28,7 @@ def printout(study: ToleranceStudy) -> Printout:
     for row in range(len(study.request.figures)):
         parts += ["", _table(study, row), *_sentences(study, row)]
     lost = 1.0 - study.assembled
-    random = f"{study.request.samples} random designs, seed {study.request.seed}"
+    random = f"{study.request.samples} random designs, seed {SEED}"
     closing = [f"{random}: " + (f"{lost:.2%} of them do not assemble" if lost else "all of them assemble"), NOTE]
     return Printout([*parts, ""], closing)
 
@@ -110,7 +110,7 @@ def document(study: ToleranceStudy) -> dict[str, Any]:
         "variant": request.mechanism.linkage.variant,
         "conditions": request.conditions,
         "samples": request.samples,
-        "seed": request.seed,
+        "seed": SEED,
         "assembled": study.assembled,
         "derivatives": study.how,
         "results": {figure.name: _result(study, row) for row, figure in enumerate(request.figures)},

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -16,31 +15,22 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.designs.parameters import Parameter, design_file, parameter
-from comparisons.designs.saved_sweep import dataset_attributes, labelled_dataset
-from comparisons.designs.simulated_designs import shares_of_limits
-from comparisons.designs.space import DesignSpace, Grid, Listed
-from comparisons.designs.sweep import SweepRequest, figures_of_file, sweep_block
+from comparisons.designs.space import DesignSpace
+from comparisons.designs.sweep import SweepRequest, figures_of_file, labelled_dataset, sweep_block
 from comparisons.designs.sweep import sweep as sweep_space
-from comparisons.designs.tolerance_study import QUANTILES, ToleranceStudy, tolerance_study
+from comparisons.designs.tolerance_study import QUANTILES, SEED, ToleranceStudy, tolerance_study
 from comparisons.designs.tolerances import Tolerances, read_tolerances
 from reports.designs.optimise_terminal import document
 from reports.python.keywords import Words, resolve_linkage, with_keywords, words
 from reports.requests.case import steady_case
-from reports.requests.designs import (
-    build_sweep_request,
-    build_tolerance_request,
-    check_sweep,
-    find_optimum,
-    simulated_campaign,
-)
-from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
+from reports.requests.designs import build_sweep_request, build_tolerance_request, find_optimum
+from reports.requests.designs_options import NOT_STEADY, OptimiseOptions, SweepOptions, ToleranceOptions
 from reports.requests.options import command_line, typed_word
-from reports.requests.standard import campaign
 
 Array = NDArray[np.float64]
 
 
-@with_keywords(without=("vary", "table", "quantity"))
+@with_keywords(without=("vary", "table", "quantity", *NOT_STEADY))
 def sweep(
     linkage: Linkage | str | Path,
     vary: Mapping[str, Any] | None = None,
@@ -56,13 +46,10 @@ def sweep(
     ``design``. Values go in and figures come out in the units of the linkage's file, as on the command line;
     ``evaluate`` takes its ``designs`` in SI. ``figures`` are the names of ``--quantity``, such as "Mkr.peak".
 
-    If values are Dask arrays, so are the figures, computed chunk by chunk on request. Extremes are
-    taken at the sampled crank ``angles``, or are exact with ``refine``; with ``scale_mass`` masses change with lengths.
-    ``simulate`` names engines that run some of the designs, as many as ``designs``, chosen by ``seed``:
-    ``share_of_limit``, over ``engine`` and the designs, is the largest error of a design over its limit, infinite if a
-    run failed and NaN without a run. Raises LinkproofError for bad input; if no design assembles, all values are NaN.
+    If values are Dask arrays, so are the figures, computed chunk by chunk on request; there is no limit to their
+    number. Extremes are taken at 180 crank angles, or are exact with ``refine``; with ``scale_mass`` masses change with
+    lengths. Raises LinkproofError for bad input; if no design assembles, all values are NaN.
     """
-    check_sweep(options)
     chosen, options = resolve_linkage(linkage, replace(options, quantity=words(figures)))
     case = steady_case(chosen, options)
     if (vary is None) == (table is None):
@@ -73,27 +60,12 @@ def sweep(
     if not parts:
         raise LinkproofError("sweep: expected parameters, got none; name one or more")
     is_lazy = any(map(_is_dask_array, values.values()))
-    if is_lazy and options.simulate:
-        raise LinkproofError("simulate: expected arrays of numbers, got Dask's, worked out later; pass NumPy arrays")
-    space = _design_space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
-    request, conditions = build_sweep_request(case, space, options)
+    space = _design_space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_list=vary is None)
+    request = build_sweep_request(case, space, options)
+    if not is_lazy:
+        return sweep_space(request).dataset
     figures_of_file(request)  # raises LinkproofError for figures that no design has
-    rows = _dask_array(request, [*values.values()]) if is_lazy else _compute_figures(request.with_fixed_path())
-    about = {name: value for name, value in dataset_attributes(request, conditions, "").items() if name != "command"}
-    dataset = labelled_dataset(request, values, rows, about)
-    return _add_engine_errors(dataset, request.with_fixed_path(), options) if options.simulate else dataset
-
-
-def _add_engine_errors(dataset: xarray.Dataset, request: SweepRequest, options: SweepOptions) -> xarray.Dataset:
-    """The dataset with the errors of engines over some of the designs, as shares of their limits."""
-    with TemporaryDirectory() as folder:
-        designs, wanted, limits = simulated_campaign(request, options, Path(folder))
-        runs = campaign(wanted, limits=limits)
-        judged = runs.compared(runs.resources.pool)
-    shares = shares_of_limits(designs, judged.records, request.space.count)
-    values = np.array([*shares.values()]).reshape(-1, *request.space.shape)
-    over = ("engine", *request.space.dimensions)
-    return dataset.assign_coords(engine=[*shares]).assign(share_of_limit=(over, values, {"units": "1"}))
+    return labelled_dataset(request, values, _dask_array(request, [*values.values()]))
 
 
 def _is_dask_array(values: object) -> bool:
@@ -109,25 +81,12 @@ def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two
     return values
 
 
-def _design_space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: bool) -> DesignSpace:
-    if not is_table:
-        return Grid(parts, tuple(values))
-    if len({len(value) for value in values}) > 1:
+def _design_space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_list: bool) -> DesignSpace:
+    if is_list and len({len(value) for value in values}) > 1:
         raise LinkproofError(
             f"table: expected columns of one length, got {[len(value) for value in values]}; correct it"
         )
-    return Listed(parts, tuple(values))
-
-
-def _compute_figures(request: SweepRequest) -> Array:
-    """Figures of all designs, (figures, *shape)."""
-    values = np.empty((len(request.figures), request.space.count))
-
-    def keep(number: int, block: Array) -> None:
-        values[:, slice(*request.block(number))] = block
-
-    sweep_space(request, keep=keep)
-    return values.reshape(-1, *request.space.shape)
+    return DesignSpace(parts, tuple(values), is_list)
 
 
 def _dask_array(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 - Dask's own array
@@ -135,7 +94,7 @@ def _dask_array(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: A
     import dask.array as da  # noqa: PLC0415 - only Dask arrays need it
 
     shape = request.space.shape
-    over = [0] * len(values) if len(shape) == 1 else range(len(shape))
+    over = [0] * len(values) if request.space.is_list else range(len(shape))
     arrays = [value if _is_dask_array(value) else da.from_array(value, chunks=-1) for value in values]
     pairs = [part for array, axis in zip(arrays, over, strict=True) for part in (array, (axis,))]
     return da.blockwise(
@@ -146,7 +105,7 @@ def _dask_array(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: A
 
 def _compute_chunk(request: SweepRequest, *values: Array) -> Array:
     """The figures of one chunk of designs, in the form that Dask joins."""
-    space = _design_space(request.space.parameters, values, is_table=isinstance(request.space, Listed))
+    space = _design_space(request.space.parameters, values, is_list=request.space.is_list)
     return sweep_block(replace(request, space=space), 0, space.count).reshape(-1, *space.shape)
 
 
@@ -155,7 +114,7 @@ def _compute_chunk(request: SweepRequest, *values: Array) -> Array:
 Range = str | float | tuple[float | None, float | None] | None
 
 
-@with_keywords(without=("over", "keep", "step", "simulate"))
+@with_keywords(without=("over", "keep", "step", *NOT_STEADY))
 def optimise(
     linkage: Linkage | str | Path,
     *,
@@ -215,7 +174,7 @@ def _range_word(name: str, values: Range) -> str:
 # ``linkproof.tolerance``: the change of each result with each toleranced number of a linkage.
 
 
-@with_keywords()
+@with_keywords(without=NOT_STEADY)
 def tolerance(
     linkage: Linkage | str | Path,
     tolerances: Mapping[str, Any] | str | Path,
@@ -281,7 +240,7 @@ def dataset(study: ToleranceStudy) -> xarray.Dataset:
             "derivatives": study.how,
             "corners": "all" if study.has_all_corners else "those to which derivatives point",
             "samples": request.samples,
-            "seed": request.seed,
+            "seed": SEED,
             "assembled": study.assembled,
         },
     )

@@ -4,29 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
-from reports.requests.motion_options import MotionOptions
-from reports.requests.options import Argument, Json, Option
+from reports.requests.motion_options import TIMED, MotionOptions
+from reports.requests.options import Argument, Option
 
-ANGLES, DESIGNS = 180, 24  # by default: crank angles of a turn, and designs that are simulated
+NOT_STEADY: Final = (*TIMED, "regime")  # options of a motion that is not at constant speed
 
 
 @dataclass(frozen=True, kw_only=True)
 class SteadyOptions(MotionOptions):
-    """A motion at constant speed, and the number of crank ``angles`` at which signals are sampled."""
+    """A motion at constant speed, without the options ``NOT_STEADY``."""
 
     mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)] = ""
     scale_mass: Annotated[
         bool, Option("Scale mass and inertia of a link with its lengths; default: as in the file.")
     ] = False
-    angles: Annotated[int, Option("Crank angles at which signals are sampled.", "N")] = ANGLES
     refine: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Designs:
-    """The designs of a sweep, and the figures to compute."""
+    """The designs of a sweep, and the figures to compute; the first in the help."""
 
     vary: Annotated[
         tuple[str, ...],
@@ -52,28 +51,14 @@ class _Designs:
 
 @dataclass(frozen=True, kw_only=True)
 class SweepOptions(SteadyOptions, _Designs):
-    """The designs of ``linkproof sweep``, and the sample that engines simulate."""
+    """The designs of ``linkproof sweep``."""
 
     refine: Annotated[bool, Option("Find the exact extremes between the sampled angles.")] = False
-    simulate: Annotated[
-        tuple[str, ...],
-        Option(
-            "Compare this engine on a sample of the designs and report how often it is accurate; repeatable.",
-            "ENGINE",
-            names="engines",
-            affects_results=False,
-        ),
-    ] = ()
-    designs: Annotated[
-        int, Option("Designs to simulate, drawn from a Latin hypercube.", "N", affects_results=False)
-    ] = DESIGNS
-    seed: Annotated[int, Option("Seed of the sample.", "N", affects_results=False)] = 0
-    jobs: Annotated[int | None, Option("Processor cores; default: all.", "N", affects_results=False)] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Aim:
-    """The aim of an optimisation, its variables, and the figures to hold."""
+    """The aim of an optimisation, its variables, and the figures to hold; the first in the help."""
 
     minimise: Annotated[str | None, Option("Minimise this figure, such as Mkr.peak.", "FIGURE", names="figures")] = None
     maximise: Annotated[str | None, Option("Maximise it: transmission_angle.min.", "FIGURE", names="figures")] = None
@@ -99,16 +84,10 @@ class _Aim:
 class OptimiseOptions(SteadyOptions, _Aim):
     """The optimisation of ``linkproof optimise``."""
 
-    starts: Annotated[int, Option("Number of designs to start from; the first is the file's.", "N")] = 1
-    seed: Annotated[int, Option("Seed of the other designs.", "N")] = 0
     everywhere: Annotated[bool, Option("Search the whole region within the bounds.", flags=("--global",))] = False
     step: Annotated[
         str | None, Option("Round lengths to this step, such as 0.1mm, and report the loss.", "STEP", ("--round",))
     ] = None
-    simulate: Annotated[
-        tuple[str, ...],
-        Option("Simulate the result, as compare does; repeatable.", "ENGINE", names="engines"),
-    ] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,21 +98,3 @@ class ToleranceOptions(SteadyOptions):
     samples: Annotated[
         int | None, Option("Random designs; default: 10000, 200 where a group has no closed form.", "N")
     ] = None
-    seed: Annotated[int, Option("Seed of the random designs.", "N")] = 0
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepFiles:
-    """Files that ``linkproof sweep`` writes beside its folder."""
-
-    csv: Annotated[str | None, Option("Write every design as a table.", "FILE|-")] = None
-    svg: Annotated[str | None, Option("Draw the figures over the designs.", "FILE|-")] = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ToleranceFiles:
-    """Files that ``linkproof tolerance`` writes."""
-
-    json: Json = False
-    csv: Annotated[str | None, Option("Write a row per result and parameter.", "FILE|-")] = None
-    svg: Annotated[str | None, Option("Draw the effect on each result into this file.", "FILE|-")] = None

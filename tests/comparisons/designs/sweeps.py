@@ -3,7 +3,7 @@
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import named_figures, steady_motion
-from comparisons.designs.space import Grid, parameter_range
+from comparisons.designs.space import DesignSpace, parameter_range
 from comparisons.designs.sweep import SweepRequest
 
 SIX_BAR = load("rimoldi-164")
@@ -29,7 +29,7 @@ points = { B = [60, 45] }
 
 
 def grid(*texts):
-    return Grid(*zip(*(parameter_range(SIX_BAR, text) for text in texts), strict=True))
+    return DesignSpace(*zip(*(parameter_range(SIX_BAR, text) for text in texts), strict=True))
 
 
 def request(space=None, figures=FIGURES, samples=8, speed=100.0):

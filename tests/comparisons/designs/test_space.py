@@ -8,9 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analytic.errors import LinkproofError
-from comparisons.designs import space as spaces
 from comparisons.designs.parameters import parameter
-from comparisons.designs.space import Grid, Listed, parameter_range, read_table
+from comparisons.designs.space import DesignSpace, parameter_range, read_table
 from tests.comparisons.designs.sweeps import SIX_BAR, grid
 
 NAMES = ("rod.B.x", "rod.mass", "rod.centre.x")
@@ -19,7 +18,7 @@ NAMES = ("rod.B.x", "rod.mass", "rod.centre.x")
 @given(st.lists(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=4), min_size=1, max_size=3), st.data())
 def test_designs_are_numbered_last_axis_first(values, data):
     parts = tuple(parameter(SIX_BAR, name) for name in NAMES[: len(values)])
-    space = Grid(parts, tuple(map(np.array, values)))
+    space = DesignSpace(parts, tuple(map(np.array, values)))
     truth = np.array(list(itertools.product(*values))).T
     first = data.draw(st.integers(0, space.count - 1))
     last = data.draw(st.integers(first + 1, space.count))
@@ -47,8 +46,7 @@ def test_a_range_is_read_in_the_units_of_the_file_or_in_its_own():
         (["rod.B.x=2:2:5"], "expected two values that differ"),
         (["rod.B.x=-1e308:1e308:5"], "expected two values that differ"),
         (["rod.B.x=1:2:3", "rod.B.x=1:2:3"], "got rod.B.x twice"),
-        ([f"{name}=1:2:20000" for name in NAMES], "designs at most, got 20000 × 20000 × 20000"),
-        (["rod.B.x=1:2:10000001"], "expected a number of values from 1 to 1e+07"),
+        (["rod.B.x=1:2:20000001"], "expected a number of values from 1 to 2e+07"),
     ],
 )
 def test_what_is_no_space_is_told(texts, words):
@@ -57,41 +55,37 @@ def test_what_is_no_space_is_told(texts, words):
     assert words in str(told.value)
 
 
-def test_a_part_of_a_list_knows_its_numbers():
-    columns = (parameter(SIX_BAR, "rod.B.x"), parameter(SIX_BAR, "rod.mass"))
-    space = Listed(columns, tuple(np.arange(20.0).reshape(2, 10)))
-    np.testing.assert_array_equal(space.subset(3, 7).file_values(4, 6), space.file_values(4, 6))
-    assert (space.count, space.subset(3, 7).count) == (10, 4)
+# Tables of designs are what was written; what is wrong with one is told by line and column.
 
 
-# Tables of designs, read in pieces, are what was written; what is wrong with one is told by line and column.
-
-
-def test_a_long_table_is_read_in_blocks(tmp_path, monkeypatch):
+def test_a_table_is_read_in_its_own_units(tmp_path):
     values = np.random.default_rng(0).uniform(1.0, 2.0, (2, 103))
     rows = [f"{a!r},{b!r}" for a, b in values.T.tolist()]
     rows.insert(50, "")  # lines without a design count for nothing
     file = tmp_path / "designs.csv"
     file.write_text("\ufeffrod.B.x [cm], rod.mass \n" + "\n".join(rows), encoding="utf-8")
-    monkeypatch.setattr(spaces, "ROWS_AT_ONCE", 10)
     space = read_table(file, SIX_BAR)
     truth = values * np.array([[10.0], [1.0]])
     assert (space.count, space.shape, space.dimensions) == (103, (103,), ("design",))
     np.testing.assert_array_equal(space.ends, np.stack([truth.min(axis=1), truth.max(axis=1)], axis=1))
-    for first, last in ((0, 103), (0, 1), (9, 11), (10, 20), (45, 75), (102, 103)):
+    for first, last in ((0, 103), (10, 20)):
         np.testing.assert_array_equal(space.file_values(first, last), truth[:, first:last])
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        ("", "expected a head that names parameters, got an empty file"),
         ("\n1,2\n", "expected a head that names parameters"),
         ("rod.B.x\n \n", "expected a head that names parameters and a row per design"),
         ("rod.B.q\n1\n", "did you mean 'rod.B."),
         ("rod.B.x [kg]\n1\n", "unknown length unit 'kg'"),
         ("rod.B.x,rod.B.x\n1,2\n", "got rod.B.x twice"),
         ("rod.B.x,rod.mass\n1,2\n3\n4,5\n", "in line 3, column rod.mass, got nothing"),
-        ("rod.B.x,rod.mass\n1,2\n3,4,5\n", "expected nothing in line 3, column 3, which has no name, got '5"),
+        (
+            "rod.B.x,rod.mass\n1,2\n3,4,5\n",
+            "expected a cell per column in every row, got other rows: Expected 2 fields in line 3, saw 3",
+        ),
         ("rod.B.x\n1\ntwo\n", "expected a finite number in line 3, column rod.B.x, got 'two'"),
         ("rod.B.x\nTrue\n", "got 'True'"),
         ("\ufeffrod.B.x [cm];rod.mass\r\n17,2;0,1\r\n", "got semicolons"),

@@ -11,9 +11,8 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import sheet, usual_case
 from comparisons.designs import sweep as sweeps
 from comparisons.designs.parameters import named_figures, steady_motion
-from comparisons.designs.space import Grid, parameter_range
-from comparisons.designs.sweep import Summary, SweepRequest, figures_of_file, reason_not_assembled, sweep, usual_figures
-from comparisons.runs.workers import LocalPool
+from comparisons.designs.space import DesignSpace, parameter_range
+from comparisons.designs.sweep import SweepRequest, figures_of_file, reason_not_assembled, sweep, usual_figures
 from tests.analytic.loaded_linkages import on_trial
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
 
@@ -33,47 +32,28 @@ def looped(asked):
 
 
 def test_figures_and_their_ends_are_those_of_a_loop(monkeypatch):
-    monkeypatch.setattr(sweeps, "PLACES", 8 * 7)
-    asked = request()
-    found = np.full((3, 30), np.nan)
-
-    def keep(number, values):
-        found[:, slice(*asked.block(number))] = values
-
+    monkeypatch.setattr(sweeps, "PLACES", 8 * 7)  # of a block
     heard = []
-    summary = sweep(asked, keep=keep, announce=heard.append, pool=LocalPool(2))
-    truth = looped(asked)
-    np.testing.assert_allclose(found, truth, rtol=1e-12)
+    study = sweep(request(), announce=lambda _, number, count: heard.append((number, count)))
+    truth = looped(study.request)
+    np.testing.assert_allclose(study.values, truth, rtol=1e-12)
     there = ~np.isnan(truth[0])
-    assert 0 < summary.assembled == np.count_nonzero(there) < summary.designs == 30 == heard[-1]
-    assert heard == sorted(heard)
+    assert np.array_equal(study.assembles, there)
+    assert 0 < np.count_nonzero(there) < 30
+    assert heard == [(7, 30), (14, 30), (21, 30), (28, 30), (30, 30)]
     shown = np.array(list(itertools.product(range(160, 181, 5), (0.1, 0.15, 0.2), (50.0, 60.0)))).T
     np.testing.assert_allclose(
-        summary.reach, np.stack([shown[:, there].min(axis=1), shown[:, there].max(axis=1)], axis=1), rtol=1e-14
+        study.reach, np.stack([shown[:, there].min(axis=1), shown[:, there].max(axis=1)], axis=1), rtol=1e-14
     )
-    for row, least, largest in zip(found, summary.least, summary.largest, strict=True):
-        assert (least.design, largest.design) == (np.nanargmin(row), np.nanargmax(row))
-        assert (least.value, largest.value) == (row[least.design], row[largest.design])
-
-
-def test_what_is_done_is_not_made_again(monkeypatch):
-    monkeypatch.setattr(sweeps, "PLACES", 8 * 7)
-    asked, parts = request(), {}
-    whole = sweep(asked, keep=parts.__setitem__)
-    made, begun = [], Summary(asked)
-    for number in (3, 1):  # in any order
-        begun.add(asked.blocks[number], parts[number])
-    again = sweep(asked, done={1, 3}, begun=begun, keep=lambda number, _: made.append(number))
-    assert (again.assembled, again.least, again.largest) == (whole.assembled, whole.least, whole.largest)
-    np.testing.assert_array_equal(again.reach, whole.reach)
-    assert sorted([*made, 1, 3]) == sorted(parts)
+    for row, values in enumerate(study.values):
+        assert (study.extreme(row, -1.0), study.extreme(row, 1.0)) == (np.nanargmin(values), np.nanargmax(values))
 
 
 @pytest.mark.parametrize("refine", [False, pytest.param(True, marks=pytest.mark.nightly)])
 def test_the_rms_torque_is_that_of_results_beside_a_dead_position_too(refine):
     mechanism = on_trial("near-toggle", None, False)
     motion = steady_motion(mechanism, 1000.0 * RPM)
-    space = Grid(*zip(parameter_range(mechanism.linkage, "crank.mass=0.3:0.4:2"), strict=True))
+    space = DesignSpace(*zip(parameter_range(mechanism.linkage, "crank.mass=0.3:0.4:2"), strict=True))
     asked = SweepRequest(mechanism.linkage, space, named_figures(mechanism, ["Mkr.rms"]), motion, refine=refine)
     (shown,) = (one for one in sheet(usual_case(mechanism)).figures["drive"] if one.what == "RMS torque")
     assert figures_of_file(asked)[0] == pytest.approx(shown.value, rel=1e-9)

@@ -66,12 +66,12 @@ def test_derivatives_are_slopes_of_small_changes_and_shares_add_up():
 
 def test_random_designs_scatter_as_their_distributions_say():
     table = {"rod.mass": {"plus_minus": 0.01, "distribution": "uniform"}, "gravity.y": 0.1}
-    found = study(table, results=("Mkr@30",), samples=8_000, seed=3)  # linear in both
+    found = study(table, results=("Mkr@30",), samples=8_000)  # linear in both
     assert found.deviation == pytest.approx(found.deviations, rel=0.03)
     assert found.mean == pytest.approx(found.nominal, abs=3.0 * found.deviations[0] / math.sqrt(8_000))
     assert found.corners[0] == pytest.approx(found.nominal[0] + np.array([-1.0, 1.0]) * found.worst[0], rel=1e-3)
     assert found.assembled == 1.0
-    assert np.array_equal(found.random, study(table, results=("Mkr@30",), samples=8_000, seed=3).random)
+    assert np.array_equal(found.random, study(table, results=("Mkr@30",), samples=8_000).random)
 
 
 def test_of_many_tolerances_the_derivatives_point_to_the_corners():

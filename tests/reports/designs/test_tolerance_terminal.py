@@ -19,14 +19,14 @@ def printed(sample, results, table, **options):
 
 def test_rows_stand_by_contribution_and_a_mass_moves_no_stroke():
     table = {"rod.mass": 0.01, "rod.B.x": 0.01, "rocker.B.length": {"plus_minus": 0.05, "distribution": "uniform"}}
-    study, text = printed(mechanism("rimoldi-164", "as-built"), ("stroke",), table, samples=30, seed=2)
+    study, text = printed(mechanism("rimoldi-164", "as-built"), ("stroke",), table, samples=30)
     rows = [line.split()[0] for line in text.splitlines() if "exact" in line]
     assert rows == ["rocker.B.length", "rod.B.x", "rod.mass"]
     assert "stroke [mm]: 30.9866" in text
     assert "rocker.B.length  0.05  mm uniform" in text
     low, high = study.corners[0] * 1e3
     assert f"{low:.4f} to {high:.4f} mm of all 8 corners" in text
-    assert "30 random designs, seed 2: all of them assemble" in text
+    assert "30 random designs, seed 0: all of them assemble" in text
 
 
 def test_what_has_no_derivative_says_why():

@@ -65,9 +65,10 @@ def test_a_keyword_of_another_type_is_one_sentence(options, words):
 
 
 def test_whole_numbers_paths_and_several_words_are_taken_as_they_are_typed(tmp_path):
-    with pytest.raises(LinkproofError, match=r"angles: expected a whole number, got 12.5"):
-        package.sweep("rimoldi-164", {"rod.mass": [0.1]}, angles=12.5)
-    assert package.sweep("rimoldi-164", {"rod.mass": [0.1]}, "stroke", angles=np.int64(12)).sizes["rod.mass"] == 1
+    with pytest.raises(LinkproofError, match=r"samples: expected a whole number, got 12.5"):
+        package.tolerance("rimoldi-164", {"rod.mass": 0.1}, "stroke", samples=12.5)
+    found = package.tolerance("rimoldi-164", {"rod.mass": 0.1}, "stroke", samples=np.int64(12))
+    assert found.attrs["samples"] == 12
     with pytest.raises(TypeError, match=r"unknown argument 'sped': did you mean 'speed'"):
         package.results("juki-mf7923d", sped=3)
 
