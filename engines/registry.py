@@ -1,37 +1,33 @@
 """Finding engines: every adapter announced under the entry-point group ``linkproof.engines``, in name order.
 
 A plug-in that cannot be loaded, or does not keep the contract, costs its own rows alone: a stand-in takes its place and
-raises, when it is run, the error of the loading. A stand-in takes the place of two plug-ins of one name as well, as the
-name is ambiguous.
+raises, when it is run, the error of the loading.
 """
 
 from __future__ import annotations
 
 import contextlib
 import ctypes
+import io
 import os
 import re
 import signal
 import sys
-import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module, metadata
 from importlib.metadata import EntryPoint, entry_points
-from typing import Final, NoReturn
+from typing import Final
 
-from analytic.description.linkage import DriverKind
 from analytic.errors import UnknownNameError
-from engines.contract import Abilities, Engine, Outcome, ReadOut, Run, Setting
-from engines.scene import Channel, Scene
+from engines.contract import Abilities, Engine, Run, Setting
+from engines.scene import Scene
 
 GROUP = "linkproof.engines"
 CONTRACT: Final = ("name", "abilities", "is_control", "version", "run")  # what every adapter has to have
-LONGEST_LOADING: Final = 30.0  # s within which an adapter must be imported and return its version
 NO_ABILITIES: Final = Abilities({}, frozenset(), frozenset(), frozenset(), settings=frozenset())
-_FAILED: dict[str, BaseException] = {}  # by entry point: what failed once is not tried again
 
 
 class PluginError(Exception):
@@ -40,16 +36,15 @@ class PluginError(Exception):
 
 @dataclass
 class Unusable:
-    """Stand-in for an adapter that cannot be used: for the ``error`` that loading it raised, or for a ``reason``.
+    """Stand-in for an adapter that cannot be loaded: loading it raised the ``error``.
 
     ``module`` is where its adapter was announced to be, ``announced_by`` the version of the package that did.
     """
 
     name: str
     module: str
-    announced_by: str | None = None
-    error: BaseException | None = None
-    reason: str | None = None
+    announced_by: str | None
+    error: BaseException
     is_control: bool = False
     abilities: Abilities = NO_ABILITIES
 
@@ -58,64 +53,42 @@ class Unusable:
         return self.announced_by
 
     def why_unavailable(self) -> str | None:
-        """The reason, if there is one; an error is reported when it is run."""
-        return self.reason
+        """None: the error is reported when it is run."""
+        return None
 
     def run(self, scene: Scene, setting: Setting) -> Run:
         """Raise what loading raised."""
-        if self.error is not None:
-            raise self.error
-        return Run(Outcome.UNAVAILABLE, self.reason or "")
+        raise self.error
 
 
-def announced() -> dict[str, list[EntryPoint]]:
-    """Entry points by engine name, more than one where several packages have the same name; nothing is imported."""
-    return _announced(tuple(sys.path))
+def _announced() -> dict[str, EntryPoint]:
+    """Entry points by engine name, ours before those of others of the same name; nothing is imported."""
+    return _read_announced(tuple(sys.path))
 
 
 @cache
-def _announced(_: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
+def _read_announced(_: tuple[str, ...]) -> dict[str, EntryPoint]:
     """Read once for a search path: reading takes longer than many a run."""
-    groups: dict[str, list[EntryPoint]] = {}
-    for entry in sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value)):
-        same = groups.setdefault(entry.name, [])
-        if entry.value not in [other.value for other in same]:
-            same.append(entry)
-    return groups
-
-
-def module_of(entry: EntryPoint) -> str:
-    """The module that an entry point names; it may be no name of a module at all."""
-    return entry.value.partition(":")[0].strip()
+    entries = sorted(entry_points(group=GROUP), key=lambda entry: _is_ours(entry.value))
+    return dict(sorted((entry.name, entry) for entry in entries))
 
 
 def engine_names() -> tuple[str, ...]:
     """Names of all engines that have an adapter, installed or not."""
-    return tuple(announced())
+    return tuple(_announced())
 
 
-def plugins() -> dict[str, str]:
-    """Engines whose adapters are not ours, each with the packages that announce it; nothing is imported."""
-    return {
-        name: " and ".join(sorted(map(_package_name, points)))
-        for name, points in announced().items()
-        if not all(_is_ours(each.value) for each in points)
-    }
+def entry_point(name: str) -> EntryPoint:
+    """Where the adapter of that name is announced; raises UnknownNameError for a name that no package announces."""
+    entries = _announced()
+    if name not in entries:
+        raise UnknownNameError("engine", name, entries)
+    return entries[name]
 
 
-def entry_point(name: str) -> EntryPoint | Unusable:
-    """Where the adapter of that name is announced, or a stand-in where several are; nothing is imported.
-
-    Raises UnknownNameError for a name that no package announces.
-    """
-    groups = announced()
-    if name not in groups:
-        raise UnknownNameError("engine", name, groups)
-    entry, *others = groups[name]
-    if not others:
-        return entry
-    reason = f"engine '{name}' is announced by {plugins()[name]}: uninstall all of them but one"
-    return Unusable(name, module_of(entry), reason=reason)
+def is_plugin(name: str) -> bool:
+    """Whether the adapter of that name is another package's; raises UnknownNameError for an unknown name."""
+    return not _is_ours(entry_point(name).value)
 
 
 def engine(name: str) -> Engine:
@@ -123,18 +96,21 @@ def engine(name: str) -> Engine:
 
     Raises UnknownNameError for a name that no package announces.
     """
-    entry = entry_point(name)
-    if isinstance(entry, Unusable):
-        return entry
     try:
-        if entry.value in _FAILED:
-            raise _FAILED[entry.value]
-        return _load_adapter(entry)
+        return _load_adapter(entry_point(name))
+    except UnknownNameError:
+        raise
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt) and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
             raise  # the user's; a worker hears none
-        _FAILED[entry.value] = error
-        return Unusable(name, module_of(entry), entry.dist.version if entry.dist else "", error)
+        return stand_in(name, error)
+
+
+def stand_in(name: str, error: BaseException) -> Unusable:
+    """What takes the place of an adapter whose loading raised an error."""
+    entry = entry_point(name)
+    module = entry.value.partition(":")[0].strip()  # which may be no name of a module at all
+    return Unusable(name, module, entry.dist.version if entry.dist else "", error)
 
 
 def why_unavailable(adapter: Engine) -> str | None:
@@ -154,9 +130,7 @@ def why_unavailable(adapter: Engine) -> str | None:
 
 def _load_adapter(entry: EntryPoint) -> Engine:
     """Import the adapter of an entry point and check it; raises PluginError for one that breaks the contract."""
-    late = f"loading it took longer than {LONGEST_LOADING:g} s"
-    # Its output goes elsewhere: that of the command may be JSON or a script.
-    with _time_limit(LONGEST_LOADING, late), contextlib.redirect_stdout(sys.stderr):
+    with contextlib.redirect_stdout(io.StringIO()):  # the output of the command may be JSON or a script
         adapter: Engine = entry.load()()
         lacking = [part for part in CONTRACT if not hasattr(adapter, part)]
         if lacking:
@@ -174,50 +148,12 @@ def check_adapter(adapter: Engine) -> None:
         raise PluginError(f"expected a name as text, got {adapter.name!r}")
     if not isinstance(version, str | None):
         raise PluginError(f"expected a version as text or None, got a {type(version).__name__}")
-    if not isinstance(adapter.is_control, bool) or not _are_plain(adapter.abilities):
-        raise PluginError("expected is_control as True or False and abilities of the contract's own types, got others")
-
-
-def _package_name(entry: EntryPoint) -> str:
-    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else entry.value
-
-
-def _are_plain(abilities: object) -> bool:
-    """Whether abilities are words, settings and types of the contract, which every process knows."""
-    if type(abilities) is not Abilities or not isinstance(abilities.readouts, Mapping):
-        return False
-    types = [*abilities.drives, *abilities.joints, *abilities.loads]
-    readouts = abilities.readouts.items()
-    return (
-        all(isinstance(each, type) and each.__module__ == Scene.__module__ for each in types)
-        and all(isinstance(channel, Channel) and type(readout) is ReadOut for channel, readout in readouts)
-        and all(isinstance(word, str) for words in abilities.as_dict().values() for word in words.values())
-        and all(isinstance(each, Setting) for each in abilities.settings)
-        and all(isinstance(each, DriverKind) for each in abilities.drivers)
-    )
+    if not isinstance(adapter.is_control, bool) or not isinstance(adapter.abilities, Abilities):
+        raise PluginError("expected is_control as True or False and abilities as Abilities, got others")
 
 
 def _is_ours(module: str) -> bool:
     return module.startswith("engines.")
-
-
-@contextlib.contextmanager
-def _time_limit(seconds: float, words: str) -> Iterator[None]:
-    """Raise TimeoutError, where the system has timers, inside what takes longer, so that it is known where."""
-    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def stop(*_: object) -> NoReturn:
-        raise TimeoutError(words)
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
 
 
 # Which engines are installed, and keeping them quiet and apart.

@@ -12,73 +12,20 @@ import multiprocessing
 import os
 import pickle
 import signal
-import struct
 import sys
 import tempfile
 import threading
-import zlib
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import forkserver, util
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Final
+from typing import Final
 
 from comparisons.runs.run_engine import SHOW_OUTPUT, lost
 
-WORKER: Final = "LINKPROOF_WORKER"  # in a worker's environment
-START_MARK: Final = bytes(16)  # of a worker's first message, which is empty; a job's result has the job's mark
-_HEADER: Final = struct.Struct("!16sQI")  # of a message: its mark, its length, its checksum
-_CHUNK: Final = 1 << 20  # bytes read at once
 # How workers are started: fork, forkserver or spawn, as in multiprocessing.
 START: Final = "LINKPROOF_WORKER_START"
-
-
-def is_worker() -> bool:
-    """Whether this is a worker process, which may import a plug-in."""
-    return WORKER in os.environ
-
-
-class BrokenMessageError(Exception):
-    """The bytes are not a message of a worker."""
-
-
-def parse_message(sent: bytes | bytearray, mark: bytes, longest: int) -> bytes | None:
-    """The message with this mark from a worker; None if the rest has not arrived yet.
-
-    An engine shares the pipe with its worker, and may write into it or change Python's functions. Raises
-    BrokenMessageError for another mark, more than ``longest`` bytes or more than announced, and a wrong checksum.
-    """
-    if bytes(sent[: len(START_MARK)]) != mark[: len(sent)]:
-        raise BrokenMessageError
-    if len(sent) < _HEADER.size:
-        return None
-    _, length, checksum = _HEADER.unpack_from(sent)
-    missing = _HEADER.size + length - len(sent)
-    if length > longest or missing < 0:
-        raise BrokenMessageError
-    if missing:
-        return None
-    message = bytes(memoryview(sent)[_HEADER.size :])
-    if zlib.crc32(message) != checksum:
-        raise BrokenMessageError
-    return message
-
-
-def read_available(channel: Connection) -> bytes:
-    """The bytes that have arrived, none at the end; unlike ``recv_bytes`` it never waits for the rest of a message."""
-    if os.name == "posix":
-        return os.read(channel.fileno(), _CHUNK)
-    return channel.recv_bytes()  # this system delivers whole messages
-
-
-def _send(channel: Connection, mark: bytes, message: bytes) -> None:
-    left = memoryview(_HEADER.pack(mark, len(message), zlib.crc32(message)) + message)
-    if os.name != "posix":
-        channel.send_bytes(left)
-        return
-    while left:
-        left = left[os.write(channel.fileno(), left) :]
 
 
 def start_method() -> str:
@@ -96,17 +43,9 @@ def start_server(modules: Sequence[str]) -> None:
     Returns at once: if it is called early, the server imports while the caller does.
     """
     if start_method() == "forkserver":
-        _leave_temporary_folder()
-        forkserver.set_forkserver_preload(["comparisons.runs.fork_server", "comparisons.runs.worker_process", *modules])
+        forkserver.set_forkserver_preload(["comparisons.runs.worker_process", *modules])
         with isolated_start(), inherited_path():
             forkserver.ensure_running()
-
-
-@functools.cache
-def _leave_temporary_folder() -> None:
-    """Have a process that multiprocessing has started use a folder of its own, as its server will remove it."""
-    if multiprocessing.parent_process() is not None:
-        vars(multiprocessing.current_process())["_config"].pop("tempdir", None)
 
 
 @contextlib.contextmanager
@@ -176,19 +115,18 @@ def _output_discarded() -> Iterator[None]:
 def serve(channel: Connection, output: Connection | None, function: bytes, memory: int) -> None:
     """Receive pickled tuples of arguments and send back the results of ``function``, until the channel is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.environ[WORKER] = "1"
-    # Temporary files are in the folder of the command's own, which goes with the command however that ends.
+    # Temporary files are in the folder of the command's own, which goes with the command.
     tempfile.tempdir = os.environ["TMPDIR"] = util.get_temp_dir()
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)  # processes that an engine starts are in the worker's group, and are killed with it
-    _die_with_parent()
-    _leave_server()
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
     _redirect_output(output)
-    _send(channel, START_MARK, b"")
+    channel.send_bytes(b"")  # it is ready
     with contextlib.suppress(EOFError):
         while True:
-            mark, job = channel.recv_bytes(), channel.recv_bytes()
-            _send(channel, mark, _run_pickled_job(function, job, memory))
+            channel.send_bytes(_run_pickled_job(function, channel.recv_bytes(), memory))
 
 
 def _run_pickled_job(function: bytes, job: bytes, memory: int) -> bytes:
@@ -208,37 +146,8 @@ def _unpickled_function(function: bytes) -> Callable[..., object]:
     return loaded
 
 
-def _die_with_parent() -> None:
-    """Kill this worker when its parent dies, even inside C code.
-
-    On Linux the end of the parent's pipe sends SIGKILL. (The kernel's signal at a parent's death would come too late:
-    the worker's is the server that forked it, which lives as long as any worker.)
-    """
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    if sys.platform.startswith("linux"):
-        import fcntl  # noqa: PLC0415  POSIX only
-
-        fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, -os.getpid())  # the whole group
-        fcntl.fcntl(parent.sentinel, fcntl.F_SETSIG, signal.SIGKILL)
-        flags = fcntl.fcntl(parent.sentinel, fcntl.F_GETFL)
-        fcntl.fcntl(parent.sentinel, fcntl.F_SETFL, flags | os.O_ASYNC)
-        if not parent.is_alive():
-            os._exit(1)
-    else:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _leave_server() -> None:
-    """Close the pipe to the server, which one byte from an engine would end."""
-    server: Any = getattr(forkserver, "_forkserver", None)
-    descriptor = getattr(server, "_forkserver_alive_fd", None)
-    if descriptor is not None:
-        server._forkserver_alive_fd = None
-        os.close(descriptor)
-
-
 def _end_with(sentinel: int) -> None:
+    """Kill this worker and all that it has started when its parent dies, as soon as Python code runs."""
     wait([sentinel])
     if hasattr(os, "killpg"):
         os.killpg(0, signal.SIGKILL)

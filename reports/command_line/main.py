@@ -67,10 +67,12 @@ def _end_badly(error: Exception) -> None:
 
 
 def _start_fast() -> None:
-    """Start a tenth faster: fewer garbage collections, no search for plugins of pydantic."""
+    """Start a tenth faster: fewer garbage collections, no search for plugins of pydantic; a SIGTERM is a Ctrl-C."""
     import gc
     import os
+    import signal
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     gc.set_threshold(50_000)
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 

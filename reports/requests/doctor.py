@@ -106,8 +106,6 @@ def engine_findings(adapter: Engine, processes: int | None = None) -> list[Check
     Raises LinkproofError if nothing can be checked, AdapterError for an engine that cannot be loaded.
     """
     if isinstance(adapter, Unusable):
-        if adapter.error is None:
-            raise LinkproofError(adapter.reason)
         with blamed_on(adapter):
             raise adapter.error
     results = check_engine(adapter, processes)

@@ -7,14 +7,11 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
-from multiprocessing import forkserver
 from pathlib import Path
 
-from comparisons.runs.worker_pool import DEFAULT_BOUNDS
-from comparisons.runs.workers import run_jobs
+from comparisons.runs.workers import DEFAULT_BOUNDS
 from engines.contract import Abilities, Outcome, Run
 
 LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits at most
@@ -37,21 +34,8 @@ def wait_for(condition):
     return condition()
 
 
-def children(process):
-    """The processes that a process has started, on Linux."""
-    numbers = [name for name in os.listdir("/proc") if name.isdigit()]
-    return [int(number) for number in numbers if _parent(number) == process]
-
-
-def _parent(process):
-    try:
-        return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
-    except OSError:
-        return None
-
-
 class Clock:
-    """Time as ``worker_pool`` sees it, which can be put forward beyond what any job may take."""
+    """Time as the pool of workers sees it, which can be put forward beyond what any job may take."""
 
     sleep, ahead = staticmethod(time.sleep), 0.0
 
@@ -78,10 +62,6 @@ def leave_at_once(value):
 
 def leave(value):
     sys.exit(value)
-
-
-def sleep(_):
-    time.sleep(LONG)
 
 
 def spin(_):
@@ -173,23 +153,6 @@ def fork_and_sleep(path):
     child = subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({LONG})"])
     Path(path).write_text(str(child.pid))
     time.sleep(LONG)
-
-
-def escape_and_sleep(path):
-    """Leave a process in a session of its own whose parent has ended, and a temporary folder, and hang."""
-    if os.fork() == 0:
-        os.setsid()
-        if os.fork() == 0:
-            sign_and_sleep(path)
-        os._exit(0)
-    tempfile.mkdtemp()
-    time.sleep(LONG)
-
-
-def work_within(path):
-    """Have workers of this process do a job, and leave the process number of their server in a file."""
-    list(run_jobs(job, [("fine",)], processes=1))
-    Path(path).write_text(str(forkserver._forkserver._forkserver_pid))
 
 
 class _Faulty:

@@ -11,7 +11,7 @@ from analytic.description.loading import load
 from comparisons.campaign import campaign as module
 from comparisons.campaign.campaign import CampaignRequest, compare, sheets, tasks
 from comparisons.datasheet.building import usual_sheet
-from comparisons.runs import worker_pool
+from comparisons.runs import workers
 from comparisons.runs.run_engine import GIB
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import Bounds, LocalPool
@@ -82,8 +82,8 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
     motions, settings = BRIEF[:1], (Setting.TUNED,)
     request = CampaignRequest((JUKI,), motions, "brief", ("direct", *faulty), settings)
     clock = Clock()
-    monkeypatch.setattr(worker_pool, "time", clock)
-    monkeypatch.setattr(worker_pool, "_EXIT_TIMEOUT", PATIENCE)
+    monkeypatch.setattr(workers, "time", clock)
+    monkeypatch.setattr(workers, "_EXIT_TIMEOUT", PATIENCE)
 
     def begun(label, *_):
         if "hanging" in label and not clock.ahead:

@@ -1,79 +1,90 @@
-"""A plug-in costs its own rows alone: only workers import it, on first use, and its runs are checked."""
+"""A plug-in costs its own rows alone, whatever importing it does, and is imported only on use."""
 
 import json
-import os
-import sys
-from types import SimpleNamespace
 
 import pytest
 
 from comparisons.runs import plugins
-from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost
-from comparisons.runs.workers import run_jobs
 from engines import registry
+from engines.contract import Setting
 from tests.commands import linkproof
 from tests.comparisons.faults import announce
-from tests.comparisons.hostile_engines import ENTRIES, ROWS
+from tests.comparisons.hostile_engines import ENGINES
 
-HOSTILE = "tests.comparisons.hostile_engines"
-UNUSED = (
-    "import pathlib, time\npathlib.Path(__file__).with_suffix('.imported').touch()\nprint('noise')\ntime.sleep(1000)\n"
-)
+MODULES = {
+    "raising": "import math\nraise ValueError('at import')\n",
+    "misspelt": "class Adapter:\n    def (\n",
+    "pressing": "raise KeyboardInterrupt\n",
+    "leaving": "import sys\nprint('noise')\nsys.exit(3)\n",
+    "ending": "import os\nos._exit(0)\n",
+    "hanging": "import time\ntime.sleep(1000)\n",
+    "partial": "class Adapter:\n    name = 'partial'\n",
+    "unused": "import pathlib\npathlib.Path(__file__).with_suffix('.imported').touch()\n",
+}
+ROWS = {
+    "direct": ("passed", ""),
+    "faithful": ("passed", ""),
+    "interrupting": ("adapter-error", "raised KeyboardInterrupt"),
+    "unsendable": ("adapter-error", "texts and finite numbers, got a function"),
+    "number": ("adapter-error", "expected a version as text or None, got a float"),
+    "unversioned": ("adapter-error", "raised RuntimeError: no version (tests/comparisons/hostile_engines.py, line "),
+    "renamed": ("adapter-error", "expected an adapter with the name it is announced by"),
+    "nowhere": ("adapter-error", "the adapter of nowhere raised AttributeError"),
+    "missing": ("adapter-error", "No module named 'missing' (announced in missing)"),
+    "raising": ("adapter-error", "ValueError: at import (FOLDER/raising.py, line 2)"),
+    "misspelt": ("adapter-error", "(FOLDER/misspelt.py, line 2)"),
+    "pressing": ("adapter-error", "raised KeyboardInterrupt (FOLDER/pressing.py, line 1)"),
+    "leaving": ("crashed", "exited with code 3"),
+    "ending": ("crashed", "exited with code 0"),
+    "partial": ("adapter-error", "expected an adapter with name, abilities, is_control, version, run, got one without"),
+}
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder on the path with a package that announces hostile engines, one of which nobody asks for."""
-    (tmp_path / "unused.py").write_text(UNUSED)
-    announce(tmp_path, "hostile", {**ENTRIES, "unused": "unused:Engine"})
+    """A folder on the path with a package that announces them all."""
+    for name, text in MODULES.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    entries = {name: f"tests.comparisons.hostile_engines:{name}" for name in ENGINES}
+    entries |= {name: f"{name}:Adapter" for name in [*MODULES, "missing"]}
+    announce(tmp_path, "hostile", {**entries, "nowhere": "no module:?"})
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, HOSTILE)
+    monkeypatch.setattr(plugins, "_TRIED", {})
     return tmp_path
 
 
 def told_by(folder, *words):
     """Exit code and JSON of a command that has nothing to say on stderr."""
     done = linkproof(*words, "--json", cwd=folder)
-    assert (done.stderr, (folder / "unused.imported").exists(), HOSTILE in sys.modules) == ("", False, False)
+    assert (done.stderr, (folder / "unused.imported").exists()) == ("", False)
     return done.returncode, json.loads(done.stdout, parse_constant=pytest.fail)
 
 
 def test_every_hostile_plugin_fails_in_its_own_row(folder):
-    words = [word for name in ("direct", *ROWS) for word in ("--engine", name)]
+    words = [word for name in ROWS for word in ("--engine", name)]
     code, told = told_by(folder, "compare", "juki-mf7923d", *words, "--jobs", "2", "--quantity", "S")
-    rows = {row["engine"]: row for row in told["records"]}
-    assert (rows["direct"]["outcome"], rows["direct"]["error_max"] < 1e-12) == ("passed", True)
+    found = {row["engine"]: (row["outcome"], row["detail"].replace(str(folder), "FOLDER")) for row in told["records"]}
     for name, (outcome, detail) in ROWS.items():
-        assert (name, rows[name]["outcome"]) == (name, outcome)
-        assert detail in rows[name]["detail"]
+        assert (name, found[name][0]) == (name, outcome)
+        assert detail in found[name][1]
     assert code == 1
 
 
-def test_a_plugin_that_nobody_asks_for_is_not_imported(folder):
+def test_engines_lists_what_cannot_be_loaded(folder):
     code, told = told_by(folder, "engines", "faithful", "number")
     assert [record["version"] for record in told["records"]] == ["1.0", "1.0"]  # the second is its package's
     assert (code, told["records"][1]["unusable"].count("got a float")) == (0, 1)
 
 
-def process_of(name):
-    return engine(name).name, os.getpid()
-
-
-def test_no_engine_runs_where_another_plugin_has_been(folder):
-    names = ["direct", "faithful", "faithful", "number", "direct"]
-    results = dict(run_jobs(process_of, [(name,) for name in names], processes=1))
-    assert [results[number][0] for number in range(5)] == names
-    processes = [results[number][1] for number in range(5)]
-    assert processes[0] == processes[1] == processes[2]
-    assert len(set(processes[2:])) == 3
-
-
-def test_entry_points_of_importlib_metadata_are_plugins_as_well(monkeypatch):
-    """Once that package is imported, all entry points are of its type; a worker looks at a plug-in all the same."""
-    point = SimpleNamespace(name="strange", value="strange:Adapter", dist=None)
-    monkeypatch.setattr(registry, "announced", lambda: {"strange": [point]})
-    monkeypatch.setattr(registry, "engine", lambda name: pytest.fail("imported in this process"))
-    monkeypatch.setattr(plugins, "_call_in_workers", lambda function, jobs: [Lost(Failure.CRASHED, "in a worker")])
-    (adapter,) = plugins.engines(("strange",))
-    assert "in a worker" in str(adapter.error)
+def test_an_import_that_hangs_is_ended(folder, monkeypatch):
+    """In a worker it is an error after a while; where no alarm ends it, the bound of its process does."""
+    monkeypatch.setattr(plugins, "LONGEST_LOADING", 0.1)
+    adapter = plugins._imported_in_time("hanging")
+    assert "took longer than 0.1 s" in str(adapter.error)
+    late = Lost(Failure.TIMED_OUT, "took longer than 35 s")
+    monkeypatch.setattr(plugins, "run_jobs", lambda *_, **__: [(0, late)])
+    (adapter,) = plugins.engines(["hanging"])
+    assert isinstance(adapter, registry.Unusable)
+    with pytest.raises(Exception, match="the adapter of hanging cannot be loaded: its process took longer than 35 s"):
+        adapter.run(None, Setting.TUNED)

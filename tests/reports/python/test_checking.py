@@ -60,7 +60,7 @@ def test_an_engine_is_checked_by_name_or_as_it_is():
     ("engine", "words"),
     [
         (
-            Unusable("barwork", "linkproof_barwork", error=ImportError("no module named barwork")),
+            Unusable("barwork", "linkproof_barwork", None, ImportError("no module named barwork")),
             r"expected an adapter that can be loaded, but .*barwork",
         ),
         ("barwork", "unknown engine 'barwork'"),

@@ -2,12 +2,13 @@
 
 import json
 import sys
+from types import SimpleNamespace
 
 import pytest
 
 from analytic.machine_code import compiling
 from comparisons.judging.records import Record, Verdict
-from engines.registry import Unusable, engine_names
+from engines.registry import engine_names
 from reports.requests import doctor
 from tests.commands import linkproof
 from tests.test_economy import EXTRAS
@@ -45,7 +46,8 @@ def test_an_engine_works_if_it_simulates(monkeypatch, record, works, word):
     run = type("Run", (), {"records": [record]})
     monkeypatch.setattr(doctor, "compare", lambda _: [run])
     monkeypatch.setattr(doctor, "engine_names", lambda: ("barwork", "direct"))
-    monkeypatch.setattr(doctor, "engines", lambda names: [Unusable(name, "", reason="not installed") for name in names])
+    lacking = [SimpleNamespace(name=name, why_unavailable=lambda: "not installed") for name in ("barwork", "direct")]
+    monkeypatch.setattr(doctor, "engines", lambda _: lacking)
     tried, absent = doctor.engine_trials()
     assert tried.works is works
     assert word in tried.detail
