@@ -94,10 +94,10 @@ def test_an_engine_that_is_not_requested_is_not_imported(imported, name):
     assert imported((name, *PLOTTING, "xarray"), *command) == set()
 
 
-def test_a_report_from_saved_records_imports_no_engine(imported, tmp_path):
+def test_the_pages_of_a_finished_study_import_no_engine(imported, tmp_path):
     choice = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",), quantity=("Jeq",))
     wanted: CampaignRequest = request(choice)
     results = list(compare(wanted))
     save(tmp_path / "saved", document(wanted, "as tested"), results, sheets(wanted, processes=0))
-    assert imported(ENGINES, "report", str(tmp_path / "saved")) == set()
+    assert imported(ENGINES, "compare", "--out", str(tmp_path / "saved"), ends=(0,)) == set()
     assert (tmp_path / "saved" / "index.html").is_file()

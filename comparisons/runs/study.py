@@ -11,7 +11,6 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from analytic.errors import LinkproofError
 from comparisons.runs.files import Claim, claim, write_text, writing
 from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile, temporary_records
 from comparisons.runs.run_engine import Lost
@@ -22,6 +21,7 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, EVERY_CORE, Bounds, LocalPo
 
 FOLDER: Final = "unfinished"
 HEADER: Final = "request.txt"
+COMMAND: Final = "command.txt"
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,13 @@ class Journal:
     """The finished records of a request, in ``folder/unfinished`` until all are there.
 
     ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all
-    else that decides its results, such as versions. From its first use on no other process may use the folder.
+    else that decides its results, such as versions. ``command`` repeats it with every option, also those that do
+    not decide its results. From its first use on no other process may use the folder.
     """
 
     folder: Path
     request: str
+    command: str = ""
 
     @property
     def place(self) -> Path:
@@ -42,16 +44,24 @@ class Journal:
 
     @cached_property
     def records(self) -> RecordFile:
-        """The records finished so far. Raises LinkproofError if the folder contains the journal of another request."""
+        """The records finished so far; those of another request are removed first."""
         _ = self._claim
         header = self.place / HEADER
-        if header.is_file():
-            self._check_header(header)
-        else:
+        if self.other_request():
+            self.clear()
+        if not header.is_file():
             for name in (RECORDS, CURVES):  # of an unknown request
                 (self.place / name).unlink(missing_ok=True)
             write_text(header, self.request)
+        write_text(self.place / COMMAND, self.command)
         return RecordFile(self.place, survives_power_failure=True)
+
+    def other_request(self) -> str:
+        """How the request that was begun in the folder differs from this one; empty if it does not, or none was."""
+        header = self.place / HEADER
+        begun = header.read_text(encoding="utf-8", errors="replace") if header.is_file() else self.request
+        lines = zip_longest(begun.splitlines(), self.request.splitlines(), fillvalue="nothing")
+        return next((f"`{then}`, now `{now}`" for then, now in lines if then != now), "")
 
     def keep(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Array] | None = None) -> None:
         """Write one finished record under its key; a record already there is replaced."""
@@ -74,18 +84,11 @@ class Journal:
     def _claim(self) -> Claim:
         return claim(self.folder)
 
-    def _check_header(self, header: Path) -> None:
-        """Raise LinkproofError, with the first line that differs, for the journal of another request."""
-        begun = header.read_text(encoding="utf-8", errors="replace")
-        lines = zip_longest(begun.splitlines(), self.request.splitlines(), fillvalue="nothing")
-        different = [(then, now) for then, now in lines if then != now]
-        if not different:
-            return
-        expected, got = different[0]
-        raise LinkproofError(
-            f"expected the request that was begun in '{self.folder}': `{expected}`, got `{got}`; repeat it, or leave "
-            "out --resume to start anew"
-        )
+
+def unfinished_command(folder: Path) -> str:
+    """The command that began what is unfinished in a folder; empty if nothing is."""
+    file = folder / FOLDER / COMMAND
+    return file.read_text(encoding="utf-8", errors="replace") if file.is_file() else ""
 
 
 # Studies: keyed tasks in worker processes; each result is written to a journal and read back in order.
@@ -116,7 +119,7 @@ class Study(Generic[R]):
 
     ``function``, a module's own, makes a result of a task's job; ``lost`` does so from what went wrong and the same
     job, or None if the task counts as never begun. ``encode`` and ``decode`` are for the journal. The ``pool`` says
-    where they are made. Raises LinkproofError if the journal is another request's.
+    where they are made.
     """
 
     function: Callable[..., R]

@@ -91,6 +91,7 @@ def load_study(
             raise ValueError(f"expected format {FORMAT}, got {document['format']}, of another version")
         form.validate_python(document)
         file = RecordFile(place, may_be_torn=False)
+        del document["kind"], document["format"]
         return document, tuple(read(*file.read(key)) for key in file.keys)
 
 

@@ -6,7 +6,7 @@ Only typer is imported here; a command imports the rest when it runs, so that he
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -53,6 +53,15 @@ def destination(output: OutputOptions) -> Destination:
     from reports.command_line.destination import Destination
 
     return Destination(**vars(output))
+
+
+def _own_study(command: str, output: OutputOptions, *bags: Any) -> tuple[bool, Any]:  # noqa: ANN401 - dataclasses
+    """Whether the study in the folder of ``output`` is asked for and finished; the options of what is to be run."""
+    if output.out is None:
+        return False, bags
+    from reports.command_line.own_study import own_study
+
+    return own_study(app, command, output.out, bags)
 
 
 def _start_workers(module: str) -> None:
@@ -123,7 +132,7 @@ def new(name: Annotated[str, Argument("NAME")]) -> None:
 @command(
     app,
     summary="Review a linkage file: mobility, groups, range, errors.",
-    without=("out", "junit", "resume", "quiet", "verbose"),
+    without=("out", "junit", "quiet", "verbose"),
     texts={"save": "Draw the scheme (.svg .png .pdf .dxf) or write what is printed (.json); repeatable."},
 )
 def check(mechanism: Mechanism, output: OutputOptions, variant: Variant = None, strict: Strict = False) -> None:
@@ -183,7 +192,7 @@ def published(
 @command(
     app,
     summary="Peaks, bearing forces and every signal of one linkage, without an engine.",
-    without=("junit", "resume", "verbose"),
+    without=("junit", "verbose"),
     texts={
         "save": "Write every signal (.csv .json .xlsx), the pictures (.svg .png .pdf), or the scheme for CAD at the "
         "first instant of --at or --time, or as sketched (.dxf); repeatable.",
@@ -242,20 +251,26 @@ def compare(options: CompareOptions, output: OutputOptions, standard: StandardOp
     The naive setting shows the engine without tuning; if other settings run too, its rows do not affect the exit code.
     An engine that crashes, hangs or runs out of memory fails in its own row only.
 
+    --out DIR alone takes the study that is in DIR: the runs that are missing are made, a finished study only gets its
+    pages again.
+
     Exit codes: 0 every error within its limit, 1 an error over its limit, a failed run, or a linkage, motion or
     key figure that differs from the baseline, 2 bad input.
     """
-    if limits.jobs != 0:
+    is_finished, (options, standard, limits) = _own_study("compare", output, options, standard, limits)
+    if limits.jobs != 0 and not is_finished:
         _start_workers("comparisons.campaign.campaign")
     from reports.command_line.commands import compare
 
+    if is_finished:
+        return compare.write_again(destination(output))
     return compare.compare(options, destination(output), limits, standard)
 
 
 @command(
     app,
     summary="Judge a curve from another tool: right or wrong, and the probable cause.",
-    without=("junit", "resume"),
+    without=("junit",),
     texts={
         "save": "Draw the worst curves and the differences (.svg .png .pdf), or write the verdicts (.json) or the "
         "recognised mapping (.toml); repeatable."
@@ -282,11 +297,17 @@ def bench(options: BenchOptions, output: OutputOptions) -> int:
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
 
+    --out DIR alone takes the benchmark that is in DIR.
+
     Runs are made one at a time. Do not use the machine for anything else, or the times become wrong.
     """
-    _start_workers("comparisons.work_precision.measure")
+    is_finished, (options,) = _own_study("bench", output, options)
+    if not is_finished:
+        _start_workers("comparisons.work_precision.measure")
     from reports.command_line.commands import bench
 
+    if is_finished:
+        return bench.write_again(destination(output))
     return bench.bench(options, destination(output))
 
 
@@ -296,11 +317,17 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None) -> 
 
     AXIS is a stability map; CELL is one run of a map, AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.
 
+    --out DIR alone takes the maps that are in DIR.
+
     Exit code 1: an engine reported success with a wrong motion, and no check detected it.
     """
-    _start_workers("comparisons.stress.cells")
+    is_finished, (options,) = _own_study("stress", output, options)
+    if not is_finished:
+        _start_workers("comparisons.stress.cells")
     from reports.command_line.commands import stress
 
+    if is_finished:
+        return stress.write_again(destination(output))
     return stress.run(options, destination(output), jobs)
 
 

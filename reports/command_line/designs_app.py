@@ -10,7 +10,7 @@ from reports.command_line.parameters import command
 from reports.requests.designs_options import NOT_STEADY, OptimiseOptions, SweepOptions, ToleranceOptions
 from reports.requests.options import OutputOptions
 
-LEFT_OUT = (*NOT_STEADY, "out", "junit", "resume", "verbose")
+LEFT_OUT = (*NOT_STEADY, "out", "junit", "verbose")
 
 
 @command(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
@@ -48,8 +49,6 @@ class Destination(OutputOptions):
 
         ``file`` is a file that will be written into the folder.
         """
-        if self.resume and self.out is None:
-            raise LinkproofError("--resume needs the folder of the interrupted run: name it with --out")
         if self.quiet and self.verbose:
             raise LinkproofError("--quiet and --verbose exclude each other: leave one of them out")
         if self.junit is not None:
@@ -192,7 +191,7 @@ def progress(*, visible: bool = True) -> Iterator[Callable[[str, int, int], None
         bar.stop()
 
 
-# Interrupted commands: the journal of finished runs, and the sentence that names the way to resume.
+# Interrupted commands: the journal of finished runs, and the sentence that says how to go on.
 
 Announce = Callable[[str, int, int], None]
 
@@ -203,27 +202,28 @@ def journal(
     engines: Iterable[str] = (),
     linkages: Iterable[Linkage] = (),
     *,
-    resume: bool,
+    full_command: str = "",
 ) -> Journal:
-    """The journal of a request: empty, or with the finished runs of the same request if it is resumed.
+    """The journal of a request, with the runs of the same request that are finished; those of another one are removed.
 
     Two requests are the same if the command, the linkage files, and the versions of linkproof, its libraries and the
-    engines are equal.
+    engines are equal. ``full_command`` has limits of time, too, and all else that decides no result.
     """
     facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
     facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
     facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
-    records = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
-    if not resume:
-        records.clear()
+    request = "\n".join([command, *(f"{name} {value}" for name, value in facts.items())])
+    records = Journal(folder, request, full_command or command)
+    if other := records.other_request():
+        show(f"what was unfinished in '{folder}' was another request ({other}): it is begun anew", stderr=True)
     return records
 
 
 @contextmanager
-def report_interruption(folder: Path | None) -> Iterator[Callable[[Announce], Announce]]:
+def report_interruption(folder: Path | None, command: str) -> Iterator[Callable[[Announce], Announce]]:
     """A wrapper that counts the runs passed to ``announce``.
 
-    Ctrl-C raises KeyboardInterrupt with the number of runs saved in ``folder``.
+    Ctrl-C raises KeyboardInterrupt with the number of runs saved in ``folder``, and the ``command`` that finishes them.
     """
     finished, total = 0, 0
 
@@ -241,5 +241,6 @@ def report_interruption(folder: Path | None) -> Iterator[Callable[[Announce], An
         if folder is None or not total:
             raise
         raise KeyboardInterrupt(
-            f"{finished} of {total} runs are saved in {folder}: repeat the command with --resume to finish"
+            f"{finished} of {total} runs are saved in {folder}: repeat the command, or linkproof {command} --out "
+            f"{shlex.quote(str(folder))}, to finish"
         ) from interrupt

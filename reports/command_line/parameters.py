@@ -9,7 +9,7 @@ from dataclasses import is_dataclass, replace
 from functools import wraps
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -20,6 +20,7 @@ from reports.requests.options import Argument, DeclaredOption, Option, declared_
 
 GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
 REQUIRED = inspect.Parameter.empty
+Bag = TypeVar("Bag")
 NO_TEXTS: Mapping[str, str] = MappingProxyType({})
 
 
@@ -95,10 +96,9 @@ def command(
 
         @wraps(function)
         def called(**given: Any) -> None:  # noqa: ANN401 - of all options
-            for each, kind in option_classes.items():
-                options = {option.field.name: option for option in declared_options(kind) if option.field.name in given}
-                given[each] = kind(**{name: _field_value(option, given.pop(name)) for name, option in options.items()})
-            raise typer.Exit(function(**given) or 0)
+            bags = {each: option_bag(kind, given) for each, kind in option_classes.items()}
+            plain = {name: value for name, value in given.items() if name in hints and name not in bags}
+            raise typer.Exit(function(**plain, **bags) or 0)
 
         called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         called.__annotations__ = {number.name: number.annotation for number in parameters}
@@ -107,6 +107,12 @@ def command(
         return function
 
     return add_command
+
+
+def option_bag(kind: type[Bag], given: Mapping[str, Any]) -> Bag:
+    """A dataclass of options from the values that typer passes, by name."""
+    options = {option.field.name: option for option in declared_options(kind)}
+    return kind(**{name: _field_value(option, given[name]) for name, option in options.items() if name in given})
 
 
 def _option_parameter(option: DeclaredOption, hidden: Sequence[str], texts: Mapping[str, str]) -> inspect.Parameter:

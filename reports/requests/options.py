@@ -115,14 +115,12 @@ class OutputOptions:
     """``json`` is printed in place of everything else; ``out`` is a folder for all files of a command.
 
     ``save`` has single files, each in the format of its suffix, ``junit`` a file of test cases for CI services.
-    ``resume`` finishes an interrupted command whose results are in ``out``; ``quiet`` prints no progress and no tables,
-    ``verbose`` adds every record's details.
+    ``quiet`` prints no progress and no tables, ``verbose`` adds the details of every record.
     """
 
     out: Annotated[Path | None, Option("Write records, curves and pages into this folder.", "DIR")] = None
     save: Annotated[tuple[Path, ...], Option("Write a file in the format of its suffix; repeatable.", "FILE")] = ()
     json: Json = False
     junit: Annotated[Path | None, Option("Write every verdict as a test case, in JUnit's XML.", "FILE")] = None
-    resume: Annotated[bool, Option("Finish an interrupted run of the same command in --out.")] = False
     quiet: Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))] = False
     verbose: Annotated[bool, Option("Add the details of every record.", flags=("-v", "--verbose"))] = False

@@ -14,7 +14,7 @@ from comparisons.reference.case import Case
 from comparisons.runs.workers import LastingPool
 from comparisons.work_precision.measure import JOINTS, chosen_families
 from comparisons.work_precision.points import FULL, QUICK
-from comparisons.work_precision.records import KIND, save
+from comparisons.work_precision.records import KIND, load, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination, journal, report_interruption
@@ -39,12 +39,8 @@ def bench(options: BenchOptions, destination: Destination) -> int:
     wanted = _request(options, requested)
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(requested.engines))
-    with closing(LastingPool()) as pool, report_interruption(out) as counting:
-        records = (
-            journal(out, wanted.command, requested.engines, requested.linkages, resume=destination.resume)
-            if out
-            else None
-        )
+    with closing(LastingPool()) as pool, report_interruption(out, KIND) as counting:
+        records = journal(out, wanted.command, requested.engines, requested.linkages) if out else None
         wanted = replace(wanted, pool=pool)
         with destination.progress() as announce:
             result = measure_all(wanted, counting(announce), records)
@@ -56,6 +52,18 @@ def bench(options: BenchOptions, destination: Destination) -> int:
             records.clear()
     destination.print_out(printout(result, options.quantity))
     return bench_exit_code(result.records, wanted.engines)
+
+
+def write_again(destination: Destination) -> int:
+    """Write the pages and the tables of the benchmark that is in the folder of ``--out``; returns its exit code."""
+    destination.check(f"{KIND}.html")
+    assert destination.out is not None
+    result = load(destination.out)
+    destination.write_json(result.as_dict)
+    destination.write_pages()
+    requested = tuple(result.document["quantities"])
+    destination.print_out(printout(result, () if requested == QUANTITIES else requested))
+    return bench_exit_code(result.records, {record.engine for record in result.records})
 
 
 def _default_runs(options: BenchOptions) -> RunsOptions:

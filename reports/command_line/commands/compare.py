@@ -13,7 +13,7 @@ from analytic.description.loading import catalogue, literature
 from comparisons.campaign.campaign import sheets
 from comparisons.campaign.errata import SPEED_QUANTITY, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
-from comparisons.campaign.results import save, with_runs, write_curves
+from comparisons.campaign.results import COMPARE, load, save, with_runs, write_curves
 from comparisons.campaign.standard import JudgedCampaign
 from comparisons.datasheet.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.run_engine import Failure
@@ -53,9 +53,9 @@ def compare(
     if out:
         _ = wanted.tasks  # a run that cannot be made is refused before the folder is touched
     pool = wanted.resources.pool
-    with report_interruption(out) as counting:
+    with report_interruption(out, COMPARE) as counting:
         engines, linkages = request.engines, request.linkages
-        records = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
+        records = journal(out, wanted.command, engines, linkages, full_command=wanted.saved_command) if out else None
         with destination.progress() as announce, destination.own_stdout():
             judged = wanted.compared(pool, announce=counting(announce), journal=records)
             of_errata = linkages if (destination.json or destination.save or out) and request.own_regimes else ()
@@ -82,6 +82,25 @@ def compare(
     if records:
         records.clear()  # last, since the runs are read from it
     return code
+
+
+def write_again(destination: Destination) -> int:
+    """Write the files and the tables of the comparison that is in the folder of ``--out``; returns its exit code."""
+    destination.check(PAGE)
+    destination.check_saves(WRITERS)
+    assert destination.out is not None
+    results = load(destination.out)
+    document = results.document
+    departures = document.get("departures", ())
+    if destination.json:
+        destination.write_json(with_runs(document, results.runs))
+    destination.write_saves(WRITERS, document, results.runs)
+    destination.write_pages()
+    every = [record for run in results.runs for record in run.every]
+    destination.write_junit(every, results.figures, departures)
+    notes = (*document.get("notes", ()), *departures)
+    destination.print_out(printout(results.runs, results.figures, notes, document["environment"]))
+    return campaign_exit_code(every, figures=results.figures, departures=departures)
 
 
 def published(names: Sequence[str], destination: Destination, *, with_literature: bool = False) -> int:

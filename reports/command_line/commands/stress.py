@@ -11,7 +11,7 @@ from analytic.errors import LinkproofError
 from comparisons.runs.workers import LastingPool
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import chosen_axes, find_cell
-from comparisons.stress.saved import KIND, save
+from comparisons.stress.saved import KIND, load, save
 from reports.command_line.destination import Destination, journal, report_interruption
 from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
 from reports.requests.campaign_options import RunLimits, StressOptions
@@ -37,8 +37,8 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     wanted, out = _request(options), destination.out
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(wanted.engines))
-    with closing(LastingPool(where.processes)) as pool, report_interruption(out) as counting:
-        records = journal(out, wanted.command, wanted.engines, resume=destination.resume) if out else None
+    with closing(LastingPool(where.processes)) as pool, report_interruption(out, KIND) as counting:
+        records = journal(out, wanted.command, wanted.engines) if out else None
         with destination.progress() as announce:
             result = stress(replace(wanted, pool=pool), counting(announce), records)
         if destination.json:
@@ -48,6 +48,17 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
             destination.write_pages()
         if records:
             records.clear()
+    destination.print_out(printout(result))
+    return stress_exit_code(result.cells)
+
+
+def write_again(destination: Destination) -> int:
+    """Write the pages and the tables of the maps that are in the folder of ``--out``; returns the exit code."""
+    destination.check(f"{KIND}.html")
+    assert destination.out is not None
+    result = load(destination.out)
+    destination.write_json(result.as_dict)
+    destination.write_pages()
     destination.print_out(printout(result))
     return stress_exit_code(result.cells)
 

@@ -14,7 +14,6 @@ from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.judging import deviations
 from comparisons.judging.records import Verdict
-from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Signal
 from engines.scene import Channel
@@ -256,11 +255,3 @@ def test_the_output_is_compared_where_the_crank_cannot_turn_fully():
     assert [result.records[0].regime for result in results] == ["constant-speed", "swing"]
     for result in results:
         assert {r.outcome for r in result.records if r.quantity in ("S", "v", "a")} == {"passed"}
-
-
-def test_a_journal_of_another_request_is_refused_before_any_run(tmp_path, with_engine):
-    engine = with_engine(_finished())
-    Journal(tmp_path, "one").keep("key", {})
-    with pytest.raises(LinkproofError, match="leave out --resume"):
-        compare(_request(), journal=Journal(tmp_path, "another"))
-    assert engine.scenes == []

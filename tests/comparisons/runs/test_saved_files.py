@@ -18,7 +18,7 @@ from analytic.errors import LinkproofError
 from comparisons.runs import files
 from comparisons.runs.files import check_writable, write_file, write_text
 from comparisons.runs.record_file import CURVES, RECORDS, RecordFile
-from comparisons.runs.study import HEADER, Journal
+from comparisons.runs.study import COMMAND, HEADER, Journal
 
 
 def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
@@ -177,7 +177,7 @@ def test_records_come_back_and_a_second_one_of_a_key_replaces_the_first(tmp_path
     for number, key in enumerate(["a/b", "a-b", "", "/", "x" * 300, "a/b"]):
         keep(tmp_path, key, number)
     assert kept(tmp_path) == {"a/b": 5, "a-b": 1, "": 2, "/": 3, "x" * 300: 4}
-    assert len(list(tmp_path.rglob("*.*"))) == 3  # however many records there are
+    assert len(list(tmp_path.rglob("*.*"))) == 4  # however many records there are
 
 
 OTHER = """
@@ -205,33 +205,27 @@ def test_another_process_has_no_access_before_the_journal_is_cleared(tmp_path):
     assert subprocess.run(command, capture_output=True, text=True, check=False).stderr == ""
 
 
-def test_another_request_is_refused_with_the_command_that_was_begun(tmp_path):
-    keep(tmp_path)
-    with pytest.raises(LinkproofError) as told:
-        kept(tmp_path, "linkproof compare rimoldi-164\nnumpy 2.0")
-    assert str(told.value) == (
-        f"expected the request that was begun in '{tmp_path}': `linkproof compare juki-mf7923d`, got `linkproof "
-        "compare rimoldi-164`; repeat it, or leave out --resume to start anew"
-    )
-    assert kept(tmp_path) == {"run": 1}
-
-
 @pytest.mark.parametrize(
     ("now", "told"),
     [
-        ("linkproof compare juki-mf7923d", "`numpy 2.0`, got `nothing`"),
-        (REQUEST + "\nnumba 0.60", "`nothing`, got `numba 0.60`"),
+        (
+            "linkproof compare none\nnumpy 2.0",
+            "`linkproof compare juki-mf7923d`, now `linkproof compare none`",
+        ),
+        ("linkproof compare juki-mf7923d", "`numpy 2.0`, now `nothing`"),
+        (REQUEST + "\nnumba 0.60", "`nothing`, now `numba 0.60`"),
     ],
 )
-def test_another_version_is_another_request(tmp_path, now, told):
+def test_what_another_request_or_version_has_begun_is_removed(tmp_path, now, told):
     keep(tmp_path)
-    with pytest.raises(LinkproofError) as error:
-        kept(tmp_path, now)
-    assert told in str(error.value)
+    assert Journal(tmp_path, now).other_request() == told
+    assert kept(tmp_path) == {"run": 1}
+    assert kept(tmp_path, now) == {}
+    assert Journal(tmp_path, now).other_request() == ""
 
 
 def test_records_of_another_request_without_its_header_are_removed(tmp_path):
     old = keep(tmp_path, request="linkproof compare rimoldi-164")
     (old.place / HEADER).unlink()
     assert kept(tmp_path) == {}
-    assert [path.name for path in old.place.iterdir()] == [HEADER]
+    assert {path.name for path in old.place.iterdir()} == {HEADER, COMMAND}

@@ -68,7 +68,6 @@ def test_a_report_is_written_in_a_folder_whose_name_looks_like_markup(tmp_path):
         (["compare", "no/such.toml"], "got 'no/such.toml', which does not exist"),
         (["compare", NAME, "--engine", "direct", "--save", "/dev/null/r.json"], "cannot write"),
         (["compare", NAME, "-q", "-v"], "--quiet and --verbose exclude each other"),
-        (["compare", NAME, "--resume"], "name it with --out"),
         (["compare", "slotted-takeup", "--regime", "free", "--quantity", "Mkr"], "is given, not a result"),
         (["thread", "slotted-takeup", "--required", "none.csv"], "none.csv"),
     ],
@@ -247,33 +246,30 @@ def untimed(rows):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
-def test_a_campaign_interrupted_is_finished_by_resume(tmp_path, gate):
+def test_an_interrupted_campaign_is_finished_by_its_folder_alone(tmp_path, gate):
     out = tmp_path / "out"
     words = (
         "compare",
         NAME,
-        "--engine",
-        "gated",
-        "--setting",
-        "all",
         "--regime",
         "run-up",
         "--regime",
         "run-up-quintic",
+        "--engine",
+        "gated",
+        "--setting",
+        "all",
     )
     records = out / FOLDER / RECORDS
     done = interrupted(*words, "--out", out, when=lambda: records.is_file() and records.read_bytes().count(b"\n") > 1)
     assert (done.returncode, done.stdout) == (130, "")
-    rest = f" of 6 runs are saved in {re.escape(str(out))}: repeat the command with --resume to finish\n"
-    number = re.fullmatch(rf"linkproof: interrupted; (\d+){rest}", done.stderr)
+    rest = f" of 6 runs are saved in {out}: repeat the command, or linkproof compare --out {out}, to finish\n"
+    number = re.fullmatch(rf"linkproof: interrupted; (\d+){re.escape(rest)}", done.stderr)
     assert number is not None, done.stderr
     assert 1 <= int(number[1]) < 6
     assert {path.name for path in out.iterdir()} == {FOLDER}
-    sentence = refused("compare", NAME, "--resume", "--out", out)
-    command = "compare juki-mf7923d --regime run-up --regime run-up-quintic --engine gated --setting all"
-    assert f"`linkproof {command}`, got `linkproof" in sentence
     gate.touch()
-    assert linkproof(*words, "--out", out, "--resume").returncode == 0
+    assert linkproof("compare", "--out", out).returncode == 0
     assert {path.name for path in out.iterdir()} == REPORT
     whole = json.loads(linkproof(*words, "--json", "--jobs", "0").stdout)
     saved = load(out)

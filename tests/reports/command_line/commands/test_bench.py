@@ -64,25 +64,23 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("options", "destination", "kind", "words"),
+    ("options", "kind", "words"),
     [
-        (BenchOptions(mechanisms=("jukki",)), {}, UnknownNameError, "known are .*juki-mf7923d"),
-        (BenchOptions(engine=("exudin",)), {}, UnknownNameError, "exudyn"),
-        (BenchOptions(regime=("runup",)), {}, UnknownNameError, "run-up"),
-        (BenchOptions(quantity=("torque",)), {}, UnknownNameError, "Mkr"),
+        (BenchOptions(mechanisms=("jukki",)), UnknownNameError, "known are .*juki-mf7923d"),
+        (BenchOptions(engine=("exudin",)), UnknownNameError, "exudyn"),
+        (BenchOptions(regime=("runup",)), UnknownNameError, "run-up"),
+        (BenchOptions(quantity=("torque",)), UnknownNameError, "Mkr"),
         (
             BenchOptions(mechanisms=("slotted-takeup",), regime=("own",), quantity=("Mkr",)),
-            {},
             LinkproofError,
             "none of Mkr is a result",
         ),
-        (OPTIONS, {"resume": True}, LinkproofError, "--resume needs the folder of the interrupted run"),
     ],
 )
-def test_bad_input_is_refused_before_any_run(options, destination, kind, words, monkeypatch):
+def test_bad_input_is_refused_before_any_run(options, kind, words, monkeypatch):
     monkeypatch.setattr(bench_command, "measure_all", lambda *_: pytest.fail("something was run"))
     with pytest.raises(kind, match=words):
-        bench(options, Destination(**destination))
+        bench(options, Destination())
 
 
 def test_an_engine_that_finishes_no_point_fails(short, monkeypatch):

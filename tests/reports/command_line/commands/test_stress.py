@@ -12,6 +12,7 @@ from reports.command_line.commands import stress
 from reports.command_line.commands.stress import run
 from reports.command_line.destination import Destination
 from reports.requests.campaign_options import StressOptions
+from tests.commands import linkproof
 from tests.comparisons.faults import PATIENCE
 
 CELL = "start/positions/1e-08/direct/tuned"
@@ -31,7 +32,6 @@ def _unhurried(monkeypatch):
         (StressOptions(words=("start/positions/much/direct/tuned",)), {}, "got 'much'"),
         (StressOptions(words=("start", CELL)), {}, "either axes or cells"),
         (StressOptions(engine=("nobody",)), {}, "nobody"),
-        (StressOptions(), {"destination": Destination(resume=True)}, "with --out"),
         (StressOptions(), {"jobs": 0}, "--jobs"),
         (StressOptions(time_limit=0.0), {}, "--time-limit"),
     ],
@@ -39,7 +39,7 @@ def _unhurried(monkeypatch):
 def test_bad_input_is_refused_before_any_cell_is_made(choice, options, words, monkeypatch):
     monkeypatch.setattr(stress, "stress", lambda *_: pytest.fail("cells were made"))
     with pytest.raises(LinkproofError, match=words):
-        run(choice, **{"destination": Destination(), **options})
+        run(choice, Destination(), **options)
 
 
 def test_no_cell_at_all_is_no_success(tmp_path):
@@ -64,7 +64,9 @@ def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
     assert run(choice, Destination(out=tmp_path)) == 0
     files = {path.name for path in tmp_path.iterdir()}
     assert files == {"stress", "stress.html", "index.html", "assets", "figures"}
-    assert "missed 0" in " ".join(capsys.readouterr().out.split())
+    tables = capsys.readouterr().out
+    assert "missed 0" in " ".join(tables.split())
+    assert linkproof("stress", "--out", tmp_path).stdout == tables
 
 
 def test_a_missed_cell_fails_the_command(monkeypatch, capsys):
