@@ -43,6 +43,6 @@ def _unfinished_words(command: str, folder: Path) -> list[str]:
 
 def _without_effect(bag: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
     """The given options that do not affect the results."""
-    options = [option for option in declared_options(type(bag)) if isinstance(option.info, Option)]
-    names = [option.field.name for option in options if not option.info.affects_results]
+    infos = {option.field.name: option.info for option in declared_options(type(bag))}
+    names = [name for name, info in infos.items() if isinstance(info, Option) and not info.affects_results]
     return {name: getattr(bag, name) for name in names}
