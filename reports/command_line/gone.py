@@ -45,6 +45,8 @@ OPTIONS: Final = {
     "optimise --regime": STEADY,
     "tolerance --regime": STEADY,
     "sweep --out": "use --save FILE.nc for every design, and --save FILE.svg for the picture",
+    "sweep --resume": "gone; a sweep is in memory: repeat the command",
+    "sweep --scheduler": "gone; linkproof.sweep takes Dask arrays in Python",
     "sweep --designs": "gone with --simulate; run linkproof compare on the file of a design",
     "sweep --seed": "gone with --simulate; run linkproof compare on the file of a design",
     "sweep --jobs": "gone; a sweep takes all processor cores",

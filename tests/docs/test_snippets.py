@@ -49,10 +49,8 @@ def words(command):
 
 
 def quick(command):
-    """A command of many engines, mechanisms, simulated designs or seconds of motion, with one or a few of them."""
+    """A command of many engines, mechanisms or seconds of motion, with one or a few of them."""
     found, name = words(command)
-    if name == "sweep":
-        return command.replace("--simulate exudyn --designs 6", "--simulate direct --designs 2")
     if name in ("compare", "published"):
         command = command.replace(" slotted-takeup", " brief.toml").replace(" --engine pymunk --engine simbody", "")
     if name in LONG or (name == "compare" and not {"--engine", "short.toml", "rocker.toml"} & set(found)):
@@ -117,7 +115,7 @@ def test_a_page_shows_what_its_commands_print(page, is_whole, shell, tmp_path, m
             expected = {2} if shown.startswith("linkproof: ") else {0, 1}
             assert done.returncode in expected, f"{command}\n{done.stdout}"
             if shown and not (is_long or (differs_when_quick(command) and not is_whole)):
-                measured = words(command)[1] in MEASURING | {"python"} or "--simulate" in command
+                measured = words(command)[1] in MEASURING | {"python"}
                 assert agrees(done.stdout, shown, measured), f"{command} shows\n{done.stdout}"
 
 
