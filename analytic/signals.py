@@ -3,6 +3,7 @@
 ``phi omega epsilon``           the crank's angle, speed and acceleration, counter-clockwise positive
 ``Mkr Peq Teq Jeq``             torque and power of the drive, kinetic energy, inertia reduced to the crank
 ``S v a``                       displacement of the output from its farthest point, and its derivatives
+``thread_feed``                 the feed of the linkage's thread (``analytic.motion.thread_feed``)
 ``point:D:x :y :vx :vy :ax :ay``  a point of a moving link, ground frame
 ``link:coupler:angle :omega :alpha``  the angle of a link's frame against the ground's, unwrapped, and derivatives
 ``joint_force:A:x :y``          the force that a joint exerts on its first body, ground frame
@@ -11,16 +12,19 @@
 ``transmission_angle:GROUP``    of a group of two links, from 0 to π/2 (``analytic.kinematics.sweep``)
 ``Q half_slope damping``        generalised force of the loads, ½ dJeq/dφ and damping reduced to the crank: on request
 ``Jeq:coupler``                 a link's share of the reduced inertia: on request
+``thread_length``               the length of the thread's contour: on request
 
 The first body of a pin is the link that is not the ground, of two moving links the second by name; of a slider it is
 the slider, of a slot the link that has the pin (``analytic.dynamics.joint_forces``). A drive along a line has a travel,
 a speed and a force in place of angle, angular speed and torque. Linkages without masses and loads have
-no torques and no forces; without an output there are no S, v and a. Names of joints and groups may contain colons.
+no torques and no forces; without an output there are no S, v and a, and without a thread no feed. Names of joints and
+groups may contain colons.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Final
@@ -28,12 +32,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.linkage import Linkage
+from analytic.description.linkage import Linkage, ThreadPath
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.frames import Scalar
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import output_of, transmission_angle
+from analytic.motion.thread_feed import contour_length, feed_of_length, reference_length
 from analytic.moving import LinkageInMotion
 
 Array = NDArray[np.float64]
@@ -91,6 +96,8 @@ COMPONENTS: Final[Mapping[str, Mapping[str, str]]] = {
     "joint_force": {"x": "N", "y": "N"},
     "shaking_force": {"x": "N", "y": "N"},
     "transmission_angle": {"": "rad"},
+    "thread_feed": {"": "m"},
+    "thread_length": {"": "m"},
 }
 POSITIONS: Final = ("x", "y", "angle")  # components that depend on the crank's angle alone
 # Units that change where the driver is pushed along a line, so that φ is a length.
@@ -101,6 +108,8 @@ LINEAR_UNITS: Final[Mapping[str, str]] = {
 SINGLE_SIGNALS: Final = {**DRIVE, **LOADS, **EQUATION, **OUTPUT, **SHAKING}
 MAGNITUDE: Final = ":magnitude"
 VECTORS: Final = ("joint_force:", "shaking_force:")  # whose magnitude is a signal as well
+THREAD_FEED: Final = "thread_feed"
+THREAD_LENGTH: Final = "thread_length"
 OUTPUT_COORDINATE: Final = "output"  # no signal, for what is seen of it is S
 ORDERS: Final = ("x", "y", "vx", "vy", "ax", "ay")  # of a point: two components of each derivative
 
@@ -195,6 +204,8 @@ def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
         signals |= LOADS
     if linkage.output is not None:
         signals |= OUTPUT
+    if linkage.thread is not None:
+        signals |= _thread_signals(mechanism, linkage.thread)
     signals |= _signals_of_kind("point", moving_points(linkage), _point_component)
     signals |= _signals_of_kind("link", linkage.links, _link_component)
     if loaded:
@@ -207,6 +218,20 @@ def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
         formula = partial(_transmission_angle, group=dyad.name)
         signals[f"transmission_angle:{dyad.name}"] = NamedSignal("rad", formula, is_still=True)
     return {**signals, **EQUATION}
+
+
+def _thread_signals(mechanism: Mechanism, path: ThreadPath) -> Iterator[tuple[str, NamedSignal]]:
+    """The thread's length, and its feed where it has a zero: an eye's extreme position needs a full turn."""
+    with suppress(LinkproofError):
+        start = reference_length(mechanism, path)
+        yield (
+            THREAD_FEED,
+            NamedSignal("m", lambda at: feed_of_length(path, contour_length(at.sweep, path), start), is_still=True),
+        )
+    yield (
+        THREAD_LENGTH,
+        NamedSignal("m", lambda at: contour_length(at.sweep, path), is_still=True, is_listed=False),
+    )
 
 
 def _signals_of_kind(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, NamedSignal]:

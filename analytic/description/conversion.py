@@ -10,9 +10,8 @@ from analytic.description import load_tables
 from analytic.description import schema as doc
 from analytic.description.crank_motion.regimes import is_released, regime_of
 from analytic.description.diagnosis import EXPECTED, Source
-from analytic.description.linkage import GROUND, Linkage, Vector
+from analytic.description.linkage import GROUND, Linkage, ThreadEye, ThreadGuide, ThreadPath, Vector
 from analytic.description.lookup import Reader, reader_of
-from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 from analytic.errors import UnknownNameError
 
 # Points of one link nearer to each other than this share of the drawing's size are one point written twice.
@@ -71,8 +70,12 @@ def _thread(reader: Reader) -> ThreadPath | None:
     if isinstance(reference, doc.EyeReference):
         _check_eye(reader, reference.eye, "thread.reference")
     else:
-        reference *= reader.scale["angle"]
-    return ThreadPath(stops, reader.number(table.stretch, "length", "thread.stretch"), table.feed, reference)
+        reference *= reader.scale[reader.coordinate]
+    required = tuple(
+        (phi * reader.scale[reader.coordinate], reader.number(feed, "length", f"thread.required.{number}"))
+        for number, (phi, feed) in enumerate(table.required)
+    )
+    return ThreadPath(stops, reader.number(table.stretch, "length", "thread.stretch"), table.feed, reference, required)
 
 
 def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | ThreadEye:

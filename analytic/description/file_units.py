@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 from analytic.description.linkage import Linkage
@@ -51,3 +52,10 @@ def file_unit(si: str, linkage: Linkage) -> FileUnit:
     kind, rest = KINDS[si]
     name = linkage.units.get(kind, FILE_KINDS[kind])
     return FileUnit(name + rest, factor(kind, name))
+
+
+def in_unit(value: float, size: float) -> float:
+    """An SI value in a unit of a ``size``: the shortest number that gives the value back, else the nearest."""
+    near = value / size
+    tried = (float(f"{near:.15g}"), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
+    return next((number for number in tried if number * size == value), near)

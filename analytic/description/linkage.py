@@ -16,15 +16,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from analytic.description.crank_motion import degrees
 from analytic.description.crank_motion.prescribed import CrankMotion
 from analytic.description.law import Law, TimeLaw
-from analytic.description.schema import Erratum, Published
-from analytic.description.thread_path import ThreadPath
+from analytic.description.schema import Erratum, EyeReference, Published
 from analytic.description.units import factor
 
 GROUND: Final = "ground"
@@ -205,6 +204,49 @@ class PrescribedRegime:
 
 
 FileRegime = ReleasedRegime | PrescribedRegime
+
+
+# The needle thread's way through a linkage: fixed guides and eyes of moving links, in the order it runs.
+
+Feed = Literal["shortening", "lengthening"]
+
+
+@dataclass(frozen=True)
+class ThreadGuide:
+    """A fixed guide at a point of space, m; z runs along the main shaft, out of the linkage's plane."""
+
+    name: str
+    position: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class ThreadEye:
+    """An eye: a named point of the linkage, at ``z`` (m) in front of its plane."""
+
+    point: str
+    z: float = 0.0
+
+
+@dataclass(frozen=True)
+class ThreadPath:
+    """A thread and how its feed is counted: Pd(φ) = ±(L(φ) − L(φ_ref)) + ΔP.
+
+    ``stretch`` is ΔP, m, by which the thread gives under its tension. ``feed`` says whether a ``shortening`` contour
+    gives thread, as in article 004, or a ``lengthening`` one counts, as in article 002. ``reference`` is φ_ref: a crank
+    angle, rad, or an eye's highest or lowest position. ``required`` are pairs of φ, rad, and the feed that a stitch
+    needs there, m.
+    """
+
+    stops: tuple[ThreadGuide | ThreadEye, ...]
+    stretch: float
+    feed: Feed
+    reference: float | EyeReference
+    required: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def eyes(self) -> tuple[ThreadEye, ...]:
+        """The stops on moving links."""
+        return tuple(stop for stop in self.stops if isinstance(stop, ThreadEye))
 
 
 @dataclass(frozen=True)

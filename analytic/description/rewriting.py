@@ -16,6 +16,7 @@ from typing import Any, Final, cast
 from analytic.description import load_tables, loading
 from analytic.description.changes import Place, named_numbers, with_numbers
 from analytic.description.changes import numbers as numbers_of
+from analytic.description.file_units import in_unit
 from analytic.description.linkage import Linkage, LinkTorque, PointForce, RotaryDamper, Spring
 from analytic.description.lookup import Reader, reader_of
 from analytic.errors import LinkproofError, UnknownNameError, printable, shortened
@@ -133,11 +134,8 @@ class WrittenNumbers:
         return f"{number} = {table[place[-1]]!r} {self.units.get(self.kinds[place], '')}".rstrip()
 
     def _written(self, place: Place) -> float:
-        """The number in the file's unit that gives the SI value: the shortest that does, else the nearest."""
-        value, size = self.values[place], self.scale.get(self.kinds[place], 1.0)
-        near = value / size
-        tried = (float(f"{near:.15g}"), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
-        return next((number for number in tried if number * size == value), near)
+        """The number in the file's unit that gives the SI value."""
+        return in_unit(self.values[place], self.scale.get(self.kinds[place], 1.0))
 
 
 def _indices_in_file(linkage: Linkage, reader: Reader) -> dict[str, list[int]]:

@@ -181,12 +181,13 @@ class EyeReference(TomlTable):
 
 
 class ThreadTable(TomlTable):
-    """The thread's path, its stretch, and the sign and zero of its feed."""
+    """The thread's path, its stretch, the sign and zero of its feed, and the feed that a stitch requires."""
 
     stops: list[StopTable] = Field(min_length=2)
     stretch: NotNegative = 0.0
     feed: Literal["shortening", "lengthening"] = "shortening"
     reference: Finite | EyeReference = 0.0
+    required: list[Pair] = Field(default_factory=list)
 
 
 class Erratum(TomlTable):

@@ -18,7 +18,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened
 from analytic.kinematics.mechanism import Mechanism
-from analytic.signals import MAGNITUDE, names_with_magnitudes, table
+from analytic.signals import MAGNITUDE, THREAD_FEED, names_with_magnitudes, table
 
 Array = NDArray[np.float64]
 
@@ -141,7 +141,8 @@ NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signal
 }
 MOST_SUGGESTED: Final = 3  # names in a message
 INSTANT: Final = re.compile(r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?P<unit>deg|rad|s|)")
-NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
+# The motion is given, and the feed counts from a position that differs from design to design.
+NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon", THREAD_FEED)
 
 
 def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> dict[str, Figure]:
@@ -209,7 +210,7 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
     return LinkproofError(
         f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "
         f"{', '.join(f'.{reduction}' for reduction in REDUCTIONS)} or @ANGLE behind its name; "
-        "`linkproof list --figures` shows all"
+        "`linkproof list MECHANISM` shows all"
     )
 
 

@@ -23,7 +23,7 @@ from analytic.kinematics.sweep import Sweep
 from analytic.machine_code.compiling import Result, StraightFunction, in_threads, is_worthwhile
 from analytic.machine_code.tracing import LinkageTrace, is_traceable, linkage_trace
 from analytic.moving import MovingSweep
-from analytic.signals import check_signals, is_wrapped, signal
+from analytic.signals import THREAD_FEED, check_signals, is_wrapped, signal
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -76,8 +76,11 @@ class Designs:
 
     @cached_property
     def trace(self) -> LinkageTrace | None:
-        """The signals as a list of operations; None where the designs have none, as with groups of a higher class."""
-        if not is_traceable(self.mechanism):
+        """The signals as a list of operations; None where the designs have none, as with groups of a higher class.
+
+        Nor has a thread's feed one, whose reference position is looked for in each design.
+        """
+        if not is_traceable(self.mechanism) or THREAD_FEED in self.signals:
             return None
         return linkage_trace(
             self.mechanism,

@@ -13,26 +13,22 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
 from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Linkage, PrescribedRegime
+from analytic.description.linkage import Linkage, PrescribedRegime, ThreadGuide
 from analytic.description.loading import parse
+from analytic.dynamics import reduced
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.unit_functions import top_of_turn
+from analytic.motion.thread_feed import reference_angle, reference_length, stop_position
+from analytic.motion.unit_functions import top_of_turn, unit_functions
+from analytic.signals import THREAD_FEED
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import figure_tables
+from comparisons.datasheet.figures import figure_tables, required_feed
 from comparisons.datasheet.instants import Instants, choose_samples
-from comparisons.datasheet.linkage_check import INSET
-from comparisons.datasheet.mechanism_summary import (
-    file_facts,
-    inertia_shares,
-    portrait,
-    thread_sheet,
-    unit_function_curves,
-)
+from comparisons.datasheet.linkage_check import INSET, file_facts, mechanism_facts
 from comparisons.datasheet.published import compare_published
 from comparisons.datasheet.released import describe_release, errata_motions
-from comparisons.datasheet.sheet import Positions, Sheet
+from comparisons.datasheet.sheet import Positions, Sheet, ThreadSheet, UnitFunctionCurves
 from comparisons.reference.case import Case, motion_of_file_regime
 
 Array = NDArray[np.float64]
@@ -44,11 +40,10 @@ TURN_ROUNDING: Final = 1e-9  # of a turn: what is missing of a whole one for rou
 def positions_over_range(mechanism: Mechanism) -> Positions:
     """Where a linkage's bodies are over a turn of its crank from φ = 0, or over the range that its driver reaches."""
     reach = mechanism.crank_range()
-    if reach.is_full_turn:
-        return positions_at(mechanism, np.linspace(0.0, FULL_TURN, POSITIONS_SHOWN), closed=True)
-    low, high = reach.limits
-    inset = INSET * (high - low)
-    return positions_at(mechanism, np.linspace(low + inset, high - inset, POSITIONS_SHOWN), closed=False)
+    low, high = (0.0, FULL_TURN) if reach.is_full_turn else reach.limits
+    inset = 0.0 if reach.is_full_turn else INSET * (high - low)
+    angle = np.linspace(low + inset, high - inset, POSITIONS_SHOWN)
+    return positions_at(mechanism, angle, closed=reach.is_full_turn)
 
 
 def positions_over_motion(curves: Curves) -> Positions:
@@ -163,7 +158,16 @@ def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = No
         chosen=None if chosen is None else curves.table(curves.truth_at(chosen)),
         positions=positions_over_motion(curves),
         motion=curves.case.motion if isinstance(curves.case.motion, CrankMotion) else None,
+        required=_required_feed(curves),
     )
+
+
+def _required_feed(curves: Curves) -> dict[str, Array]:
+    """The feed that the file requires of its thread beside the actual one; {} without."""
+    path = curves.linkage.thread
+    if path is None or not path.required or THREAD_FEED not in curves.names:
+        return {}
+    return dict(zip(("phi", "required", "actual"), required_feed(curves.case.mechanism, path), strict=True))
 
 
 def _signals_besides_bodies(curves: Curves) -> list[str]:
@@ -185,6 +189,11 @@ def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
         yield "Joint forces have no bound at the change point that the motion passes, so none are given there."
     if mechanism.is_numerical:
         yield "A group without a formula is solved by Newton's method: the figures are a numerical reference."
+    if linkage.thread is not None and THREAD_FEED not in curves.names:
+        try:
+            reference_length(mechanism, linkage.thread)
+        except LinkproofError as error:
+            yield f"No thread feed: {str(error).removeprefix('thread: ')}."
     if linkage.output is None:
         yield "No S, v and a: the file names no output."
     else:
@@ -237,10 +246,10 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
         whole,
         units={name: whole.units[name] for name in names},
         values=values,
-        facts=part("facts", lambda: portrait(linkage), file_facts(linkage)),
-        shares=inertia_shares(mechanism, values["phi"]),
-        normalised=part("normalised", lambda: unit_function_curves(case), None),
-        thread=part("thread", lambda: thread_sheet(mechanism, FEW - 1), None),
+        facts=part("facts", lambda: mechanism_facts(mechanism), file_facts(linkage)),
+        shares=_inertia_shares(mechanism, values["phi"]),
+        normalised=part("normalised", lambda: _unit_function_curves(case), None),
+        thread=part("thread", lambda: _thread_sheet(mechanism), None),
         published=part("published", lambda: _published_records(linkage), ()),
         released={name: motion for name, motion in releases.items() if motion is not None},
         printed=part("printed", lambda: errata_motions(linkage, motions), {}),
@@ -266,6 +275,58 @@ def _published_records(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
         return ()
     readings = [parse(linkage.text, linkage.name, linkage.name, variant) for variant in linkage.variants]
     return tuple(vars(record) for record in compare_published(readings))
+
+
+CURVE_STEPS: Final = 180  # steps of the normalised motion, which is smooth
+
+
+def _inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, Array]]:
+    """Shares of Jeq, kg m²: by group ("groups") and by link ("links") at φ (n,); {} where nothing has mass."""
+    linkage, sweep = mechanism.linkage, mechanism.sweep(angle)
+    if linkage.is_massless:
+        return {}
+    order = [linkage.crank, *(name for group in mechanism.structure.groups for name in group.links)]
+    links = {name: reduced.link_inertia(sweep, name) for name in order if name in linkage.links}
+    return {"groups": dict(reduced.group_inertia(sweep)), "links": links}
+
+
+def _unit_function_curves(case: Case) -> UnitFunctionCurves | None:
+    """S/stroke, v/max|v| and a/max|a| of the output over a turn beside a harmonic drive's; None without an output.
+
+    Raises LinkproofError where the driver makes no full turn.
+    """
+    mechanism, linkage, motion = case.mechanism, case.mechanism.linkage, case.motion
+    if linkage.output is None:
+        return None
+    if linkage.is_linear or not mechanism.crank_range().is_full_turn:
+        raise LinkproofError(f"The normalised motion needs a full turn, which the {linkage.driver} does not make")
+    functions = unit_functions(mechanism, clockwise=float(motion.speed(motion.duration)) < 0.0)
+    every = len(functions.phase) // CURVE_STEPS
+    ours = (functions.displacement, functions.velocity, functions.acceleration)
+
+    def named(curves: tuple[Array, ...]) -> dict[str, Array]:
+        return {name: np.append(c[::every], c[0]) for name, c in zip("Sva", curves, strict=True)}
+
+    phase = np.append(functions.phase[::every], FULL_TURN)
+    return UnitFunctionCurves(
+        phase, named(ours), named(functions.harmonics), dict(zip("Sva", functions.deviations, strict=True))
+    )
+
+
+def _thread_sheet(mechanism: Mechanism) -> ThreadSheet | None:
+    """The thread's contour and the ways of its eyes; None without a thread."""
+    path = mechanism.linkage.thread
+    if path is None:
+        return None
+    angle = reference_angle(mechanism, path)
+    sweep = mechanism.sweep(angle)
+    turn = mechanism.sweep(positions_over_range(mechanism).axis)
+    return ThreadSheet(
+        contour=np.array([stop_position(sweep, stop)[:2] for stop in path.stops]),
+        stops=tuple(stop.name if isinstance(stop, ThreadGuide) else stop.point for stop in path.stops),
+        paths={eye.point: turn.point(eye.point) for eye in path.eyes},
+        reference_angle=angle,
+    )
 
 
 def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallback: T) -> T:

@@ -11,16 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Linkage
+from analytic.description.linkage import Linkage, ThreadPath
 from analytic.designs.figures import STROKE, Figure, SignalExtreme, figures_named
 from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
+from analytic.motion.thread_feed import feed
 from analytic.motion.unit_functions import bottom_dead_centre, top_dead_centre, unit_functions
 from analytic.numerics.refine import extremes
-from analytic.signals import MAGNITUDE, signal, unit
+from analytic.signals import MAGNITUDE, THREAD_FEED, THREAD_LENGTH, moving_points, signal, unit
 from comparisons.datasheet.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
 
 Array = NDArray[np.float64]
@@ -37,7 +38,7 @@ DRIVE: Final[Mapping[str, Measure]] = {
     "peak power": lambda at: at.torque * at.speed,
     BRAKING: lambda at: -at.torque * at.speed,
 }
-TABLES: Final = ("drive", "forces", "moment", "transmission", "output")
+TABLES: Final = ("drive", "forces", "moment", "transmission", "output", "thread")
 LOAD: Final = ("Mkr", "omega", "Peq")  # of the drive, side by side
 
 
@@ -55,6 +56,7 @@ def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure,
         _named_peaks(peaks, moment),
         _named_peaks(peaks, groups),
         output_figures(curves, peaks),
+        thread_figures(curves),
     )
     return {name: tuple(table) for name, table in zip(TABLES, rows, strict=True)}
 
@@ -113,6 +115,38 @@ def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     yield curves.figure("stroke", "S", ends["largest S"] - ends["least S"])
     yield from (curves.figure(what, "S", value, places[what]) for what, value in ends.items())
     yield from _named_peaks(peaks, {"v": "peak v", "a": "peak a"})
+
+
+def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
+    """The thread's feed and length where the feed and the heights of its eyes are extreme; from the required feed."""
+    path = curves.linkage.thread
+    if path is None or THREAD_FEED not in curves.names:
+        return
+    measures: dict[str, Measure] = {
+        "least feed": lambda at: -signal(at, THREAD_FEED),
+        "largest feed": lambda at: signal(at, THREAD_FEED),
+    }
+    for eye in dict.fromkeys(eye.point for eye in path.eyes if eye.point in moving_points(curves.linkage)):
+        measures[f"{eye} highest"] = lambda at, eye=eye: at.sweep.point(eye)[1]  # type: ignore[misc]
+        measures[f"{eye} lowest"] = lambda at, eye=eye: -at.sweep.point(eye)[1]  # type: ignore[misc]
+    both = (THREAD_FEED, THREAD_LENGTH)
+    points = {what: (time, curves.values(both, time)) for what, time in curves.places(measures).items()}
+    for what, (time, values) in points.items():
+        yield from (curves.figure(what, name, value, time) for name, value in zip(both, values, strict=True))
+    yield curves.figure("range of the feed", THREAD_FEED, points["largest feed"][1][0] - points["least feed"][1][0])
+    if path.required:
+        phi, required, actual = required_feed(curves.case.mechanism, path)
+        apart = actual - required
+        worst = int(np.argmax(np.abs(apart)))
+        largest = curves.figure("farthest from required", THREAD_FEED, apart[worst])
+        yield replace(largest, phi=float(phi[worst]))
+        yield curves.figure("RMS from required", THREAD_FEED, float(np.sqrt(np.mean(apart**2))))
+
+
+def required_feed(mechanism: Mechanism, path: ThreadPath) -> tuple[Array, Array, Array]:
+    """φ, rad, the feed required there and the actual one, m; all (n,), in the file's order."""
+    phi, required = np.array(path.required).T
+    return phi, required, feed(mechanism, path, phi)
 
 
 def _peak_speed_time(curves: Curves) -> float:

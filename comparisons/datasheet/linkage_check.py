@@ -9,13 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
+from analytic.dynamics import reduced
+from analytic.dynamics.equation_of_motion import equilibria
 from analytic.errors import LinkproofError, StructureError
 from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
-from analytic.numerics.refine import highest
+from analytic.motion.unit_functions import bottom_dead_centre, stroke, top_dead_centre
+from analytic.numerics.refine import extremes, highest, periodic_mean
 from analytic.numerics.roots import roots
 from comparisons.datasheet.linkage_warnings import warnings
 
@@ -32,7 +35,7 @@ DYADS_AT_ONCE: Final = (
 
 def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
     """The facts of the review of a linkage, and the fault that ended it; None without a fault."""
-    facts: Facts = {"mechanism": linkage.name, "title": linkage.title, "variant": linkage.variant}
+    facts = file_facts(linkage)
     try:
         for step in _steps(linkage):
             facts |= step
@@ -56,13 +59,74 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
     mechanism = Mechanism(linkage)
     yield {"sketch": _sketch_facts(mechanism)}
     reach = mechanism.crank_range()
-    yield {"range": range_facts(mechanism, reach)}
+    yield {"range": _range_facts(mechanism, reach)}
     yield {"transmission": _transmission_facts(mechanism, reach)}
     if reach.is_full_turn and not reach.change_points:
-        yield accuracy_facts(mechanism)
+        yield _accuracy_facts(mechanism)
+    if reach.is_full_turn:
+        yield _turn_facts(mechanism)
 
 
-def accuracy_facts(mechanism: Mechanism) -> Facts:
+def file_facts(linkage: Linkage) -> Facts:
+    """What a linkage's file says of its origin and its links."""
+    return {
+        "mechanism": linkage.name,
+        "title": linkage.title,
+        "source": linkage.source,
+        "variant": linkage.variant,
+        "variants": list(linkage.variants),
+        "links": {
+            link.name: {
+                "points": {point: list(local) for point, local in link.points.items()},
+                "mass": link.mass,
+                "centre": list(link.centre),
+                "inertia": link.inertia,
+            }
+            for link in linkage.links.values()
+        },
+        "notes": list(linkage.notes),
+    }
+
+
+def mechanism_facts(mechanism: Mechanism) -> Facts:
+    """The facts of a linkage that can be assembled: those of its file, of its structure, and of a turn or its range."""
+    reach = mechanism.crank_range()
+    facts = file_facts(mechanism.linkage) | {"structure": mechanism.structure.formula}
+    if reach.is_full_turn:
+        return facts | _accuracy_facts(mechanism) | _turn_facts(mechanism)
+    return facts | {"range": _range_facts(mechanism, reach)}
+
+
+def _turn_facts(mechanism: Mechanism) -> Facts:
+    """Figures of a full turn: inertias reduced to the crank, the output's travel, and where the linkage rests."""
+    linkage = mechanism.linkage
+    links = file_facts(linkage)["links"]
+    for name, link in links.items():
+        link["Jeq_mean"] = periodic_mean(reduced.link_inertia(mechanism.turn, name))
+    facts: Facts = {"links": links}
+    if not linkage.is_massless:
+        inertia = extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi)))
+        facts["Jeq"] = {
+            "mean": inertia.mean,
+            "max": inertia.maximum,
+            "min": inertia.minimum,
+            "pulsation": inertia.relative_pulsation,
+            "max_at": inertia.maximum_angle,
+            "min_at": inertia.minimum_angle,
+        }
+    if any(linkage.gravity) or linkage.springs:
+        facts["equilibria"] = [{"angle": rest.angle, "stable": bool(rest.stable)} for rest in equilibria(mechanism)]
+    if linkage.output is not None:
+        facts["output"] = {
+            "point": linkage.output.point,
+            "stroke": stroke(mechanism),
+            "top_dead_centre": top_dead_centre(mechanism).angle,
+            "bottom_dead_centre": bottom_dead_centre(mechanism).angle,
+        }
+    return facts
+
+
+def _accuracy_facts(mechanism: Mechanism) -> Facts:
     """How far joints are open over a full turn, m, and how far the closed form can be wrong; None beyond all bounds."""
     bounds = (bound if np.isfinite(bound) else None for bound in mechanism.error_bound())
     return {
@@ -91,7 +155,7 @@ def _sketch_facts(mechanism: Mechanism) -> Facts:
     return {"angle": linkage.sketch_angle, "off": off, "extent": linkage.extent()}
 
 
-def range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
+def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
     """Range of φ in this assembly mode, the reason for its ends, and its change points."""
     low, high = reach.limits
 

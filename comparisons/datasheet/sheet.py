@@ -83,17 +83,14 @@ class Positions:
 
 @dataclass(frozen=True)
 class ThreadSheet:
-    """The thread over a turn: φ, rad, feed and contour length, m, (n,); contour (stops, 3) at the reference angle, m.
+    """The thread in the linkage's plane: its contour (stops, 2), m, at the reference angle, rad.
 
-    ``stops`` names the guides and eyes along the contour; ``eyes`` has of each the ``path``, m, (3, n).
+    ``stops`` names the guides and eyes along the contour; ``paths`` has of each eye its way over a turn, m, (2, n).
     """
 
-    angle: Array
-    feed: Array
-    length: Array
     contour: Array
     stops: tuple[str, ...]
-    eyes: Mapping[str, ByName]
+    paths: ByName
     reference_angle: float
 
 
@@ -131,8 +128,9 @@ class Sheet:
     ``values`` are the signals by name over the whole motion, nan where undefined: at every instant of its
     grid (n,), or on a page at as many as a curve needs, φ ascending where that is the axis. ``chosen`` are those at
     chosen instants, not saved. ``peaks`` has of each signal the largest magnitude, of a transmission angle the least,
-    ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``facts`` are those of
-    ``linkproof show --json``.
+    ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``facts`` are those of the mechanism
+    alone, as in ``linkproof check --json``. ``required`` is the feed of the thread at the crank angles "phi", rad, of
+    its file, "required" there and "actual", m; empty without a required feed.
 
     The rest is what a page shows besides. ``shares`` has Jeq by Assur group ("groups") and by link ("links") over the
     instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime the
@@ -156,6 +154,7 @@ class Sheet:
     shares: Mapping[str, ByName] = field(default_factory=dict)
     normalised: UnitFunctionCurves | None = None
     thread: ThreadSheet | None = None
+    required: ByName = field(default_factory=dict)
     published: tuple[Mapping[str, Any], ...] = ()
     released: Mapping[str, Released] = field(default_factory=dict)
     printed: Mapping[str, ByName] = field(default_factory=dict)

@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 # The units of kinds that a file does not state.
 FIXED_UNITS: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
-LISTING: Final = "those that `linkproof list --numbers` shows"
+LISTING: Final = "those that `linkproof list MECHANISM` shows"
 TYPED_NUMBER: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.thread_path import ThreadEye, ThreadPath
+from analytic.description.linkage import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.motion.thread_feed import feed, feed_of_length, reference_angle, reference_length
 from analytic.motion.unit_functions import top_of_turn

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.figure import Figure
 
 from analytic.description.file_units import file_unit
 from analytic.description.linkage import GROUND, Linkage
-from comparisons.datasheet.sheet import Positions
+from comparisons.datasheet.sheet import Positions, ThreadSheet
 from reports.charts import symbols
 from reports.charts.draw import Host, drawn, inches
 from reports.charts.kinematic_scheme import KinematicScheme
@@ -209,3 +210,32 @@ def _towards_links(name: str, scheme: KinematicScheme) -> Array:
     links = [link.points for link in scheme.linkage.links.values() if name in link.points]
     spans = [scheme.spots[other] - scheme.spots[name] for points in links for other in points if other != name]
     return np.round(sum(map(symbols.unit, spans), np.zeros(2)), 6)
+
+
+# The thread's contour with the linkage, at the angle from which its feed is counted.
+
+THREAD = PALETTE[1]
+
+
+def thread_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -> Figure:
+    """The contour with the linkage, to scale in both directions."""
+    scheme = KinematicScheme(linkage, positions, thread.reference_angle)
+    spots = scheme.scale * thread.contour
+    low, high = scheme.extent
+    extent = np.minimum(low, spots.min(axis=0)), np.maximum(high, spots.max(axis=0))
+    return scaled_figure(scheme, extent, partial(_draw_thread, thread=thread))
+
+
+def _draw_thread(axes: Axes, scheme: KinematicScheme, size: float, thread: ThreadSheet) -> None:
+    """Links, eyes' paths and the contour; the axes' limits are the caller's."""
+    for path in thread.paths.values():
+        symbols.line(axes, scheme.scale * path.T, 1.0, 2.0, GHOST, linestyle=(0, (3, 2)))
+    draw_position(axes, scheme, size)
+    draw_names(axes, scheme, size)
+    spots = scheme.scale * thread.contour
+    symbols.line(axes, spots, 1.6, 10.0, THREAD)
+    for name, spot in zip(thread.stops, spots, strict=True):
+        if name not in thread.paths:
+            symbols.pin(axes, spot, 0.8 * size, 11.0)
+            away = symbols.unit(spot - spots.mean(axis=0))  # its name on the side away from the thread
+            write(axes, spot + 4.4 * size * away, name, {**NAME_STYLE, "color": THREAD})

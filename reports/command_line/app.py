@@ -1,4 +1,4 @@
-"""The commands and their options: ``linkproof list | show | thread | compare | bench | …``.
+"""The commands and their options: ``linkproof list | check | results | compare | bench | …``.
 
 Only typer is imported here; a command imports the rest when it runs, so that help appears at once.
 """
@@ -88,41 +88,27 @@ def linkproof(
     """Options that stand before a command."""
 
 
-@command(app, "list", summary="List the mechanisms of the catalogue, or the figures or numbers of one.")
+@command(app, "list", summary="List the mechanisms of the catalogue, or the figures and numbers of one.")
 def list_(
-    figures: Annotated[
-        str | None, Option("List every figure for sweep, optimise and tolerance.", "MECHANISM", names="mechanisms")
-    ] = None,
-    numbers: Annotated[
-        str | None, Option("List every number that they can vary.", "MECHANISM", names="mechanisms")
-    ] = None,
+    mechanism: Annotated[str | None, Argument("MECHANISM", "mechanisms")] = None,
     json: Json = False,
 ) -> None:
-    """List the mechanisms of the catalogue, their variants and sources; or the figures or the numbers of one.
+    """List the mechanisms of the catalogue, their variants and sources.
 
-    MECHANISM is a name in the catalogue or the path of a .toml file. Values are in the units of the file.
+    MECHANISM is a name in the catalogue or the path of a .toml file: its figures for sweep, optimise and tolerance are
+    listed, and the numbers that they can vary, in the units of the file.
     """
     from reports.command_line.commands import mechanisms
 
-    mechanisms.list_names(figures, numbers, destination(OutputOptions(json=json)))
-
-
-@command(app, summary="Show one mechanism: structure, links, Jeq, stroke.")
-def show(mechanism: Mechanism, variant: Variant = None, json: Json = False) -> None:
-    """Show one mechanism: structure, links, Jeq, stroke, accuracy of its closed form.
-
-    MECHANISM is a name in the catalogue or the path of a .toml file.
-    """
-    from reports.command_line.commands import mechanisms
-
-    mechanisms.show(mechanism, variant, destination(OutputOptions(json=json)))
+    mechanisms.list_names(mechanism, destination(OutputOptions(json=json)))
 
 
 @command(app, summary="Write a linkage file to fill in.")
 def new(name: Annotated[str, Argument("NAME")]) -> None:
     """Write NAME.toml, a small linkage with every key explained, as a start for yours; overwrites nothing.
 
-    Also writes linkproof.schema.json, so that editors complete and check the file (VS Code: Even Better TOML).
+    Also writes linkproof.schema.json, so that editors complete and check the file (VS Code: Even Better TOML); one
+    that is there already is renewed.
     """
     from reports.command_line.commands import files
 
@@ -131,12 +117,12 @@ def new(name: Annotated[str, Argument("NAME")]) -> None:
 
 @command(
     app,
-    summary="Review a linkage file: mobility, groups, range, errors.",
+    summary="Review a linkage: mobility, groups, range, links, errors.",
     without=("out", "junit", "quiet", "verbose"),
     texts={"save": "Draw the scheme (.svg .png .pdf .dxf) or write what is printed (.json); repeatable."},
 )
 def check(mechanism: Mechanism, output: OutputOptions, variant: Variant = None, strict: Strict = False) -> None:
-    """Review a linkage file: mobility, groups, range of the crank, transmission angles, toggles, masses, errors.
+    """Review a linkage: mobility, groups, range of the crank, transmission angles, toggles, links, Jeq, stroke, errors.
 
     MECHANISM is the path of a .toml file or a name in the catalogue.
 
@@ -145,33 +131,6 @@ def check(mechanism: Mechanism, output: OutputOptions, variant: Variant = None, 
     from reports.command_line.commands import files
 
     files.check(mechanism, variant, destination(output), strict=strict)
-
-
-@command(app, summary="Write the JSON schema of linkage files.")
-def schema() -> None:
-    """Write the JSON schema of linkage files to stdout, so that editors complete and check the files.
-
-    A file names it in its first line: #:schema ./linkproof.schema.json (taplo, Even Better TOML).
-    """
-    from reports.command_line.commands import files
-
-    typer.echo(files.schema_text(), nl=False)
-
-
-@command(app, summary="Show a mechanism's thread feed.")
-def thread(
-    mechanism: Mechanism,
-    variant: Variant = None,
-    required: Annotated[Path | None, Option("Required feed: columns phi_deg, feed_mm.", "CSV")] = None,
-    json: Json = False,
-) -> None:
-    """Show a mechanism's thread feed, and compare it with a required curve.
-
-    MECHANISM is a name in the catalogue or the path of a .toml file with a [thread].
-    """
-    from reports.command_line.commands import mechanisms
-
-    mechanisms.thread(mechanism, variant, required, destination(OutputOptions(json=json)))
 
 
 @command(app, summary="Compare figures printed in the sources with the closed form.")

@@ -22,7 +22,7 @@ from comparisons.datasheet.sheet import Sheet
 from reports.document.numbers import figure
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
-from reports.mechanism.shown import HEADS, figures_table, number, place_cells, places
+from reports.mechanism.shown import HEADS, figures_table, number, place_cells, places, required_table
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def printed(sheet: Sheet) -> list[Printed]:
 
 
 def _key_figures(sheet: Sheet) -> Iterator[Table]:
-    """Drive, forces, transmission angles and output, each with where its peak is."""
+    """Drive, forces, transmission angles, thread and output, each with where its peak is."""
     yield from (figures_table(sheet, name) for name in HEADS if sheet.figures[name])
     if sheet.linkage.output is not None:
         head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
@@ -53,6 +53,8 @@ def _key_figures(sheet: Sheet) -> Iterator[Table]:
             for row in sheet.figures["output"]
         ]
         yield Table("", head, rows, "lrlr")
+    if sheet.required:
+        yield required_table(sheet)
 
 
 def _at_instants(sheet: Sheet) -> list[Table]:
@@ -131,10 +133,11 @@ def csv_table(sheet: Sheet, decimal: str = ".") -> str:
 
 
 def json_text(sheet: Sheet) -> str:
-    """One object, SI, angles in rad: ``conditions axis units values peaks figures warnings``.
+    """One object, SI, angles in rad: ``conditions axis units values peaks figures required warnings``.
 
     ``values`` has a list by name, ``peaks`` by name the value and where it is: φ where that is the axis, else the time.
-    ``figures`` has the tables of ``comparisons.datasheet.figures``. What is not finite is null.
+    ``figures`` has the tables of ``comparisons.datasheet.figures``, ``required`` the feed required of a thread beside
+    the actual one. What is not finite is null.
     """
     document: dict[str, Any] = {
         "conditions": sheet.conditions,
@@ -143,6 +146,7 @@ def json_text(sheet: Sheet) -> str:
         "values": {name: plain(values) for name, values in sheet.table.items()},
         "peaks": {name: {"value": peak.value, "at": sheet.place_of(peak)} for name, peak in sheet.peaks.items()},
         "figures": {name: [vars(row) for row in rows] for name, rows in sheet.figures.items()},
+        "required": {name: plain(values) for name, values in sheet.required.items()},
         "warnings": list(warnings(sheet.linkage)),
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"

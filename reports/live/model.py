@@ -18,7 +18,7 @@ from analytic.machine_code.tracing import ACCELERATION, PHI, LinkageTrace, is_tr
 from comparisons.datasheet.building import MARGIN, OVER_RANGE
 
 MOST_OPERATIONS: Final = 12_000
-LEFT_OUT: Final = ("phi", "omega", "epsilon")  # the motion itself
+LEFT_OUT: Final = ("phi", "omega", "epsilon", signals.THREAD_FEED)  # the motion itself; what needs a search
 VELOCITIES: Final = (":vx", ":vy", ":ax", ":ay", ":omega", ":alpha")
 ALWAYS: Final = (PHI, SPEED, ACCELERATION)  # of a row, in this order
 

@@ -240,7 +240,7 @@ def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
 
 
 def facts(sheet: Sheet) -> Facts:
-    """The facts on the mechanism that hold for every motion: structure, range, output, rest, thread."""
+    """The facts on the mechanism that hold for every motion: structure, range, output, rest."""
     table = {"equilibria": [], **sheet.facts}
     pairs = [text.partition(": ")[::2] for text in lines("mechanism", facts=table) if not text.startswith("Jeq: ")]
     structure = sheet.facts.get("structure", "").replace("->", "→").replace("_", " ")

@@ -12,11 +12,12 @@ from markupsafe import Markup
 
 from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
+from analytic.signals import THREAD_FEED
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
-from reports.charts import thread as drawings
 from reports.charts.moving import moving_scheme
-from reports.document.chart import Array, Chart, Curve, Mark, Panel
+from reports.charts.scheme import thread_figure
+from reports.document.chart import Array, Chart, Curve, Panel
 from reports.document.parts import (
     Bullets,
     Card,
@@ -35,48 +36,28 @@ from reports.live.widget import live_widget, model_of
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.published import published_section
-from reports.mechanism.shown import key_table, page_figure
+from reports.mechanism.shown import chart, figures_table, key_table, page_figure, panel, required_table
 from reports.records.views import anchor, views
 
 # Sections of a mechanism's page that some linkages have: the thread, and released cranks.
 
 
 def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> Section:
-    """The contour in the plane and in space, and what the thread feeds over a turn."""
-    linkage = sheet.linkage
+    """The contour in the plane, and what the thread feeds, beside what is required of it."""
     angle = f"{np.degrees(thread.reference_angle) % 360.0:.2f}°"
-    is_spatial = drawings.is_spatial(thread)
     caption = f"Contour at φ_ref = {angle}, where the feed counts from; rings are guides, dashed lines paths of eyes."
-    drawing = partial(drawings.plane_figure, linkage, positions, thread)
-    figures = [page_figure(sheet, "contour", caption, "the thread's contour with the linkage", drawing)]
-    if is_spatial:
-        caption = "The contour in space: z runs along the main shaft and is drawn to a larger scale."
-        drawing = partial(drawings.space_figure, linkage, positions, thread)
-        figures.append(page_figure(sheet, "contour-in-space", caption, "the thread in space", drawing))
-    caption = "Feed Pd, and beneath it the length of the contour; uprights mark where an eye turns round."
-    chart = feed_chart(sheet, thread, wide=is_spatial)
-    figures.append(page_figure(sheet, "feed", caption, "thread feed and contour length", chart))
-    return Section("thread", "Thread", (FigureGroup(tuple(figures)),))
-
-
-def feed_chart(sheet: Sheet, thread: ThreadSheet, *, wide: bool) -> Chart:
-    """Feed above, contour below, over a turn from 0° to 360°."""
+    drawing = partial(thread_figure, sheet.linkage, positions, thread)
+    contour = page_figure(sheet, "contour", caption, "the thread's contour with the linkage", drawing)
     unit = sheet.file_unit_of("m")
-    degrees = np.degrees(thread.angle)
-    eyes = sheet.facts.get("thread", {}).get("eyes", {})
-    several = len(eyes) > 1
-    uprights = [
-        Mark(eyes[name][word] % 360.0, "x", f"{word} {name}" if several else word, number)
-        for number, name in enumerate(eyes)
-        for word in ("top", "bottom")
-    ]
-    plain = tuple(Mark(mark.place, "x", "", mark.ink) for mark in uprights)
-    feed, length = (Curve(degrees, values / unit.size, ink=1) for values in (thread.feed, thread.length))
-    panels = (
-        Panel((feed,), "", f"Pd, {unit.on_page}", tuple(uprights), turn=True),
-        Panel((length,), "crank angle φ, °", f"contour L, {unit.on_page}", plain, turn=True),
-    )
-    return Chart(panels, 3.6, wide=wide, axis="phi" if sheet.is_turn else "")
+    curves = [Curve(sheet.x, sheet.y(THREAD_FEED), "feed" if sheet.required else "", 1)]
+    if sheet.required and sheet.axis == "phi":
+        along = sheet.required["phi"] % FULL_TURN if sheet.is_turn else sheet.required["phi"]
+        required = sheet.required["required"] / unit.size
+        curves.append(Curve(along / sheet.axis_unit.size, required, "required", 0, line="", marker="o"))
+    feed = chart(sheet, [panel(sheet, curves, f"Pd, {unit.on_page}")], 3.2)
+    figures = FigureGroup((contour, page_figure(sheet, "feed", "Feed Pd of the thread.", "thread feed", feed)))
+    tables = [figures_table(sheet, "thread"), *([required_table(sheet)] if sheet.required else [])]
+    return Section("thread", "Thread", (figures, *tables))
 
 
 def released_section(sheet: Sheet) -> Section:
@@ -234,7 +215,7 @@ def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()
     yield from designer.sections(sheet)
-    if sheet.thread and sheet.positions:
+    if sheet.thread and sheet.positions and THREAD_FEED in sheet.values:
         yield thread_section(sheet, sheet.thread, sheet.positions)
     if sheet.released:
         yield released_section(sheet)

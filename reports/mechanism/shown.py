@@ -31,6 +31,7 @@ HEADS: Final = {
     "forces": (("joint", "on"), ("force", "direction")),
     "moment": (("shaking moment",), ("",)),
     "transmission": (("group",), ("least transmission angle",)),
+    "thread": (("thread",), ("feed", "contour")),
 }
 
 
@@ -94,10 +95,22 @@ def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
 
 def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
     """Place of a key figure: the time, s, unless φ is the axis, and φ in the file's unit."""
-    if signal_figure.time is None or signal_figure.phi is None:
+    if signal_figure.phi is None or (sheet.axis == TIME and signal_figure.time is None):
         return (ABSENT,) * len(places(sheet))
     phi = _angle(sheet.angle(signal_figure.phi), sheet.unit("phi"))
     return (phi,) if sheet.axis == "phi" else (f"{signal_figure.time:#.6g}", phi)
+
+
+def required_table(sheet: Sheet) -> Table:
+    """The feed that the file requires of its thread, the actual one and the difference."""
+    length = sheet.file_unit_of("m")
+    columns = [sheet.required[name] / length.size for name in ("required", "actual")]
+    rows = [
+        (_angle(sheet.angle(phi), sheet.unit("phi")), figure(required), figure(actual), figure(actual - required))
+        for phi, required, actual in zip(sheet.required["phi"].tolist(), *columns, strict=True)
+    ]
+    head = (f"φ {sheet.unit('phi').name}", *(f"{word} {length.name}" for word in ("required", "feed", "difference")))
+    return Table("", head, rows, "r")
 
 
 def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:

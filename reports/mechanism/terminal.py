@@ -1,4 +1,4 @@
-"""Mechanisms, their thread, their published figures and their check for a terminal."""
+"""Mechanisms, their published figures and their check for a terminal."""
 
 from __future__ import annotations
 
@@ -7,9 +7,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from analytic.written import fixed, signed
 from comparisons.datasheet.linkage_check import BINDS
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import lines
@@ -18,7 +15,6 @@ from reports.mechanism.published import SIGNS, answers_table, notes, published_t
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
-    from analytic.motion.thread_feed import FeedComparison
     from comparisons.campaign.printed_answers import EngineAnswer
     from comparisons.datasheet.published import PublishedRecord
 
@@ -33,18 +29,6 @@ def catalogue(shelves: Mapping[str, Sequence[Linkage]]) -> list[Printed]:
     return blocks[1:]
 
 
-def portrait(facts: Mapping[str, Any]) -> list[Printed]:
-    """A mechanism's source, variants and figures; its structure is in the output of ``linkproof check``."""
-    return [
-        Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold"),
-        *_lines("origin", 10, facts=facts),
-        *_lines("mechanism", 10, facts=facts),
-        "",
-        Table("", ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"])), "l"),
-        *(f"note: {note}" for note in facts["notes"]),
-    ]
-
-
 def _lines(macro: str, width: int, **values: object) -> list[Printed]:
     """The lines of a macro of ``sentences.txt``, each with a name of so many characters before its first colon."""
     return [f"{name:<{width}} {fact}" for name, _, fact in (words.partition(": ") for words in lines(macro, **values))]
@@ -55,27 +39,6 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
         inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
         mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
         yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
-
-
-def thread(facts: Mapping[str, Any], comparison: FeedComparison | None) -> list[Printed]:
-    """Contour, feed and eyes of a thread, and how far its feed is from a required one."""
-    return [*_lines("thread_facts", 10, thread=facts), *(_feed(comparison) if comparison else [])]
-
-
-def _feed(comparison: FeedComparison) -> list[Printed]:
-    """Required beside actual feed, and the largest difference."""
-    columns = (comparison.angle, comparison.required, comparison.actual, comparison.difference)
-    rows = [
-        (fixed(math.degrees(angle), 1), *(fixed(value * 1e3, 3) for value in values))
-        for angle, *values in zip(*columns, strict=True)
-    ]
-    worst = int(np.argmax(np.abs(comparison.difference)))
-    root_mean_square = float(np.sqrt(np.mean(comparison.difference**2)))
-    closing = (
-        f"largest difference {signed(comparison.difference[worst] * 1e3, '.3f')} mm at "
-        f"{math.degrees(comparison.angle[worst]):.1f}°, RMS {root_mean_square * 1e3:.3f} mm"
-    )
-    return [Table("", ("φ °", "required mm", "actual mm", "difference mm"), rows), closing]
 
 
 def published(records: Sequence[PublishedRecord]) -> list[Printed]:
@@ -108,8 +71,10 @@ def answered(
 
 
 def printed(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[Printed]:
-    """A line for each fact; ``written`` writes a length, m, in the file's unit."""
+    """A line for each fact, then the links; ``written`` writes a length, m, in the file's unit."""
     heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
     about = {"facts": facts, "written": written, "binds": math.degrees(BINDS)}
     warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in lines("check_warnings", **about)]
-    return [heading, *_lines("check", 12, **about), *warnings]
+    head = ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points")
+    links = Table("", head, list(_links(facts["links"])), "lrrrl")
+    return [heading, *_lines("check", 12, **about), "", links, *warnings]

@@ -1,4 +1,4 @@
-"""``linkproof new``, ``schema`` and ``check``: a template of a linkage file, its schema for editors, a review."""
+"""``linkproof new`` and ``check``: a template of a linkage file, its schema for editors, a review."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def new(name: str, destination: Destination) -> None:
     write_text(path, TEMPLATE.read_text(encoding="utf-8").replace("{title}", title))
     beside = ""
     if _is_ours(schema):
-        write_text(schema, schema_text())
-        beside = f" and {schema}, by which editors complete and check it"
+        beside = f" and {'renewed ' if schema.exists() else ''}{schema}, by which editors complete and check it"
+        write_text(schema, json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n")
     argument = shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
     destination.print(f"wrote {path}{beside}; next: linkproof check {argument}")
 
@@ -96,8 +96,3 @@ def _dxf(linkage: Linkage) -> str:
 
 FACTS: Final[Writers] = {".json": to_json}
 DRAWINGS: Final[Writers] = {**picture_writers(_scheme), ".dxf": _dxf}
-
-
-def schema_text() -> str:
-    """The JSON schema of linkage files."""
-    return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"

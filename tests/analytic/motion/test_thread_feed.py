@@ -5,10 +5,10 @@ import math
 
 import numpy as np
 import pytest
+from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 from mpmath import mp, mpf
 
 from analytic.description.schema import EyeReference
-from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.motion.thread_feed import (
     RequiredFeed,

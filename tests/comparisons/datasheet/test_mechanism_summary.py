@@ -4,10 +4,10 @@ import json
 import math
 
 import pytest
+from comparisons.datasheet.mechanism_summary import portrait
 
 from analytic.description.loading import find, load, parse
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.mechanism_summary import portrait
 from tests.analytic.chains import chain_of_dyads
 from tests.counting import calls
 

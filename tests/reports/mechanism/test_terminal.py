@@ -1,7 +1,8 @@
 """Tables of mechanisms hold what they should."""
 
-from analytic.description.loading import catalogue, literature, load
 from comparisons.datasheet.mechanism_summary import portrait
+
+from analytic.description.loading import catalogue, literature, load
 from comparisons.datasheet.published import all_variants, compare_published
 from reports.document.terminal import rendered
 from reports.mechanism import terminal
