@@ -63,9 +63,8 @@ def test_the_alarm_goes_off(imported):
     "command",
     [
         ("compare", "--help"),
-        ("show", "juki-mf7923d"),
-        ("results", "juki-mf7923d"),
-        ("thread", "slotted-takeup"),
+        ("check", "juki-mf7923d"),
+        ("results", "slotted-takeup"),
     ],
     ids=" ".join,
 )

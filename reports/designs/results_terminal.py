@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.signals import COMPONENTS, MAGNITUDE
+from analytic.signals import COMPONENTS, MAGNITUDE, THREAD_FEED
 from analytic.written import plain
 from comparisons.datasheet.curves import TIME
 from comparisons.datasheet.linkage_warnings import warnings
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 DRIVE_COLUMNS: Final = (
     ("omega", "epsilon", "Mkr", "Peq"),
-    ("Teq", "Jeq", "S", "v", "a"),
+    ("Teq", "Jeq", "S", "v", "a", THREAD_FEED),
 )  # of two tables
 
 

@@ -12,7 +12,6 @@ from markupsafe import Markup
 
 from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
-from analytic.signals import THREAD_FEED
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
 from reports.charts.moving import moving_scheme
@@ -49,7 +48,7 @@ def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> S
     drawing = partial(thread_figure, sheet.linkage, positions, thread)
     contour = page_figure(sheet, "contour", caption, "the thread's contour with the linkage", drawing)
     unit = sheet.file_unit_of("m")
-    curves = [Curve(sheet.x, sheet.y(THREAD_FEED), "feed" if sheet.required else "", 1)]
+    curves = [Curve(sheet.x, sheet.y("thread_feed"), "feed" if sheet.required else "", 1)]
     if sheet.required and sheet.axis == "phi":
         along = sheet.required["phi"] % FULL_TURN if sheet.is_turn else sheet.required["phi"]
         required = sheet.required["required"] / unit.size
@@ -215,7 +214,7 @@ def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()
     yield from designer.sections(sheet)
-    if sheet.thread and sheet.positions and THREAD_FEED in sheet.values:
+    if sheet.thread and sheet.positions and "thread_feed" in sheet.values:
         yield thread_section(sheet, sheet.thread, sheet.positions)
     if sheet.released:
         yield released_section(sheet)

@@ -1,7 +1,7 @@
 """Pinned records: everything the commands say of mechanisms and engines, taken once and held after every change.
 
 ``python tests/pins/pins.py hold [PART ...] [only=TEXT]`` makes the records anew and prints those that moved; ``take``
-renews the pins. Parts: figures (list, show, thread, published), designer (results, check, sweep, optimise, tolerance
+renews the pins. Parts: figures (list, check, published), designer (results, check, sweep, optimise, tolerance
 and judge, of the catalogue, the literature and the linkages of the tests), bench, stress; tests/baseline.json holds
 the errors of compare. Times, dates and borders are left out, and bench and stress are held where both trees finished.
 Engines' last digits belong to the machine and the versions that took them, so this is run by hand and not by the tests.
@@ -69,11 +69,10 @@ def variants() -> list[tuple[str, str]]:
 
 
 def figures() -> dict[str, Any]:
-    """What list, show, thread and published say."""
+    """What list, check and published say."""
     pins = {"list": said("list")["records"], "published": said("published")["records"]}
     for mechanism, variant in variants():
-        pins[f"show {mechanism} {variant}"] = said("show", mechanism, "--variant", variant)
-        pins[f"thread {mechanism} {variant}"] = said("thread", mechanism, "--variant", variant)
+        pins[f"check {mechanism} {variant}"] = said("check", mechanism, "--variant", variant)
     return pins
 
 
@@ -220,7 +219,7 @@ def _figures_moved(key: str, old: Any, new: Any, where: str, scale: float = 0.0)
     """Leaf by leaf; ``scale`` is the largest number beside a leaf."""
     if isinstance(old, dict) and isinstance(new, dict):
         old, new = ({name: v for name, v in side.items() if name not in GONE} for side in (old, new))
-    if isinstance(old, dict) and isinstance(new, dict) and old.keys() == new.keys():
+    if isinstance(old, dict) and isinstance(new, dict) and old.keys() <= new.keys():
         scale = max((abs(v) for v in old.values() if isinstance(v, float)), default=0.0)
         return [line for name in old for line in _figures_moved(key, old[name], new[name], f"{where}.{name}", scale)]
     if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):

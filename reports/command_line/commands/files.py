@@ -74,7 +74,7 @@ def check(name: str, variant: str | None, destination: Destination, *, strict: b
     for file in destination.save:
         destination.print(f"wrote {file}")
     if not destination.save:
-        destination.print(f"scheme       linkproof check {shlex.quote(name)} --save scheme.svg draws it")
+        destination.print("", f"scheme       linkproof check {shlex.quote(name)} --save scheme.svg draws it")
 
 
 # The writers of the files of ``check``: of its facts, and of the scheme in twelve positions of its range.

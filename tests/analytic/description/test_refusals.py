@@ -35,6 +35,11 @@ REPLACED = [
     ("inertia = 0.64e-4", "inertai = 0.64e-4", "unknown key 'inertai': did you mean 'inertia'? known are"),
     ("inertia = 0.64e-4", "x" * 50_000 + " = 1", "unknown key"),
     ("[sketch]", "[repeat.part]\ncount = 3\n[sketch]", "repeat: unknown key 'repeat': equal parts stand in the file"),
+    (
+        "[sketch]",
+        "[thread]\nstops = [{ eye = 'A' }, { eye = 'D' }]\nrequired = [[0, 1, 2]]\n[sketch]",
+        "thread.required #1: expected pairs of a crank angle",
+    ),
     ("gravity = ", "gravty = ", "unknown key 'gravty': did you mean 'gravity'?"),
     ("gravity = [0, -9.81]", "gravity = [0, 1e99]", "gravity: expected a magnitude between 1e-60 and"),
     ("A = [15.5, 0]", "A = [0, 1e-15]", "links.crank.points: expected a positive length between 'A' and 'O1'"),

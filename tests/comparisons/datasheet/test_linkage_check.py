@@ -71,6 +71,27 @@ def test_transmission_angle_of_a_crank_rocker_is_least_with_the_crank_on_the_fra
     assert found["where"] in ("0°", "180°")
 
 
+def test_figures_of_a_full_turn():
+    six_bar, slider = (check(load(*name))[0] for name in (("rimoldi-164", "as-printed"), ("juki-mf7923d",)))
+    assert six_bar["Jeq"]["mean"] == pytest.approx(1.143e-4, rel=5e-4)
+    assert six_bar["Jeq"]["max"] == pytest.approx(1.272e-4, rel=5e-4)
+    assert sum(link["Jeq_mean"] for link in six_bar["links"].values()) == pytest.approx(six_bar["Jeq"]["mean"])
+    assert (slider["source"], slider["variants"]) == (load("juki-mf7923d").source, ["as-built", "as-printed"])
+    assert slider["links"]["crank"]["mass"] == 0.64
+    assert slider["output"]["stroke"] == pytest.approx(2 * 15.5e-3, rel=1e-12)
+    assert math.degrees(slider["output"]["top_dead_centre"]) == pytest.approx(90.0)
+    assert math.degrees(slider["output"]["bottom_dead_centre"]) == pytest.approx(270.0)
+
+
+def test_without_a_full_turn_or_without_masses_there_is_less():
+    facts, _ = looked_over(JUKI.replace("D = [54.5, 0]", "D = [10, 0]").replace("angle  = 0", "angle  = 90"))
+    assert math.cos(facts["range"]["low"]) == pytest.approx(10.0 / 15.5)
+    assert not {"Jeq", "output", "equilibria", "closure_error"} & set(facts)
+    facts, _ = looked_over("\n".join(row for row in JUKI.splitlines() if not row.startswith(("mass ", "inertia "))))
+    assert "Jeq" not in facts
+    assert facts["output"]["stroke"] == pytest.approx(31e-3)
+
+
 def test_of_a_swing_where_the_transmission_angle_is_good():
     facts, _ = looked_over(DOUBLE_ROCKER)
     (found,) = facts["transmission"].values()

@@ -55,14 +55,14 @@ def test_version():
 @pytest.mark.parametrize(
     ("words", "names"),
     [
-        (("show", "ju"), ["juki-mf7923d"]),
-        (("show", "andr"), ["andrews-squeezer"]),
+        (("check", "ju"), ["juki-mf7923d"]),
+        (("check", "andr"), ["andrews-squeezer"]),
         (("compare", "--engine", ""), engine_names()),
         (("compare", "--setting", ""), [*Setting, "all"]),
         (("bench", "--quantity", ""), QUANTITIES),
         (("compare", "--regime", ""), {*REGIMES, *LAWS, "own", "all"}),
         (("stress", ""), axes()),
-        (("show", "juki-mf7923d", "--variant", "as-"), ["as-built", "as-printed"]),  # of the file that is named
+        (("check", "juki-mf7923d", "--variant", "as-"), ["as-built", "as-printed"]),  # of the file that is named
         (("compare", "slotted-takeup", "--regime", "dr"), ["driven"]),
         (("sweep", "rimoldi-164", "--vary", "rod.B."), ["rod.B.x=", "rod.B.y="]),
         (("sweep", "rimoldi-164", "--quantity", "Mkr.p"), ["Mkr.peak"]),
@@ -76,4 +76,4 @@ def test_names_are_completed(words, names):
 def test_a_file_is_completed_from_its_folder(tmp_path, monkeypatch):
     (tmp_path / "mine.toml").write_text("")
     monkeypatch.chdir(tmp_path)
-    assert completed("show", "mi") == ["mine.toml"]
+    assert completed("check", "mi") == ["mine.toml"]

@@ -15,7 +15,6 @@ COMMANDS = (
     ("compare", "unix/press.toml", "--engine", "direct", "--jobs", "0", "--quiet", "--out", "other"),
     ("list",),
     ("engines",),
-    ("show", "press.toml"),
     ("check", "press.toml"),
     ("results", "press.toml"),
     ("published", "juki-mf7923d"),

@@ -5,21 +5,40 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analytic.description.loading import load
+from analytic.description.loading import load, parse
 from comparisons.datasheet.building import usual_sheet
-from reports.mechanism.page import feed_chart, released_section
+from reports.charts.scheme import THREAD, thread_figure
+from reports.mechanism.page import released_section, thread_section
 from tests.reports.designs.samples import released_sheet
 
+REQUIRED = "[[0, 7.0], [60, 40.0], [-60, 14.0]]"
 
-@pytest.mark.parametrize("name", ["fork-takeup", "slotted-takeup"])
-def test_feed_and_contour_are_those_of_the_summary_and_eyes_turn_where_it_says(name):
-    shown = usual_sheet(load(name))
-    thread, told = shown.thread, shown.facts["thread"]
-    feed, length = feed_chart(shown, thread, wide=False).panels
-    assert np.ptp(feed.curves[0].y) == pytest.approx(1e3 * told["feed"]["total"], rel=1e-3)
-    assert np.min(length.curves[0].y) == pytest.approx(1e3 * told["contour"]["min"], rel=1e-3)
-    ends = [eye[end] for eye in told["eyes"].values() for end in ("top", "bottom")]
-    assert sorted(mark.place for mark in feed.marks) == pytest.approx(sorted(ends))
+
+@pytest.fixture(scope="module")
+def fed():
+    text = load("slotted-takeup").text.replace("[thread]", f"[thread]\nrequired = {REQUIRED}")
+    return usual_sheet(parse(text, "slotted-takeup", "slotted-takeup.toml"))
+
+
+def test_the_section_of_a_thread_has_its_contour_feed_and_tables(fed):
+    section = thread_section(fed, fed.thread, fed.positions)
+    pictures, table, required = section.parts
+    curve, points = pictures.figures[1].drawing.panels[0].curves
+    assert points.x.tolist() == pytest.approx([0.0, 60.0, 300.0])
+    assert points.y.tolist() == pytest.approx([7.0, 40.0, 14.0])
+    assert np.ptp(curve.y) == pytest.approx(50.469, abs=1e-3)
+    rows = {row[0]: row[1:] for row in table.rows}
+    assert rows["range of the feed"][0] == "50.47"
+    assert [rows[what][-1] for what in ("P7 highest", "P7 lowest")] == ["117.97", "352.35"]
+    assert rows["farthest from required"] == ("-3.593", "–", "60.00")
+    assert required.rows[1] == ("60.00", "40.00", "36.41", "-3.593")
+
+
+def test_the_picture_of_a_thread_passes_through_its_stops(fed):
+    (axes,) = thread_figure(fed.linkage, fed.positions, fed.thread).axes
+    line = next(line for line in axes.lines if line.get_color() == THREAD)
+    np.testing.assert_allclose(line.get_xydata(), 1e3 * fed.thread.contour)
+    assert {"NN1", "P7", "NN2"} <= {text.get_text() for text in axes.texts}
 
 
 @pytest.fixture(scope="module")
