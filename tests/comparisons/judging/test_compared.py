@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
+from analytic.description.linkage import ThreadEye, ThreadGuide, ThreadPath
 from analytic.description.loading import load
 from analytic.description.schema import EyeReference
 from analytic.errors import LinkproofError, UnknownNameError
