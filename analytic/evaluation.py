@@ -13,7 +13,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code.compiling import MOST_OPERATIONS, Result, StraightFunction, in_threads, is_worthwhile
 from analytic.machine_code.tracing import LinkageTrace, is_traceable, linkage_trace
-from analytic.motion.unit_functions import farthest_between
+from analytic.motion.dead_centres import farthest_between
 from analytic.moving import MovingSweep
 from analytic.signals import check_signals, is_wrapped, signal
 

@@ -8,7 +8,7 @@ import math
 from analytic.description import linkage as lk
 from analytic.description import load_tables
 from analytic.description import schema as doc
-from analytic.description.crank_motion.regimes import is_released, regime_of
+from analytic.description.crank_motion.regimes import regime_of
 from analytic.description.diagnosis import EXPECTED, Source
 from analytic.description.linkage import GROUND, Linkage, ThreadEye, ThreadGuide, ThreadPath, Vector
 from analytic.description.lookup import Reader, reader_of
@@ -50,7 +50,6 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         output=_output(reader),
         thread=_thread(reader),
         regimes=tuple(regime_of(reader, name) for name in sorted(document.regimes)),
-        errata=_errata(reader, variants),
         published=tuple(document.published),
         notes=tuple(document.notes),
         units=document.units.model_dump(),
@@ -94,27 +93,6 @@ def _check_eye(reader: Reader, eye: str, where: str) -> None:
     """Refuse an eye that is no point of the linkage."""
     if eye not in reader.carriers:
         raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.carriers)}")
-
-
-def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[doc.Erratum, ...]:
-    """The errata of a file, checked; raises DescriptionError for a regime or variant that the file does not have.
-
-    Each is about a crank that is released under a constant torque.
-    """
-    regimes = reader.document.regimes
-    for number, table in enumerate(reader.document.errata):
-        where = f"errata.{number}"
-        if table.regime not in regimes:
-            raise reader.fail(f"{where}: {UnknownNameError('regime of its own', table.regime, regimes)}")
-        regime = regimes[table.regime]
-        if not is_released(regime) or isinstance(regime.torque, list):
-            raise reader.fail(
-                f"{where}.regime: expected a regime in which the crank is released under a constant torque, got "
-                f"'{table.regime}', which has a motion or a torque of another kind; name another"
-            )
-        if table.variant is not None and table.variant not in variants:
-            raise reader.fail(f"{where}: {UnknownNameError('variant', table.variant, variants)}")
-    return tuple(reader.document.errata)
 
 
 def _link(reader: Reader, name: str) -> lk.Link:

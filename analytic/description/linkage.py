@@ -23,7 +23,7 @@ import numpy as np
 from analytic.description.crank_motion import degrees
 from analytic.description.crank_motion.prescribed import CrankMotion
 from analytic.description.law import Law, TimeLaw
-from analytic.description.schema import Erratum, EyeReference, Published
+from analytic.description.schema import EyeReference, Published
 from analytic.description.units import factor
 
 GROUND: Final = "ground"
@@ -279,7 +279,6 @@ class Linkage:
     output: Output | None = None
     thread: ThreadPath | None = None
     regimes: tuple[FileRegime, ...] = ()
-    errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
     units: Mapping[str, str] = field(default_factory=dict, repr=False)

@@ -1,7 +1,7 @@
 """A linkage file written anew with other numbers: another design of the linkage, in the units of its file.
 
 The text stays as it was written, comments included, wherever nothing changes. The file's own values become those of the
-variant chosen, and published figures, errata and variants, which belong to the original design,
+variant chosen, and published figures and variants, which belong to the original design,
 are left out.
 """
 
@@ -23,7 +23,7 @@ from analytic.errors import LinkproofError, UnknownNameError, printable, shorten
 
 DESIGN: Final = "design"
 MARK: Final = "# Made by linkproof from "
-NOT_OF_DESIGNS: Final = ("published", "errata")
+NOT_OF_DESIGNS: Final = ("published",)
 Load = PointForce | LinkTorque | Spring | RotaryDamper
 LOADS: Final[Mapping[str, Callable[[Reader], Sequence[Load]]]] = {
     "forces": load_tables.forces,
@@ -38,7 +38,7 @@ MOST_NAMED: Final = 12  # changed numbers in the first line
 def with_variant_written(text: str, name: str, variant: str | None) -> str:
     """A linkage file's text with the numbers of a variant as its own values, defaults written in it too.
 
-    Printed figures and errata, which belong to the file as it was, are left out. Raises as ``rewritten`` does.
+    Printed figures, which belong to the file as it was, are left out. Raises as ``rewritten`` does.
     """
     linkage = loading.parse(text, name, name, variant)
     raw, _, source = loading.document(text, name, name, variant)

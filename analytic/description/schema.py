@@ -190,22 +190,6 @@ class ThreadTable(TomlTable):
     required: list[Pair] = Field(default_factory=list)
 
 
-class Erratum(TomlTable):
-    """A model as printed in a source, to be compared with this description in one of the linkage's regimes.
-
-    It differs by its model of ½ Jeq' (``half_slope``), by being a variant of the linkage, or by being integrated in
-    ``steps`` fixed Runge-Kutta steps.
-    """
-
-    name: str
-    place: str
-    regime: str
-    half_slope: Literal["exact", "moduli"] = "exact"
-    variant: str | None = None
-    steps: Annotated[int, Field(gt=9)] | None = None
-    note: str = ""
-
-
 class Published(TomlTable):
     """A figure printed in a source, in ``unit``, by default SI or a plain ratio.
 
@@ -249,7 +233,6 @@ class Document(TomlTable):
     sketch: SketchTable = SketchTable()
     regimes: dict[str, RegimeTable] = Field(default_factory=dict)
     thread: ThreadTable | None = None
-    errata: Tables[Erratum] = Field(default_factory=list)
     published: Tables[Published] = Field(default_factory=list)
     notes: list[str] = Field(default_factory=list)
     format: Literal[1] = 1

@@ -1,14 +1,14 @@
 """The equation of motion of a linkage, solved for the crank's acceleration.
 
 Article 000, eqs (22) and (32): k1 φ̈ + k2 φ̇² + b φ̇ = Q1, here Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. The article builds k2
-from the moduli |S'|·|S''| (eqs (29) and (30)) where Lagrange's equation has the scalar product S'·S''; its form is
-a second model, which comparisons with it refute.
+from the moduli |S'|·|S''| (eqs (29) and (30)) where Lagrange's equation has the scalar product S'·S''; that is not the
+derivative of Jeq, and engines refute it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, NamedTuple, TypedDict
@@ -19,31 +19,14 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.dynamics import reduced
-from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.sweep import Sweep
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
 from analytic.numerics.refine import extremes, grid, in_turn
 from analytic.numerics.roots import evaluate_assembled, root
 
 Array = NDArray[np.float64]
 NO_INERTIA: Final = 1e-12  # of the peak of Jeq: a smooth minimum this deep is a zero to rounding
-
-
-def moduli_half_derivative(sweep: Sweep) -> Array:
-    """Article 000's expression for ½ Jeq': Σ m |S'| |S''| + J θ' θ'', kg m²/rad. It is not the derivative of Jeq."""
-    total = np.zeros(sweep.angle.shape)
-    for name, body in sweep.linkage.links.items():
-        total += body.mass * np.hypot(*sweep.centre(name, 1)) * np.hypot(*sweep.centre(name, 2))
-        if body.inertia is not None:
-            total += body.inertia * sweep.rates(name)[2] * sweep.accelerations(name)[2]
-    return total
-
-
-HALF_DERIVATIVES: Final[Mapping[str, Callable[[Sweep], Array]]] = {
-    "exact": reduced.half_inertia_derivative,
-    "moduli": moduli_half_derivative,
-}
 
 
 class TimeDependence(TypedDict, total=False):
@@ -62,7 +45,6 @@ class EquationOfMotion:
 
     mechanism: Mechanism
     torque: Law
-    half_slope: str = "exact"
     table: PeriodicTable | None = None
     over_time: TimeLaw | None = None
 
@@ -78,7 +60,7 @@ class EquationOfMotion:
         sweep = self.mechanism.sweep(angle)
         inertia = reduced.reduced_inertia(sweep)
         moment = reduced.generalised_force(sweep) + self.torque(angle)[0]
-        slope = HALF_DERIVATIVES[self.half_slope](sweep)
+        slope = reduced.half_inertia_derivative(sweep)
         timed = [] if self.over_time is None else [np.ones_like(inertia)]
         return np.stack([moment, reduced.damping_coefficient(sweep), slope, *timed]) / inertia
 
@@ -128,16 +110,11 @@ class EquationOfMotion:
 
 
 def equation_of_motion(
-    mechanism: Mechanism, torque: float | Law = 0.0, half_slope: str = "exact", over_time: TimeLaw | None = None
+    mechanism: Mechanism, torque: float | Law = 0.0, over_time: TimeLaw | None = None
 ) -> EquationOfMotion:
-    """The equation under a crank torque M1, N m, constant or a law of φ; ``half_slope`` names the model of ½ Jeq'.
-
-    A torque ``over_time`` acts besides.
-    """
-    if half_slope not in HALF_DERIVATIVES:
-        raise UnknownNameError("model of the inertia's slope", half_slope, HALF_DERIVATIVES)
+    """The equation under a crank torque M1, N m, constant or a law of φ, and a torque ``over_time`` besides."""
     _check_inertia(mechanism)
-    return EquationOfMotion(mechanism, crank_torque(torque), half_slope, over_time=over_time)
+    return EquationOfMotion(mechanism, crank_torque(torque), over_time=over_time)
 
 
 def _check_inertia(mechanism: Mechanism) -> None:

@@ -86,12 +86,12 @@ def _last_passage(motion: FreeMotion, angle: float) -> float | None:
     return root(lambda time: float(motion.angle(time)) - angle, float(left), float(right))
 
 
-def steady_state(mechanism: Mechanism, torque: float | Law, half_slope: str = "exact") -> Rotation:
+def steady_state(mechanism: Mechanism, torque: float | Law) -> Rotation:
     """The rotation that repeats itself turn after turn under a crank torque M1, N m, a number or a law of φ.
 
     Raises LinkproofError without a steady rotation: no damping, no mean torque, or too little torque for the loads.
     """
-    equation = equation_of_motion(mechanism, torque, half_slope)
+    equation = equation_of_motion(mechanism, torque)
     sweep = mechanism.sweep(grid())
     moments = reduced.generalised_force(sweep) + equation.torque(sweep.angle)[0]
     moment, damping = periodic_mean(moments), periodic_mean(reduced.damping_coefficient(sweep))

@@ -242,12 +242,6 @@ def extremes(quantity: Quantity, points: int = GRID) -> Extremes:
     return Extremes(periodic_mean(values), float(top), -float(bottom), *in_turn(places).tolist())
 
 
-def largest(quantity: Quantity, points: int = GRID) -> float:
-    """Largest magnitude of a periodic quantity over a turn."""
-    result = extremes(quantity, points)
-    return max(result.maximum, -result.minimum)
-
-
 def zeros(quantity: Quantity, points: int = GRID, turns: int = 1) -> Array:
     """Crank angles in [0, 2π), rad, where a periodic quantity changes sign.
 

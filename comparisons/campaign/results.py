@@ -20,7 +20,6 @@ from analytic.description.linkage import Linkage, Vector
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.standard import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
@@ -60,7 +59,6 @@ class SavedCampaign(TypedDict):
     command: str
     conditions: str
     environment: Mapping[str, str]
-    errata: list[ErratumRecord]
     readouts: Mapping[str, Mapping[str, ReadOut]]  # by engine and channel
     motions: list[MotionRow]
     descriptions: list[DescriptionRow]
@@ -145,7 +143,6 @@ def linkage_from_text(text: str, name: str, variant: str | None, gravity: Vector
 def document(
     request: CampaignRequest,
     command: str,
-    errata: Sequence[ErratumRecord] = (),
     readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
 ) -> dict[str, Any]:
     """All but the runs, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.as_dict`` has them."""
@@ -153,7 +150,6 @@ def document(
         "command": command,
         "conditions": request.conditions,
         "environment": environment(request.engines),
-        "errata": [{**asdict(record), "sentence": record.sentence} for record in errata],
         "readouts": dict(readouts or {}),
         "motions": [
             {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}

@@ -19,16 +19,16 @@ from analytic.dynamics import reduced
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.dead_centres import top_of_turn
 from analytic.motion.thread_feed import reference_angle, reference_length, stop_position
-from analytic.motion.unit_functions import top_of_turn, unit_functions
 from analytic.signals import THREAD_FEED
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import figure_tables, required_feed
 from comparisons.datasheet.instants import Instants, choose_samples
 from comparisons.datasheet.linkage_check import INSET, file_facts, mechanism_facts
 from comparisons.datasheet.published import compare_published
-from comparisons.datasheet.released import describe_release, errata_motions
-from comparisons.datasheet.sheet import Positions, Sheet, ThreadSheet, UnitFunctionCurves
+from comparisons.datasheet.released import describe_release
+from comparisons.datasheet.sheet import Positions, Sheet, ThreadSheet
 from comparisons.reference.case import Case, motion_of_file_regime
 
 Array = NDArray[np.float64]
@@ -248,11 +248,9 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
         values=values,
         facts=part("facts", lambda: mechanism_facts(mechanism), file_facts(linkage)),
         shares=_inertia_shares(mechanism, values["phi"]),
-        normalised=part("normalised", lambda: _unit_function_curves(case), None),
         thread=part("thread", lambda: _thread_sheet(mechanism), None),
         published=part("published", lambda: _published_records(linkage), ()),
         released={name: motion for name, motion in releases.items() if motion is not None},
-        printed=part("printed", lambda: errata_motions(linkage, motions), {}),
         missing=missing,
     )
 
@@ -277,9 +275,6 @@ def _published_records(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
     return tuple(vars(record) for record in compare_published(readings))
 
 
-CURVE_STEPS: Final = 180  # steps of the normalised motion, which is smooth
-
-
 def _inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, Array]]:
     """Shares of Jeq, kg m²: by group ("groups") and by link ("links") at φ (n,); {} where nothing has mass."""
     linkage, sweep = mechanism.linkage, mechanism.sweep(angle)
@@ -288,29 +283,6 @@ def _inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, A
     order = [linkage.crank, *(name for group in mechanism.structure.groups for name in group.links)]
     links = {name: reduced.link_inertia(sweep, name) for name in order if name in linkage.links}
     return {"groups": dict(reduced.group_inertia(sweep)), "links": links}
-
-
-def _unit_function_curves(case: Case) -> UnitFunctionCurves | None:
-    """S/stroke, v/max|v| and a/max|a| of the output over a turn beside a harmonic drive's; None without an output.
-
-    Raises LinkproofError where the driver makes no full turn.
-    """
-    mechanism, linkage, motion = case.mechanism, case.mechanism.linkage, case.motion
-    if linkage.output is None:
-        return None
-    if linkage.is_linear or not mechanism.crank_range().is_full_turn:
-        raise LinkproofError(f"The normalised motion needs a full turn, which the {linkage.driver} does not make")
-    functions = unit_functions(mechanism, clockwise=float(motion.speed(motion.duration)) < 0.0)
-    every = len(functions.phase) // CURVE_STEPS
-    ours = (functions.displacement, functions.velocity, functions.acceleration)
-
-    def named(curves: tuple[Array, ...]) -> dict[str, Array]:
-        return {name: np.append(c[::every], c[0]) for name, c in zip("Sva", curves, strict=True)}
-
-    phase = np.append(functions.phase[::every], FULL_TURN)
-    return UnitFunctionCurves(
-        phase, named(ours), named(functions.harmonics), dict(zip("Sva", functions.deviations, strict=True))
-    )
 
 
 def _thread_sheet(mechanism: Mechanism) -> ThreadSheet | None:

@@ -18,8 +18,8 @@ from analytic.dynamics.equation_of_motion import equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
+from analytic.motion.dead_centres import bottom_dead_centre, top_dead_centre
 from analytic.motion.thread_feed import feed
-from analytic.motion.unit_functions import bottom_dead_centre, top_dead_centre, unit_functions
 from analytic.numerics.refine import extremes
 from analytic.signals import MAGNITUDE, THREAD_FEED, THREAD_LENGTH, moving_points, signal, unit
 from comparisons.datasheet.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
@@ -175,8 +175,7 @@ def _loaded_links(curves: Curves) -> dict[str, str]:
 # ``Jeq.pulsation`` half the range of Jeq over a turn, over its mean ``equilibrium`` crank angle, rad, of the undriven
 # linkage's stable rest with the least potential energy ``top_dead_centre`` crank angle, rad, at which the output is
 # highest along its direction ``time_ratio`` crank angle of the output's slower stroke over that of its faster one
-# ``range.low .high`` ends, rad, of the range of a crank that cannot turn fully ``S.harmonic_deviation`` mean distance
-# of the unit function from a harmonic, likewise v and a
+# ``range.low .high`` ends, rad, of the range of a crank that cannot turn fully
 
 MechanismFigure = Callable[[Mechanism], float]
 
@@ -216,9 +215,6 @@ MECHANISM_FIGURES: Final[Mapping[str, tuple[str, MechanismFigure]]] = {
     "time_ratio": ("", _time_ratio),
     "range.low": ("rad", lambda mechanism: _range_limit(mechanism, 0)),
     "range.high": ("rad", lambda mechanism: _range_limit(mechanism, 1)),
-    "S.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[0]),
-    "v.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[1]),
-    "a.harmonic_deviation": ("", lambda mechanism: unit_functions(mechanism).deviations[2]),
 }
 
 

@@ -17,10 +17,11 @@ from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
-from analytic.motion.unit_functions import bottom_dead_centre, stroke, top_dead_centre
+from analytic.motion.dead_centres import bottom_dead_centre, stroke, top_dead_centre
 from analytic.numerics.refine import extremes, highest, periodic_mean
 from analytic.numerics.roots import roots
 from comparisons.datasheet.linkage_warnings import warnings
+from comparisons.datasheet.published import NEAR, REPRODUCED, compare_published
 
 Array = NDArray[np.float64]
 Facts = dict[str, Any]
@@ -65,6 +66,7 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
         yield _accuracy_facts(mechanism)
     if reach.is_full_turn:
         yield _turn_facts(mechanism)
+    yield from _printed_facts(linkage)
 
 
 def file_facts(linkage: Linkage) -> Facts:
@@ -133,6 +135,18 @@ def _accuracy_facts(mechanism: Mechanism) -> Facts:
         "closure_error": float(np.max(mechanism.turn.closure_error())),
         "error_bound": dict(zip(("position", "first", "second"), bounds, strict=True)),
     }
+
+
+def _printed_facts(linkage: Linkage) -> Iterator[Facts]:
+    """How many figures the sources print for the variant, and how many are reproduced or near, or why none is."""
+    try:
+        verdicts = [record.verdict for record in compare_published([linkage])]
+    except LinkproofError as error:  # of a linkage that was changed: it cannot make the motion of a printed figure
+        yield {"printed": {"fault": str(error)}}
+        return
+    if verdicts:
+        counts = {"reproduced": verdicts.count(REPRODUCED), "near": verdicts.count(NEAR)}
+        yield {"printed": {"figures": len(verdicts), **counts}}
 
 
 def _load_facts(linkage: Linkage) -> Facts:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Final, NamedTuple
+from typing import Final
 
 from analytic.description.crank_motion import REGIMES, RPM, crank_motion
 from analytic.description.law import FULL_TURN
@@ -23,12 +22,12 @@ from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import MECHANISM_FIGURES, case_figures, figure_unit, figures_by_name
 from comparisons.reference.case import Case, case_of_file_regime
 
+REPRODUCED: Final = "reproduced"
+NEAR: Final = "within 6 %"
 # The sources call their own methods in agreement "within 2-6 %": that is the width of a figure that is met.
 CLAIMED_ACCURACY: Final = 0.06
 MARGIN: Final = math.radians(10.0)  # that a crank turns before a printed angle
 TOGGLE_SHARE: Final = 0.5  # of the way from a toggle, where that is less
-OLD_QUANTITY: Final = re.compile(r"start_acceleration:.*|.* - .*|.*@\S+s:.*")  # quantities of an older file format
-OLD_RUN_UP_QUANTITIES: Final = ("Mkr.peak", "Peq.peak")  # which needed no regime then
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class PublishedRecord:
     unit: str
     published: float
     half_digit: float
-    ours: float | None
+    ours: float
     deviation: float | None
     verdict: str
     source: str
@@ -62,42 +61,37 @@ def all_variants(name: str) -> tuple[Linkage, ...]:
     return (first, *(load(name, variant) for variant in first.variants[1:]))
 
 
-def published_figures(linkage: Linkage) -> list[Published]:
-    """The printed figures of the linkage's variant."""
-    return [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]
-
-
 def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
-    """The printed figures of one linkage beside ours; one mechanism serves them all."""
-    entries = published_figures(linkage)
-    mechanism = Mechanism(linkage) if entries else None
-    for entry in entries:
-        assert mechanism is not None
-        yield PublishedRecord(**record_fields(linkage, entry, _evaluate(mechanism, entry)))
+    """The printed figures of one linkage's variant beside ours; one mechanism serves them all."""
+    entries = [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]
+    if entries:
+        mechanism = Mechanism(linkage)
+        yield from (_record(mechanism, entry) for entry in entries)
 
 
-def record_fields(linkage: Linkage, entry: Published, value: float | None) -> dict[str, Any]:
-    """The fields of the ``PublishedRecord`` of a printed figure beside a ``value`` of ours or an engine's, SI."""
-    unit, ours = figure_unit(entry.quantity, linkage), value
+def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
+    """A printed figure beside ours."""
+    linkage, ours = mechanism.linkage, _evaluate(mechanism, entry)
     quantity = f"{entry.quantity} - {entry.less}" if entry.less else entry.quantity
+    unit = figure_unit(entry.quantity, linkage)
     if entry.relative_to:
         unit, quantity = "", f"{quantity} / {entry.relative_to}"
     elif entry.unit is not None:
-        ours = None if value is None else value / conversion(entry.unit, unit)
+        ours /= conversion(entry.unit, unit)
         unit = entry.unit
-    return {
-        "mechanism": linkage.name,
-        "variant": linkage.variant,
-        "quantity": quantity,
-        "unit": unit,
-        "published": entry.value,
-        "half_digit": entry.half_digit,
-        "ours": ours,
-        "deviation": ours / entry.value - 1.0 if ours is not None and entry.value else None,
-        "verdict": "" if ours is None else verdict(entry, ours),
-        "source": entry.place,
-        "note": entry.note,
-    }
+    return PublishedRecord(
+        mechanism=linkage.name,
+        variant=linkage.variant,
+        quantity=quantity,
+        unit=unit,
+        published=entry.value,
+        half_digit=entry.half_digit,
+        ours=ours,
+        deviation=ours / entry.value - 1.0 if entry.value else None,
+        verdict=verdict(entry, ours),
+        source=entry.place,
+        note=entry.note,
+    )
 
 
 def verdict(entry: Published, ours: float) -> str:
@@ -106,8 +100,8 @@ def verdict(entry: Published, ours: float) -> str:
     Where the source is known to be less accurate than its digits, its accuracy counts.
     """
     if abs(ours - entry.value) <= max(entry.half_digit * (1.0 + 1e-9), entry.accuracy):
-        return "reproduced"
-    return "within 6 %" if abs(ours - entry.value) <= CLAIMED_ACCURACY * abs(entry.value) else "not reproduced"
+        return REPRODUCED
+    return NEAR if abs(ours - entry.value) <= CLAIMED_ACCURACY * abs(entry.value) else "not reproduced"
 
 
 def _evaluate(mechanism: Mechanism, entry: Published) -> float:
@@ -121,55 +115,34 @@ def _evaluate(mechanism: Mechanism, entry: Published) -> float:
 def _other_figure(mechanism: Mechanism, entry: Published, other: str) -> float:
     """A printed figure's value, SI, for the ``other`` signal of the linkage or the other mechanism."""
     if other in table(mechanism):
-        return published_figure(mechanism, entry.model_copy(update={"quantity": rename_signal(entry.quantity, other)}))
+        _, mark, place = entry.quantity.rpartition("@" if "@" in entry.quantity else ".")
+        return published_figure(mechanism, entry.model_copy(update={"quantity": f"{other}{mark}{place}"}))
     of, variant = load(other), mechanism.linkage.variant
     return published_figure(Mechanism(load(other, variant) if variant in of.variants else of), entry)
-
-
-def rename_signal(quantity: str, signal: str) -> str:
-    """A figure's name with its signal replaced: Mkr.peak of Peq is Peq.peak."""
-    _, mark, rest = quantity.rpartition("@" if "@" in quantity else ".")
-    return signal + mark + rest
 
 
 def published_figure(mechanism: Mechanism, entry: Published) -> float:
     """Our value, SI, of a printed figure's quantity in its motion; raises LinkproofError where there is none."""
     name = entry.quantity
-    if OLD_QUANTITY.fullmatch(name) or (name in OLD_RUN_UP_QUANTITIES and entry.regime is None and entry.speed is None):
-        raise LinkproofError(
-            f"published quantity '{name}': expected a figure by its name alone, and its motion beside it; write "
-            "epsilon@0s with regime = REGIME for a start, Mkr.peak or Peq.max with regime = 'run-up' for a run-up, and "
-            "less = SIGNAL for a difference"
-        )
     if name in MECHANISM_FIGURES:
         return MECHANISM_FIGURES[name][1](mechanism)
-    curves = Curves(case_of_motion(mechanism, motion_of_figure(mechanism, entry)))
-    value, *more = case_figures(curves, figures_by_name(mechanism, name)).values()
-    if more:
+    figures = figures_by_name(mechanism, name)
+    if len(figures) > 1:
         raise LinkproofError(f"published quantity: expected one figure, got '{name}', which is several; name one")
+    (item,) = figures.values()
+    angle = item.angle if isinstance(item, Figure) and entry.regime is None else math.nan
+    end = None if math.isnan(angle) else angle
+    speed = 1.0 if entry.speed is None else entry.speed * RPM
+    (value,) = case_figures(Curves(_case(mechanism, entry.regime, speed, end)), figures).values()
     return value
 
 
-class PrintedMotion(NamedTuple):
-    """Motion of a printed figure: a ``regime``, or a steady ``speed``, rad/s, over a turn or up to ``angle``, rad."""
-
-    regime: str | None
-    speed: float
-    angle: float | None
-
-
-def motion_of_figure(mechanism: Mechanism, entry: Published) -> PrintedMotion:
-    """The motion that a figure is printed for."""
-    item, *_ = figures_by_name(mechanism, entry.quantity).values()
-    angle = item.angle if isinstance(item, Figure) and entry.regime is None else math.nan
-    speed = 1.0 if entry.speed is None else entry.speed * RPM
-    return PrintedMotion(entry.regime, speed, None if math.isnan(angle) else angle)
-
-
 @lru_cache(maxsize=8)
-def case_of_motion(mechanism: Mechanism, printed: PrintedMotion) -> Case:
-    """The case of a motion, the same for all figures that are printed for it."""
-    regime, speed, end = printed
+def _case(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Case:
+    """The case that figures are printed for: a ``regime``, or a steady ``speed``, rad/s.
+
+    Such a crank makes a turn, or turns up to the angle ``end``, rad, where one is given.
+    """
     regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
     if regime in regimes:
         return case_of_file_regime(mechanism, regimes[regime])

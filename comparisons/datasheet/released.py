@@ -1,26 +1,25 @@
-"""A released crank for its page: rest positions, steady rotation, its motion, and the motions of printed models."""
+"""A released crank for its page: rest positions, steady rotation, and its motion."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Linkage, ReleasedRegime
+from analytic.description.linkage import ReleasedRegime
 from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.released import PUBLISHED_STEPS, FreeMotion, energy_imbalance, fixed_step
+from analytic.motion.released import FreeMotion, energy_imbalance
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.written import finite
 from comparisons.datasheet.instants import extreme_samples
 from comparisons.datasheet.sheet import Released
-from comparisons.reference.case import erratum_motion
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -37,8 +36,8 @@ def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeM
     The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
     angles, rad, at which it can rest; the mean reduced ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and
     ``balance`` of energy of the closed form; speeds, rad/s, and coefficient of fluctuation of its last whole turn
-    (``ending``) and of the rotation that would repeat itself (``settled``), where there are such; the largest errors of
-    the articles' integrator (``coarse``), None where it broke down or was not used; φ at the ``end`` within a turn.
+    (``ending``) and of the rotation that would repeat itself (``settled``), where there are such; φ at the ``end``
+    within a turn.
     """
     ending = _attempt(lambda: last_turns(motion)) if regime.torque else None
     settled = _attempt(lambda: steady_state(mechanism, regime.torque)) if regime.torque else None
@@ -51,27 +50,11 @@ def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeM
         "balance": finite(energy_imbalance(motion)),
         "ending": _rotation_speeds(ending),
         "settled": _rotation_speeds(settled),
-        "coarse": _integrator_errors(mechanism, regime, motion),
         "end": float(in_turn(float(motion.angle(motion.duration)))),
     }
     time = _dense_times(motion)
     curves = (time, motion.angle(time), motion.speed(time), motion.acceleration(time))
     return Released(facts, _thin_curves(("time", "phi", "omega", "epsilon"), curves), _last_turn(motion, ending))
-
-
-def errata_motions(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, dict[str, Array]]:
-    """The motions of models as printed, by erratum, of those that ``motions``, by regime, show to be wrong.
-
-    Empty for other values than those of the file.
-    """
-    groups = {}
-    errata = linkage.errata if linkage.variant == linkage.variants[0] else ()
-    for erratum in (entry for entry in errata if entry.regime in motions):
-        motion, theirs = motions[erratum.regime], erratum_motion(linkage, erratum)
-        time = _dense_times(motion)
-        curves = (time, motion.speed(time), theirs.speed(time))
-        groups[erratum.name] = _thin_curves(("time", "corrected", "printed"), curves)
-    return groups
 
 
 def _thin_curves(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
@@ -112,18 +95,3 @@ def _last_turn(motion: FreeMotion, ending: Rotation | None) -> dict[str, Array]:
     order = np.argsort(angle)
     curves = (angle, motion.speed(time), motion.acceleration(time))
     return {name: curve[order] for name, curve in zip(("phi", "omega", "epsilon"), curves, strict=True)}
-
-
-def _integrator_errors(
-    mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion
-) -> dict[str, float | None] | None:
-    """Largest errors of the articles' integrator, rad and rad/s; None under a torque that no article has."""
-    if regime.over_angle is not None or regime.over_time is not None:
-        return None
-    begins = {"torque": regime.torque, "start_angle": regime.start_angle, "start_speed": regime.start_speed}
-    result = _attempt(lambda: fixed_step(mechanism, duration=regime.duration, **begins))  # type: ignore[arg-type]
-    if result is None:
-        return {"steps": PUBLISHED_STEPS, "phi": None, "omega": None}
-    errors = (result.angle - motion.angle(result.time), result.speed - motion.speed(result.time))
-    phi, omega = (float(np.max(np.abs(error))) for error in errors)
-    return {"steps": PUBLISHED_STEPS, "phi": phi, "omega": omega}

@@ -95,20 +95,6 @@ class ThreadSheet:
 
 
 @dataclass(frozen=True)
-class UnitFunctionCurves:
-    """Unit functions of the output over the ``phase`` from top dead centre, rad, both ends of the turn, (n,).
-
-    ``harmonics`` are ½(1 − cos), sin and cos, ``means`` the mean absolute differences from them over a turn, as ratios;
-    all three by "S", "v" and "a".
-    """
-
-    phase: Array
-    functions: ByName
-    harmonics: ByName
-    means: Mapping[str, float]
-
-
-@dataclass(frozen=True)
 class Released:
     """A released crank: ``facts``, which the macro ``released_sheet`` puts in words, and its motion.
 
@@ -134,8 +120,7 @@ class Sheet:
 
     The rest is what a page shows besides. ``shares`` has Jeq by Assur group ("groups") and by link ("links") over the
     instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime the
-    facts of a released crank, ``printed`` by erratum the crank's speed, rad/s, over the "time", s, by the
-    model as "printed" and as "corrected". ``missing`` has the reason of each part that cannot be derived.
+    facts of a released crank. ``missing`` has the reason of each part that cannot be derived.
     ``motion`` is the crank's where it is prescribed.
     """
 
@@ -152,12 +137,10 @@ class Sheet:
     positions: Positions | None = None
     motion: CrankMotion | None = None
     shares: Mapping[str, ByName] = field(default_factory=dict)
-    normalised: UnitFunctionCurves | None = None
     thread: ThreadSheet | None = None
     required: ByName = field(default_factory=dict)
     published: tuple[Mapping[str, Any], ...] = ()
     released: Mapping[str, Released] = field(default_factory=dict)
-    printed: Mapping[str, ByName] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
 
     @property

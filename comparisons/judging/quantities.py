@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.motion.dead_centres import top_of_turn
 from analytic.motion.thread_feed import feed, feed_of_length, reference_angle, reference_length
-from analytic.motion.unit_functions import top_of_turn
 from analytic.signals import SINGLE_SIGNALS, unit_of
 from comparisons.observed_motion import SHARP_POINTS, ObservedMotion, peak, resample
 from comparisons.reference.case import Case

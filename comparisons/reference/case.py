@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
@@ -23,16 +23,12 @@ from analytic.description.linkage import (
     ReleasedRegime,
     Vector,
 )
-from analytic.description.loading import in_variant
-from analytic.description.schema import Erratum
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.motion.released import FreeMotion, fixed_step, free_motion
+from analytic.motion.released import FreeMotion, free_motion
 from analytic.moving import LinkageInMotion
-from comparisons.observed_motion import resample
-from comparisons.reference.motion import INSTANTS, Motion, Spin, scene, zero_of_output
-from engines.contract import Signal
+from comparisons.reference.motion import INSTANTS, Motion, scene, zero_of_output
 from engines.scene import Channel, Drive, Free, Prescribed, Scene
 
 Array = NDArray[np.float64]
@@ -201,8 +197,8 @@ def unpickle_case(case: bytes) -> Case:
     return result
 
 
-def motion_of_file_regime(mechanism: Mechanism, regime: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:
-    """The motion of a crank released as a regime of the file says; ``half_slope`` names the model of ½ Jeq'."""
+def motion_of_file_regime(mechanism: Mechanism, regime: ReleasedRegime) -> FreeMotion:
+    """The motion of a crank released as a regime of the file says."""
     motion = free_motion(
         mechanism,
         torque=regime.torque if regime.over_angle is None else regime.over_angle,
@@ -210,7 +206,6 @@ def motion_of_file_regime(mechanism: Mechanism, regime: ReleasedRegime, half_slo
         start_angle=regime.start_angle,
         start_speed=regime.start_speed,
         duration=regime.duration,
-        half_slope=half_slope,
     )
     return replace(motion, regime=regime.name)
 
@@ -280,43 +275,3 @@ def channel_truth(case: Case, channel: Channel, part: str, time: Array) -> Array
         return np.asarray(first * speed[:, None])
     second = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 2), sweep.accelerations(part)[2], speed)[:3])
     return np.asarray(second * speed[:, None] ** 2 + first * acceleration[:, None])
-
-
-# The motion of a crank by a model as its source prints it.
-
-
-@dataclass(frozen=True)
-class InterpolatedMotion:
-    """A motion known at the fixed steps of an integrator, interpolated between them."""
-
-    angles: Signal
-    speeds: Signal
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        return resample(self.angles, np.atleast_1d(np.asarray(time, dtype=float)))
-
-    def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
-        return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
-
-
-def erratum_motion(linkage: Linkage, erratum: Erratum) -> Spin:
-    """The crank's motion as the source computed it, with its error.
-
-    Its wrong model, and its fixed-step integrator where the erratum names steps.
-    """
-    own = linkage.released[erratum.regime]
-    mechanism = Mechanism(in_variant(linkage, erratum.variant) if erratum.variant else linkage)
-    if erratum.steps is None:
-        return motion_of_file_regime(mechanism, own, erratum.half_slope)
-    stepped = fixed_step(
-        mechanism,
-        torque=own.torque,
-        start_angle=own.start_angle,
-        start_speed=own.start_speed,
-        duration=own.duration,
-        steps=erratum.steps,
-        half_slope=erratum.half_slope,
-    )
-    return InterpolatedMotion(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))

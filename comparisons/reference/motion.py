@@ -12,7 +12,7 @@ from analytic.dynamics.reduced import damping_coefficient, generalised_force, ha
 from analytic.kinematics.frames import Pair
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.motion.unit_functions import top_of_turn
+from analytic.motion.dead_centres import top_of_turn
 from analytic.numerics.refine import highest
 from engines.scene import Body, Channel, Drive, Prescribed, Scene
 from engines.scene_builder import build_scene
@@ -22,19 +22,7 @@ Array = NDArray[np.float64]
 INSTANTS: Final = 2001  # at which a motion is looked at as a whole
 
 
-class Spin(Protocol):
-    """A crank motion whose angle and speed can be evaluated at any time."""
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        ...
-
-    def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
-        ...
-
-
-class Motion(Spin, Protocol):
+class Motion(Protocol):
     """A crank motion, prescribed or integrated."""
 
     @property
@@ -55,6 +43,14 @@ class Motion(Spin, Protocol):
     @property
     def jumps(self) -> tuple[float, ...]:
         """Times at which the acceleration jumps, s."""
+        ...
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        ...
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
         ...
 
     def acceleration(self, time: ArrayLike) -> Array:

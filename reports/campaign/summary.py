@@ -12,22 +12,20 @@ from xml.etree import ElementTree
 
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
-from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.limits import deciding
 from comparisons.judging.records import Record, Verdict
 from reports.campaign.index import families_table
 from reports.campaign.verdict import EngineRanking, verdict
 from reports.document.markdown import written
 from reports.document.numbers import ROUND_OFF, bound
-from reports.document.parts import Bullets, Mono, Paragraph, Part, Section
+from reports.document.parts import Mono, Paragraph, Part, Section
 from reports.mechanism.engines import errors_section
-from reports.mechanism.published import published_section
 from reports.records.differences import changed_figures
 from reports.records.views import limit_table, views
 
 
-def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
-    """The summary of a campaign; ``sheets`` have the figures that the mechanisms' sources print."""
+def markdown(results: Results) -> str:
+    """The summary of a campaign."""
     facts = results.document.get("judgement", [])
     trust = EngineRanking(results)
     title = "Results of another tool against the closed form" if facts else "Engines against the closed form"
@@ -42,15 +40,11 @@ def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
         for view in views(results)
         for regime in view.regimes
     ]
-    printed_figures = {sheet.name: sheet.published for sheet in sheets if sheet.published}
-    published = [Section("", name, published_section(rows).parts) for name, rows in printed_figures.items()]
     parts: tuple[Part, ...] = (
         Paragraph(words),
         Section("", "Verdict", (*map(Paragraph, lines), families_table(trust))),
         *_section_with_parts("Errors", errors),
         *_section_with_parts("Key figures", changed_figures(results.figures)),
-        *_section_with_parts("Printed models", _printed_models(results)),
-        *_section_with_parts("Published figures against ours", published),
         Section("", "Limits", (limit_table(results),)),
     )
     return f"# {title}\n\n{written(parts)}\n"
@@ -58,14 +52,6 @@ def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
 
 def _section_with_parts(heading: str, parts: Sequence[Part]) -> tuple[Section, ...]:
     return (Section("", heading, tuple(parts)),) if parts else ()
-
-
-def _printed_models(results: Results) -> list[Bullets]:
-    """The engines' verdicts on printed models, in the order of the mechanisms."""
-    every = results.document.get("errata", [])
-    names = dict.fromkeys(linkage.name for linkage in results.linkages if linkage.variant == linkage.variants[0])
-    lines = tuple(row["sentence"] for name in names for row in every if row["mechanism"] == name)
-    return [Bullets(lines)] if lines else []
 
 
 # A campaign as test cases in JUnit's XML, which CI services show: one for every record and every key figure.

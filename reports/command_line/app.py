@@ -133,21 +133,6 @@ def check(mechanism: Mechanism, output: OutputOptions, variant: Variant = None, 
     files.check(mechanism, variant, destination(output), strict=strict)
 
 
-@command(app, summary="Compare figures printed in the sources with the closed form.")
-def published(
-    mechanisms: Mechanisms = (),
-    literature: Annotated[bool, Option("Show the linkages of the literature, in every installed engine too.")] = False,
-    json: Json = False,
-) -> int:
-    """Compare the figures printed in the sources with the closed form, in every variant.
-
-    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
-    """
-    from reports.command_line.commands import compare
-
-    return compare.published(mechanisms, destination(OutputOptions(json=json)), with_literature=literature)
-
-
 @command(
     app,
     summary="Peaks, bearing forces and every signal of one linkage, without an engine.",

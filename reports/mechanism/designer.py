@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from analytic.description.linkage import Link
-from comparisons.datasheet.sheet import JOINT, ROUNDING, Sheet, UnitFunctionCurves
+from comparisons.datasheet.sheet import JOINT, ROUNDING, Sheet
 from reports.charts.scheme import scheme_figure
 from reports.document.chart import Array, Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, printed
@@ -32,7 +32,7 @@ from reports.mechanism.shown import chart, figures_table, jeq, page_figure, pane
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
 # Before the reason why a part of a sheet is missing, where the part has its place on the page.
-WORDS: Final = {"normalised": "", "values": "There is no motion to show: "}
+WORDS: Final = {"values": "There is no motion to show: "}
 TALL: Final = 3.9  # inches, of panels one under the other
 MOST_CURVES, MOST_HODOGRAPHS, PER_ROW = 10, 12, 4
 CONSTANT: Final = 1e-6  # share of its largest value that a link's Jeq varies by at least, else it is a constant
@@ -54,32 +54,13 @@ def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
 
 
 def _motion(sheet: Sheet) -> Section:
-    """S, v and a, and the normalised motion against harmonics."""
-    figures, normalised = [], sheet.normalised
+    """S, v and a."""
+    part: Part = Paragraph("The file names no output: there is no S, v and a.", "small")
     if "S" in sheet.values:
         caption = "Displacement S, velocity v and acceleration a of the output; dots are peaks."
-        chart = stacked_chart(sheet, OUTPUT, TALL, wide=normalised is None)
-        figures.append(page_figure(sheet, "output", caption, "S, v and a", chart))
-    if normalised:
-        figures.append(_normalised(sheet, normalised))
-    parts: tuple[Part, ...] = (FigureGroup(tuple(figures)),) if figures else ()
-    if "S" not in sheet.values:
-        parts += (Paragraph("The file names no output: there is no S, v and a.", "small"),)
-    return Section("motion", "Motion of the output", (*parts, *sentences(sheet, "normalised")))
-
-
-def _normalised(sheet: Sheet, normalised: UnitFunctionCurves) -> PageFigure:
-    """Unit functions in colour, harmonics dashed, both from top dead centre."""
-    phase, words = np.degrees(normalised.phase), ("S / stroke", "v / max |v|", "a / max |a|")
-    panels = []
-    for number, name in enumerate(OUTPUT):
-        ours = Curve(phase, normalised.functions[name], "mechanism", number)
-        harmonic = Curve(phase, normalised.harmonics[name], "harmonic", "muted", "--", 1.0)
-        label = "crank angle from top dead centre, °" if name == "a" else ""
-        panels.append(Panel((harmonic, ours), label, words[number], turn=True))
-    means = ", ".join(f"{name} {100.0 * normalised.means[name]:.2f} %" for name in OUTPUT)
-    caption = f"Normalised motion against simple harmonic motion (dashed); mean difference over a turn: {means}."
-    return page_figure(sheet, "normalised", caption, "normalised motion", Chart(tuple(panels), TALL))
+        chart = stacked_chart(sheet, OUTPUT, TALL, wide=True)
+        part = FigureGroup((page_figure(sheet, "output", caption, "S, v and a", chart),))
+    return Section("motion", "Motion of the output", (part,))
 
 
 def _drive(sheet: Sheet) -> Section:

@@ -4,35 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
-from typing import Any, Final
+from typing import Any
 
-from comparisons.datasheet.instants import extreme_samples
-from comparisons.datasheet.sheet import ByName
 from comparisons.faults.symptoms import probable_faults
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import Record, Verdict
 from reports.charts.judged import JudgedCurve, errors_chart, judged_chart
 from reports.document import numbers
-from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves
 from reports.records.origins import computed_or_shared, concurrency_note, origin_words
-from reports.records.views import Regime, View, anchor, engines, setting_rank
-
-SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
+from reports.records.views import Regime, View, anchor, setting_rank
 
 
-def engines_section(view: View, printed: Mapping[str, ByName]) -> Section:
-    """The half of a mechanism's page that shows what was simulated, or the curves of another tool's file.
-
-    ``printed`` are the motions of models as printed, by erratum.
-    """
+def engines_section(view: View) -> Section:
+    """The half of a mechanism's page that shows what was simulated, or the curves of another tool's file."""
     judged = [JudgedCurve(**row) for row in view.results.document.get("judged_curves", ())]
     parts: list[Part] = [PageFigure(anchor("judged", c.name), c.caption, c.caption, judged_chart([c])) for c in judged]
     parts += [chart(view)] if any(map(view.shown_setting, view.regimes)) else []
     parts += [errors_section(view, regime) for regime in view.regimes]
-    parts += _printed_models(view, printed)
     if is_imported(view):
         return Section("engines", "Every error", tuple(parts))
     runs = tuple(_runs_table(view, regime) for regime in view.regimes)
@@ -123,52 +114,6 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
 def _probable_faults(runs: Sequence[Sequence[Record]]) -> list[str]:
     """The probable fault behind the failing rows of a run, in a sentence."""
     return [f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := probable_faults(run))]
-
-
-def _printed_models(view: View, printed: Mapping[str, ByName]) -> list[Part]:
-    """Simulations of the models that the source prints, compared with those of the file's own values."""
-    if view.linkage.variant != view.linkage.variants[0]:
-        return []
-    rows = [row for row in view.results.document.get("errata", []) if row["mechanism"] == view.linkage.name]
-    parts: list[Part] = []
-    for (name, regime), part in groupby(rows, key=lambda row: (row["erratum"], row["regime"])):
-        parts.append(_printed_model_table(list(part)))
-        if name in printed:
-            parts.append(_printed_figure(view, regime, name, printed[name]))
-    return [Fold("Printed models put to the engines", tuple(parts))] if parts else []
-
-
-def _printed_figure(view: View, regime: str, name: str, motion: ByName) -> PageFigure:
-    """The crank's speed by both models and by the engines."""
-    at = next((entry for entry in view.regimes if entry.name == regime), None)
-    traces = (
-        [trace for trace in view.traces(at, "omega") if trace.record.setting == view.shown_setting(at)] if at else []
-    )
-    names = engines(view.results)
-    curves = [Curve(motion["time"], motion["corrected"], "corrected", "reference", width=3.4)]
-    for trace in traces:
-        few = extreme_samples(trace.observed, SHOWN)
-        ink = names.index(trace.record.engine)
-        curves.append(Curve(trace.time[few], trace.observed[few], trace.record.engine, ink, "--", 1.0))
-    curves.append(Curve(motion["time"], motion["printed"], "as printed", "limit"))
-    panel = Panel(tuple(curves), "time, s", "ω, rad/s", names="key")
-    caption = f"Crank speed by the corrected model, by the engines and as printed: {name}."
-    return PageFigure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True))
-
-
-def _printed_model_table(rows: Sequence[Mapping[str, Any]]) -> Table:
-    """One model as printed: by how much every engine's crank speed is off it, and off the corrected one."""
-    head = ("engine", "off the corrected model", "off the printed model", "supports")
-    cells = tuple(
-        (
-            row["engine"],
-            numbers.error(row["deviation_corrected"]),
-            numbers.error(row["deviation_printed"]),
-            row["reason"] or row["supports"],
-        )
-        for row in rows
-    )
-    return Table(sentence("printed_model", row=rows[0]), head, cells, align="lrrl")
 
 
 def _runs_table(view: View, regime: Regime) -> Table:

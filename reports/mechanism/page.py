@@ -210,7 +210,7 @@ def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:
     """The designer's, then the engines'; of a file that was judged its errors first."""
     mine = sheet.name, sheet.variant
     ran = [view for view in views(results) if (view.linkage.name, view.linkage.variant) == mine] if results else []
-    engines = [engines_section(view, sheet.printed) for view in ran[:1]]
+    engines = [engines_section(view) for view in ran[:1]]
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()
     yield from designer.sections(sheet)

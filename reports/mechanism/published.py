@@ -39,32 +39,6 @@ def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> T
     return Table("", ("quantity", "printed", *variants, "place"), tuple(cells), "l")
 
 
-def answers_table(rows: Sequence[Row], answers: Sequence[Row]) -> Table:
-    """One variant's figures: printed, how far each can be trusted, the closed form and every engine less printed.
-
-    ``answers`` have the fields of ``EngineAnswer``; a figure that is not requested of engines has a dash.
-    """
-    engines = list(dict.fromkeys(answer["engine"] for answer in answers))
-    tables = {(answer["quantity"], answer["published"], answer["engine"]): answer for answer in answers}
-    cells = []
-    for row in rows:
-        of = [tables.get((row["quantity"], row["published"], name)) for name in engines]
-        trusted = next((answer["uncertainty"] for answer in of if answer), row["half_digit"])
-        entries = [_difference_cell(answer) if answer else ABSENT for answer in of]
-        cells.append(
-            (row["quantity"], _printed(row), f"±{trusted:.0e}", _difference_cell(row), *entries, row["source"])
-        )
-    return Table("", ("quantity", "printed", "itself", "closed form", *engines, "place"), tuple(cells), "l")
-
-
-def _difference_cell(row: Row) -> TableCell | str:
-    """How far a value is from the printed one, in its unit."""
-    if row["ours"] is None:
-        return ABSENT
-    sign = PUBLISHED[row["verdict"]]
-    return TableCell(f"{sign.symbol} {signed(row['ours'] - row['published'], '.0e')}", sign.style, sign.colour)
-
-
 def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
     """The file's notes on figures, each once, after the first figure that has it."""
     tables: dict[str, dict[str, None]] = {}

@@ -1,22 +1,18 @@
-"""Mechanisms, their published figures and their check for a terminal."""
+"""Mechanisms, and their check for a terminal."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from comparisons.datasheet.linkage_check import BINDS
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import lines
 from reports.document.terminal import Printed
-from reports.mechanism.published import SIGNS, answers_table, notes, published_table
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
-    from comparisons.campaign.printed_answers import EngineAnswer
-    from comparisons.datasheet.published import PublishedRecord
 
 
 def catalogue(shelves: Mapping[str, Sequence[Linkage]]) -> list[Printed]:
@@ -39,32 +35,6 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
         inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
         mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
         yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
-
-
-def published(records: Sequence[PublishedRecord]) -> list[Printed]:
-    """Printed figures beside ours, a table per mechanism with a column per variant."""
-    blocks: list[Printed] = []
-    for mechanism, part in groupby(map(vars, records), key=lambda row: row["mechanism"]):
-        rows = list(part)
-        blocks += [Paragraph(mechanism, colour="bold"), published_table(rows), *notes(rows), ""]
-    return [
-        *blocks,
-        f"{SIGNS} (reproduced: to the printed digits, or to the source's own accuracy where that is known)",
-    ]
-
-
-def answered(
-    records: Sequence[PublishedRecord], answers: Sequence[EngineAnswer], sources: Mapping[str, str]
-) -> list[Printed]:
-    """Printed figures beside the closed form and every engine, a table per variant under its source."""
-    blocks: list[Printed] = []
-    for (mechanism, variant), part in groupby(map(vars, records), key=lambda row: (row["mechanism"], row["variant"])):
-        rows = list(part)
-        tables = [vars(answer) for answer in answers if (answer.mechanism, answer.variant) == (mechanism, variant)]
-        silent = dict.fromkeys(f"{table['engine']}: {table['reason']}" for table in tables if table["reason"])
-        heading = Paragraph(f"{mechanism} ({variant})", colour="bold")
-        blocks += [heading, sources[mechanism], answers_table(rows, tables), *silent, *notes(rows), ""]
-    return [*blocks, f"{SIGNS}; columns are differences from the printed figure, 'itself' how far that can be trusted"]
 
 
 # The output of ``linkproof check``: a line for each property of a linkage.

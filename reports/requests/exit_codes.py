@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from analytic.errors import LinkproofError
-from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.run_engine import Failure
@@ -19,11 +18,10 @@ from reports.requests import FAILED, PASSED, SUITE_ERROR
 
 def campaign_exit_code(
     records: Iterable[Record],
-    errata: Iterable[ErratumRecord] = (),
     figures: Iterable[KeyFigure] = (),
     departures: Sequence[str] = (),
 ) -> int:
-    """The exit code of records; naive ones count only without other settings, errata only as faults of linkproof.
+    """The exit code of records; naive ones count only without other settings.
 
     A key figure that differs from its record fails, and so do ``departures`` from a baseline. Raises LinkproofError if
     no record is judged.
@@ -36,9 +34,7 @@ def campaign_exit_code(
         if not verdict.judged:
             reasons[record.outcome, record.detail] += 1
     decisive = others or naive
-    is_ours = Verdict.SUITE_ERROR in naive | others or any(
-        erratum_record.outcome == Failure.SUITE_ERROR for erratum_record in errata
-    )
+    is_ours = Verdict.SUITE_ERROR in naive | others
     has_failed = (
         any(entry.failed for entry in decisive) or any(figure.changed for figure in figures) or bool(departures)
     )

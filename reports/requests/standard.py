@@ -13,7 +13,6 @@ from analytic.description.loading import LinkageFile, catalogue, literature, rea
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
-from comparisons.campaign.errata import ErratumRecord
 from comparisons.campaign.results import document
 from comparisons.campaign.standard import JudgedCampaign, judged_campaign
 from comparisons.campaign.standard import standard as standard_of
@@ -135,13 +134,11 @@ class Campaign:
         count = min(self.resources.processes, len(self.tasks))
         return {CONCURRENT_RUNS: str(count)} if count > 1 else {}
 
-    def document(
-        self, judged: JudgedCampaign, errata: Sequence[ErratumRecord] = (), *, is_saved: bool = False
-    ) -> dict[str, Any]:
+    def document(self, judged: JudgedCampaign, *, is_saved: bool = False) -> dict[str, Any]:
         """Everything of the judged campaign but its runs, JSON-ready."""
         readouts = {engine.name: engine.abilities.as_dict() for engine in engines(self.request.engines)}
         command = self.saved_command + (" --out DIR" if is_saved else "")
-        table = document(self.request, command, errata, readouts)
+        table = document(self.request, command, readouts)
         return {**table, **judged.as_dict, "environment": table["environment"] | self.environment}
 
 

@@ -158,7 +158,7 @@ def _write(contents: Contents, links: Sequence[PageLink], file: str) -> tuple[st
     gc.disable()
     try:
         if file == SUMMARY and contents.campaign is not None:
-            write_text(contents.path / SUMMARY, markdown(contents.campaign, contents.sheets))
+            write_text(contents.path / SUMMARY, markdown(contents.campaign))
             return (SUMMARY,)
         return tuple(html.write(contents.page(file), contents.path, links))
     finally:

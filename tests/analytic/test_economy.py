@@ -12,7 +12,7 @@ from analytic.evaluation import evaluate
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.motion.unit_functions import top_of_turn
+from analytic.motion.dead_centres import top_of_turn
 from tests.analytic.chains import chain_of_dyads, nearly_parallelograms
 from tests.analytic.linkages import angles, from_text, mechanism
 from tests.counting import calls

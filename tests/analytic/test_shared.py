@@ -14,7 +14,7 @@ from analytic.description import crank_motion as crank_motions
 from analytic.description import units
 from analytic.description.law import Law
 from analytic.dynamics import reduced
-from analytic.motion import thread_feed, unit_functions
+from analytic.motion import dead_centres, thread_feed
 from comparisons.judging import quantities
 from comparisons.reference.case import Case
 from engines.scene import Channel
@@ -121,8 +121,8 @@ def _scaled(module, name, share):
 
 
 def _top(monkeypatch):
-    true = unit_functions.bottom_dead_centre
-    monkeypatch.setattr(unit_functions, "top_dead_centre", true)
+    true = dead_centres.bottom_dead_centre
+    monkeypatch.setattr(dead_centres, "top_dead_centre", true)
 
 
 MUTANTS = {

@@ -12,7 +12,7 @@ import linkproof
 from analytic.description.json_schema import json_schema
 from comparisons.judging.limits import shipped_limits
 from docs.making.pages import keys, limits, reference
-from docs.making.readouts import renewed
+from docs.making.tables import renewed
 from tests.pages.browser import PATIENCE
 
 ROOT = Path(__file__).parents[2]
@@ -67,8 +67,8 @@ def test_the_tables_have_every_limit_every_key_and_every_read_out():
     schema = json_schema()
     names = set(schema["properties"]) | set(schema["definitions"]["RegimeTable"]["properties"])
     assert not {name for name in names if f"| `{name}` |" not in keys()}
-    page = (ROOT / "docs" / "engines.md").read_text(encoding="utf-8")
-    assert page == renewed(page), "write it anew: python -m docs.making.readouts docs/engines.md"
+    page = ROOT / "docs" / "engines.md"
+    assert page.read_text(encoding="utf-8") == renewed(page), f"write it anew: python -m docs.making.tables {page}"
 
 
 def test_the_page_about_python_has_every_public_name_and_every_variable_of_results():

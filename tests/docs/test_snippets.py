@@ -24,9 +24,8 @@ OWN_TEST = "finds.md"  # tests/docs/test_finds.py runs its blocks
 # Commands that set up a machine; docs/your-first-engine.md has a test of its own, which installs its blocks first.
 SETTING_UP = {"git", "python3", "pip", "make", "barwork"}
 # Their figures are errors and times of engines, which differ from machine to machine.
-MEASURING = {"compare", "bench", "stress", "export", "published"}
+MEASURING = {"compare", "bench", "stress", "export"}
 LONG = {"bench", "stress"}
-SHOWN = ("direct", "exudyn")  # of the engines that printed models are put to, those that a page shows
 PAGES_RUN = [page for page in PAGES if page.name != OWN_TEST]
 
 
@@ -51,7 +50,7 @@ def words(command):
 def quick(command):
     """A command of many engines, mechanisms or seconds of motion, with one or a few of them."""
     found, name = words(command)
-    if name in ("compare", "published"):
+    if name == "compare":
         command = command.replace(" slotted-takeup", " brief.toml").replace(" --engine pymunk --engine simbody", "")
     if name in LONG or (name == "compare" and not {"--engine", "short.toml", "rocker.toml"} & set(found)):
         command += " --engine direct"
@@ -87,16 +86,9 @@ def shell(tmp_path_factory):
     return run
 
 
-def differs_when_quick(command):
-    """Whether the short run of a command prints something else than its page shows."""
-    return quick(command) != command or words(command)[1] == "published"
-
-
 @pytest.mark.parametrize("is_whole", [False, pytest.param(True, marks=pytest.mark.nightly)], ids=["quick", "whole"])
 @pytest.mark.parametrize("page", PAGES_RUN, ids=lambda page: page.stem)
-def test_a_page_shows_what_its_commands_print(page, is_whole, shell, tmp_path, monkeypatch):
-    engines_run = SHOWN if is_whole else SHOWN[:1]
-    monkeypatch.setattr("reports.command_line.commands.compare.engine_names", lambda: engines_run)
+def test_a_page_shows_what_its_commands_print(page, is_whole, shell, tmp_path):
     lay_out(tmp_path)
     for name, text in FILE.findall(page.read_text(encoding="utf-8")):
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -114,7 +106,7 @@ def test_a_page_shows_what_its_commands_print(page, is_whole, shell, tmp_path, m
             done = shell(command if is_whole and not is_long else quick(command), tmp_path)
             expected = {2} if shown.startswith("linkproof: ") else {0, 1}
             assert done.returncode in expected, f"{command}\n{done.stdout}"
-            if shown and not (is_long or (differs_when_quick(command) and not is_whole)):
+            if shown and not (is_long or (quick(command) != command and not is_whole)):
                 measured = words(command)[1] in MEASURING | {"python"}
                 assert agrees(done.stdout, shown, measured), f"{command} shows\n{done.stdout}"
 

@@ -1,7 +1,7 @@
 """Pinned records: everything the commands say of mechanisms and engines, taken once and held after every change.
 
 ``python tests/pins/pins.py hold [PART ...] [only=TEXT]`` makes the records anew and prints those that moved; ``take``
-renews the pins. Parts: figures (list, check, published), designer (results, check, sweep, optimise, tolerance
+renews the pins. Parts: figures (list, check, printed), designer (results, check, sweep, optimise, tolerance
 and judge, of the catalogue, the literature and the linkages of the tests), bench, stress; tests/baseline.json holds
 the errors of compare. Times, dates and borders are left out, and bench and stress are held where both trees finished.
 Engines' last digits belong to the machine and the versions that took them, so this is run by hand and not by the tests.
@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from analytic.description.changes import design_numbers
-from analytic.description.loading import load
+from analytic.description.loading import catalogue, load
+from comparisons.datasheet.published import all_variants, compare_published
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -69,8 +70,9 @@ def variants() -> list[tuple[str, str]]:
 
 
 def figures() -> dict[str, Any]:
-    """What list, check and published say."""
-    pins = {"list": said("list")["records"], "published": said("published")["records"]}
+    """What list and check say, and the figures that the sources print."""
+    published = [vars(record) for name in catalogue() for record in compare_published(all_variants(name))]
+    pins = {"list": said("list")["records"], "published": published}
     for mechanism, variant in variants():
         pins[f"check {mechanism} {variant}"] = said("check", mechanism, "--variant", variant)
     return pins

@@ -28,11 +28,6 @@ KINDS: Final[Mapping[str, tuple[str, ...]]] = {
 }
 
 
-def is_released(table: doc.RegimeTable) -> bool:
-    """Whether the crank is released in a regime of a file."""
-    return _kind_of_regime(_written_keys(table)) == "released crank"
-
-
 def regime_of(reader: Reader, name: str) -> FileRegime:
     """The regime of this name in a linkage file; raises DescriptionError for the name of a prescribed motion."""
     table, where = reader.document.regimes[name], f"regimes.{name}"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.dynamics import reduced
-from analytic.numerics.refine import extremes, in_turn, largest, zeros
+from analytic.numerics.refine import extremes, in_turn, zeros
 from tests.analytic.linkages import mechanism
 from tests.analytic.tolerances import EPS, FOUR_DIGITS
 
@@ -51,7 +51,6 @@ def test_a_peak_that_the_grid_shows_lower_than_another_wins():
 def test_of_a_constant_and_of_a_negative_function():
     result = extremes(lambda phi: np.full(phi.shape, 2.5))
     assert (result.mean, result.maximum, result.minimum, result.relative_pulsation) == (2.5, 2.5, 2.5, 0.0)
-    assert largest(lambda phi: np.cos(phi) - 3.0) == pytest.approx(4.0, rel=4 * EPS)
 
 
 def test_zeros_are_exact_and_sorted_also_of_a_function_that_all_but_jumps():

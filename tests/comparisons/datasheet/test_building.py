@@ -63,7 +63,6 @@ def test_a_crank_that_makes_no_turn_swings_over_its_range():
     assert (found.axis, found.positions.over, found.positions.closed) == ("phi", "time", False)
     low, high = (found.facts["range"][end] for end in ("low", "high"))
     assert low < found.values["phi"].min() < low + 0.03 * (high - low)
-    assert found.normalised is None
     mechanism = from_text(DOUBLE_ROCKER)
     stated = swing("cycloidal", low + 0.1, high - 0.1, speed=1.0)
     assert usual_case(mechanism, (stated,)).motion is stated
@@ -84,7 +83,7 @@ def test_a_rigid_pendulum_needs_its_torque_against_gravity_and_without_mass_none
     found = usual_sheet(from_text(PENDULUM).linkage)
     assert np.allclose(found.values["Mkr"], 2 * 9.81 * 0.5 * np.cos(found.values["phi"]), atol=1e-9)
     assert found.missing == {}
-    assert (found.thread, found.normalised, found.figures["output"]) == (None, None, ())
+    assert (found.thread, found.figures["output"]) == (None, ())
     light = usual_sheet(from_text(PENDULUM.replace("mass = 2\n", "").replace("inertia = 0.1\n", "")).linkage)
     assert (light.shares, light.figures["drive"], "Mkr" in light.values) == ({}, (), False)
 

@@ -1,4 +1,4 @@
-"""The reference: computed once a clock, as far as a quantity needs it; the farthest point; printed models."""
+"""The reference: computed once a clock, as far as a quantity needs it; the farthest point."""
 
 import math
 import pickle
@@ -9,15 +9,14 @@ import pytest
 from analytic import moving
 from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.loading import load
-from analytic.description.schema import Erratum
 from analytic.dynamics import joint_forces, reduced
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.unit_functions import top_dead_centre, top_of_turn
+from analytic.motion.dead_centres import top_dead_centre, top_of_turn
 from comparisons.datasheet.building import usual_case
 from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import chosen_quantities
-from comparisons.reference.case import MOST_CLOCKS, Case, erratum_motion
+from comparisons.reference.case import MOST_CLOCKS, Case
 from comparisons.reference.motion import zero_of_output
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.swinging import double_rocker
@@ -152,16 +151,3 @@ def test_parallel_guides_between_two_steps_leave_no_full_turn(along, offset):
     place = along[0] * way * math.cos(tilt) + along[1] * (0.1 + way * math.sin(tilt))
     assert zero_of_output(mechanism, case.motion) == pytest.approx(np.max(place), rel=1e-6)
     assert zero_of_output(mechanism, case.motion) >= np.max(place) * (1.0 - 1e-12)
-
-
-DRIVEN = {"name": "", "place": "", "regime": "driven"}
-
-
-def test_a_finer_published_integrator_converges():
-    linkage = load("two-crank-takeup")
-    errors = [
-        abs(float(erratum_motion(linkage, Erratum(**DRIVEN, steps=steps)).speed(1.0)[0]) - final)
-        for final in [float(erratum_motion(linkage, Erratum(**DRIVEN)).speed(1.0))]
-        for steps in (4000, 8000)
-    ]
-    assert errors[1] < errors[0] / 10.0

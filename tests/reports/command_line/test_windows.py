@@ -17,7 +17,6 @@ COMMANDS = (
     ("engines",),
     ("check", "press.toml"),
     ("results", "press.toml"),
-    ("published", "juki-mf7923d"),
 )
 RUNNING = f"""
 import sys

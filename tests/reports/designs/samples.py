@@ -58,7 +58,7 @@ def shown(mechanism, motion=TURN):
 
 @cache
 def released_sheet():
-    """Of a linkage whose crank is released, with a misprint in its source and a thread."""
+    """Of a linkage whose crank is released, with a thread."""
     return usual_sheet(load("two-crank-takeup"), regimes=("driven",))
 
 

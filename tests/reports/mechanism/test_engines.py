@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from comparisons.campaign.results import Results
@@ -31,7 +30,7 @@ def words(cell):
 
 
 def test_one_chart_holds_every_regime_and_loads_what_it_does_not_show(results):
-    section = engines_section(views(results)[0], {})
+    section = engines_section(views(results)[0])
     (chart,) = (part for part in section.parts if isinstance(part, Widget))
     assert [regime["name"] for regime in chart.data["regimes"]] == ["run-up", "run-up-quintic"]
     assert {chart.data["first"], *chart.further} == {"0-0", "0-1", "1-0", "1-1"}
@@ -101,44 +100,21 @@ def test_the_setting_that_stands_for_an_engine_is_one_that_gave_a_curve_in_the_r
 
 
 def test_runs_have_their_steps_cost_and_settings(results):
-    tables = engines_section(views(results)[0], {}).parts[-1].parts
+    tables = engines_section(views(results)[0]).parts[-1].parts
     assert len(tables) == 2
     (best,) = (row for row in tables[0].rows if row[0] == "alpha best")
     assert best[1:] == ("7000", "12.3 ms", "4.00 ms", "4 runs, extrapolated", "step 1e-4, scheme made up, passes 2")
 
 
-def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a_motion(results):
-    row = {"mechanism": "juki-mf7923d", "erratum": "sign of k2", "place": "equation (7)", "regime": "own",
-           "engine": "alpha", "outcome": "finished", "supports": "corrected", "deviation_corrected": 2e-9,
-           "deviation_printed": 0.5, "mean_speed": 9.0, "mean_speed_corrected": 9.0, "mean_speed_printed": 4.0,
-           "note": "it must be positive", "reason": ""}  # fmt: skip
-    none = {**row, "engine": "gone", "supports": "neither", "deviation_corrected": None, "reason": "takes no drive"}
-    (view,) = views(Results({**results.document, "errata": [row, none]}, results.runs))
-    motion = {"time": np.array([0.0, 1.0]), "corrected": np.array([9.0, 9.0]), "printed": np.array([9.0, 4.0])}
-    (fold,) = (
-        p
-        for p in engines_section(view, {"sign of k2": motion}).parts
-        if isinstance(p, Fold) and p.summary.startswith("Printed")
-    )
-    table, figure = fold.parts
-    (panel,) = figure.drawing.panels
-    assert [curve.name for curve in panel.curves] == ["corrected", "as printed"]
-    assert "equation (7)" in table.caption
-    assert [(row[0], row[1], row[3]) for row in table.rows] == [
-        ("alpha", "2.0e-9", "corrected"),
-        ("gone", "–", "takes no drive"),
-    ]
-
-
 def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
     broken = {"gone": Verdict.UNAVAILABLE}
     (view,) = views(made_up_results(engines=("gone",), broken=broken, samples=21, quantities=("Mkr",)))
-    errors, _ = engines_section(view, {}).parts
+    errors, _ = engines_section(view).parts
     assert errors.parts == (Bullets(("gone naive; tuned; best – not installed: gone <cannot> hold this scene.",)),)
 
 
 def test_a_judged_file_has_its_errors_but_no_cost(results):
     judged = Results({**results.document, "judgement": ["Wrong."]}, results.runs)
-    section = engines_section(views(judged)[0], {})
+    section = engines_section(views(judged)[0])
     assert section.heading == "Every error"
     assert not any(isinstance(part, Fold) and "cost" in part.summary for part in section.parts)

@@ -50,13 +50,13 @@ def test_a_regime_is_told_in_sentences_and_shown_to_its_last_turn(driven):
     found = released_section(driven)
     (regime,) = found.parts
     sentences_of, figures = regime.parts
-    assert "Runge-Kutta steps" in sentences_of.items[-1]
+    assert "energy and work balance" in sentences_of.items[-1]
     assert [one.name for one in figures.figures] == ["released-driven", "released-driven-last-turn"]
 
 
 def test_what_a_motion_lacks_has_no_sentence(driven):
     one = driven.released["driven"]
-    nothing = {"rests": [], "ending": None, "settled": None, "coarse": None, "error_bound": None}
+    nothing = {"rests": [], "ending": None, "settled": None, "error_bound": None}
 
     def words(**changes):
         bare = replace(one, facts={**one.facts, **nothing, **changes})

@@ -69,7 +69,6 @@ def test_every_page_is_there_and_every_link_leads_to_a_file(site):
         text = (site / name).read_text(encoding="utf-8")
         for link in re.findall(r'(?:href|src)="([^"#:]+)"', text):
             assert ((site / name).parent / link).is_file(), (name, link)
-    assert "## Published figures against ours" in (site / "RESULTS.md").read_text(encoding="utf-8")
 
 
 def test_worker_processes_write_the_same(saved, site, tmp_path, monkeypatch):

@@ -1,9 +1,4 @@
-"""Unit functions of the output against harmonics (article 003, section "unit functions", Fig. 4).
-
-S is the output's displacement from its top dead centre, positive away from it; the phase runs from the crank angle of
-that centre in the direction of rotation. The unit functions S/stroke, v/max|v| and a/max|a| depend on the geometry
-alone and are compared with 0.5 (1 - cos), sin and cos of the phase.
-"""
+"""Dead centres of the output, its stroke, and the zero of S: its displacement from the top dead centre."""
 
 from __future__ import annotations
 
@@ -16,10 +11,7 @@ from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.refine import Array, grid, highest, largest, periodic_mean, zeros
-
-# The mean of a modulus has kinks, where the trapezoid rule errs by h²: 7200 points leave eight digits.
-POINTS = 7200
+from analytic.numerics.refine import Array, highest, zeros
 
 
 @dataclass(frozen=True)
@@ -28,33 +20,6 @@ class DeadCentre:
 
     angle: float
     coordinate: float
-
-
-@dataclass(frozen=True)
-class UnitFunctions:
-    """Dimensionless displacement, velocity and acceleration over the ``phase`` from top dead centre, rad; all (n,)."""
-
-    phase: Array
-    displacement: Array
-    velocity: Array
-    acceleration: Array
-
-    @property
-    def harmonics(self) -> tuple[Array, Array, Array]:
-        """The unit functions of a harmonic drive: 0.5 (1 - cos), sin and cos of the phase."""
-        return 0.5 * (1.0 - np.cos(self.phase)), np.sin(self.phase), np.cos(self.phase)
-
-    @property
-    def differences(self) -> tuple[Array, Array, Array]:
-        """ΔS, Δv, Δa: unit function less harmonic."""
-        s, v, a = self.harmonics
-        return self.displacement - s, self.velocity - v, self.acceleration - a
-
-    @property
-    def deviations(self) -> tuple[float, float, float]:
-        """Mean absolute differences over the turn, as ratios; article 003 prints them in per cent."""
-        s, v, a = (periodic_mean(np.abs(difference)) for difference in self.differences)
-        return s, v, a
 
 
 @lru_cache(maxsize=64)
@@ -92,19 +57,6 @@ def bottom_dead_centre(mechanism: Mechanism) -> DeadCentre:
 def stroke(mechanism: Mechanism) -> float:
     """Distance between the outermost dead centres, m."""
     return top_dead_centre(mechanism).coordinate - bottom_dead_centre(mechanism).coordinate
-
-
-def unit_functions(mechanism: Mechanism, points: int = POINTS, *, clockwise: bool = False) -> UnitFunctions:
-    """The output's unit functions over one turn from top dead centre, at ``points`` equal steps of the phase."""
-    top, direction = top_dead_centre(mechanism), -1.0 if clockwise else 1.0
-    phase = grid(points)
-    sweep = mechanism.sweep(top.angle + direction * phase)
-    return UnitFunctions(
-        phase=phase,
-        displacement=(top.coordinate - sweep.output()) / stroke(mechanism),
-        velocity=-direction * sweep.output(1) / largest(lambda phi: mechanism.sweep(phi).output(1)),
-        acceleration=-sweep.output(2) / largest(lambda phi: mechanism.sweep(phi).output(2)),
-    )
 
 
 # The zero of S: the top dead centre, or the farthest position of a crank that cannot turn fully.
