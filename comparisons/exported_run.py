@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -16,10 +15,6 @@ from comparisons.judging.deviations import near_jumps
 from comparisons.judging.limits import grouped
 from comparisons.reference.case import Case
 from comparisons.runs.run_engine import blamed_on
-from comparisons.stress.cell_result import Cell
-from comparisons.stress.cells import SETTINGS, axes
-from comparisons.stress.scenes import case as case_of
-from comparisons.stress.scenes import scene as scene_of
 from engines.contract import Engine, History, Setting
 from engines.exported_script import ScriptFigure, script
 from engines.registry import engine, why_unavailable
@@ -46,20 +41,6 @@ def exported(case: Case, engine_name: str, setting: Setting, command: str) -> st
     return _script(
         adapter, scene, case, _recipe_of_setting(adapter, scene, setting), f"setting {setting}. Written by: {command}"
     )
-
-
-def exported_cell(cell: Cell, command: str) -> str:
-    """The script of a cell of a stress map; raises LinkproofError for what cannot be exported."""
-    adapter, conditions = _exportable_adapter(cell.engine), axes()[cell.axis].conditions(cell.row, cell.value)
-    case = case_of(conditions)
-    scene = scene_of(conditions, case)
-    if cell.usage in SETTINGS:
-        recipe, usage = _recipe_of_setting(adapter, scene, Setting(cell.usage)), f"setting {cell.usage}"
-    else:
-        method = next(method for method in adapter.methods(scene) if method.name == cell.usage)
-        method = replace(method, effort=conditions.effort) if conditions.effort else method
-        recipe, usage = adapter.studied_recipe(method, conditions.step), f"method '{cell.usage}'"
-    return _script(adapter, scene, case, recipe, f"{usage}. Written by: {command}")
 
 
 def _exportable_adapter(engine_name: str) -> LoopEngine[Recipe]:

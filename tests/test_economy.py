@@ -20,7 +20,7 @@ from reports.requests.campaign_options import CompareOptions
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
 PLOTTING = ("matplotlib",)
-# Which a plain installation lacks; that ``doctor`` does without them is tested with it.
+# Which a plain installation lacks; that ``engines --try`` does without them is tested with it.
 EXTRAS = ("openpyxl", "ezdxf", "dask")
 HEAVY = (*ENGINES, *PLOTTING, *EXTRAS, "xarray", "numba", "pandas")
 

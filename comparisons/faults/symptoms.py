@@ -94,7 +94,7 @@ def probable_faults(run: Iterable[Record]) -> str:
         name = record.quantity.partition(":")[0]
         failed[name] = failed.get(name, False) or Verdict(record.outcome).failed
     words = "; or ".join(symptom.words for symptom in symptoms(failed))
-    cure = f"run 'linkproof check-engine {records[0].engine}', and if it passes shorten the step"
+    cure = f"run 'linkproof engines {records[0].engine} --check', and if it passes shorten the step"
     if records[0].setting == Setting.NAIVE:  # an engine's defaults may be this wrong though its adapter is right
         cure = "naive takes the engine's defaults: use the setting tuned"
     return f"{words}; {cure}" if words else ""

@@ -28,7 +28,7 @@ QUICK_BORDERS: Final = "tuned"
 class StressRequest:
     """The cells to run; no ``usages`` means every setting and method of each axis.
 
-    ``time_limit`` is what a cell may take, s; by default what its axis grants. ``command`` repeats it.
+    ``command`` repeats it.
     """
 
     axes: tuple[Axis, ...]
@@ -36,7 +36,6 @@ class StressRequest:
     usages: tuple[str, ...] = ()
     quick: bool = False
     pool: Pool = EVERY_CORE
-    time_limit: float | None = None
     command: str = ""
 
 
@@ -79,9 +78,9 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     return Stress(document, results)
 
 
-def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Pool = EVERY_CORE) -> list[CellResult]:
-    """These cells alone, each in a worker process of its own, in their order; ``time_limit`` as in a request."""
-    return _run_cells(_stress_study(lambda *_: None, None, pool), StressRequest((), (), time_limit=time_limit), chosen)
+def make_cells(chosen: Sequence[Cell], pool: Pool = EVERY_CORE) -> list[CellResult]:
+    """These cells alone, each in a worker process of its own, in their order."""
+    return _run_cells(_stress_study(lambda *_: None, None, pool), StressRequest((), ()), chosen)
 
 
 def _stress_study(announce: Announce, journal: Journal | None, pool: Pool) -> Study[CellResult]:
@@ -100,7 +99,5 @@ def _run_cells(study: Study[CellResult], request: StressRequest, chosen: Sequenc
 
 def _cell_seconds(request: StressRequest, cell: Cell) -> float:
     """The time limit of a cell, s."""
-    if request.time_limit is not None:
-        return request.time_limit
     granted = axes()[cell.axis].seconds
     return min(granted, QUICK_SECONDS) if request.quick else granted

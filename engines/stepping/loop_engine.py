@@ -1,4 +1,4 @@
-"""An engine whose build and steps are a module of their own, which ``linkproof export`` can write down as it is.
+"""An engine whose build and steps are a module of their own, which ``compare --script`` can write down as it is.
 
 The module, the adapter's *loop*, imports NumPy and its engine alone and takes plain data: numbers, text, None, and
 lists, tuples and dictionaries of these. It has two functions, both of which raise ArithmeticError, with the reason, for

@@ -14,7 +14,6 @@ from reports.command_line.parameters import CommandGroup, command
 from reports.requests.campaign_options import (
     BenchOptions,
     CompareOptions,
-    ExportOptions,
     Jobs,
     RunLimits,
     StandardOptions,
@@ -174,12 +173,34 @@ def watch(options: WatchOptions) -> None:
     watch.watch(options)
 
 
-@command(app, summary="List the engines, their abilities and the origin of their figures.")
-def engines(names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (), json: Json = False) -> None:
-    """List the engines: supported linkages, available quantities, and the origin of each figure in the engine."""
+@command(app, summary="List the engines, test an adapter, or try what is installed.")
+def engines(
+    names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (),
+    checks: Annotated[
+        bool,
+        Option(
+            "Test the adapter of one engine: signs, frames, units, instants, failures as values, deliberate errors.",
+            flags=("--check",),
+        ),
+    ] = False,
+    tries: Annotated[
+        bool,
+        Option("Show what is installed, and try every engine and the compiler, for a bug report.", flags=("--try",)),
+    ] = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """List the engines: supported linkages, available quantities, and the origin of each figure in the engine.
+
+    ENGINE is an engine of linkproof, or an adapter announced under the entry-point group linkproof.engines.
+
+    Exit codes: 0; 1 a check failed, or something that is installed does not work; 2 nothing to check.
+    """
+    if checks or tries:
+        _start_workers("comparisons.conformance.conformance" if checks else "comparisons.campaign.campaign")
     from reports.command_line.commands import engines
 
-    engines.list_engines(names, destination(OutputOptions(json=json)))
+    return engines.engines(names or (), destination(OutputOptions(json=json, quiet=quiet)), checks=checks, tries=tries)
 
 
 @command(
@@ -187,7 +208,15 @@ def engines(names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (
     summary="Simulate mechanisms; compare every error with its limit.",
     texts={"save": "Write every record (.json) or every curve (.csv); repeatable."},
 )
-def compare(options: CompareOptions, output: OutputOptions, standard: StandardOptions, limits: RunLimits) -> int:
+def compare(
+    options: CompareOptions,
+    output: OutputOptions,
+    standard: StandardOptions,
+    limits: RunLimits,
+    script: Annotated[
+        Path | None, Option("Run nothing; write one run as a script that needs only its engine and numpy.", "FILE")
+    ] = None,
+) -> int:
     """Simulate mechanisms in engines and compare every error with its limit.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
@@ -201,6 +230,11 @@ def compare(options: CompareOptions, output: OutputOptions, standard: StandardOp
     Exit codes: 0 every error within its limit, 1 an error over its limit, a failed run, or a linkage, motion or
     key figure that differs from the baseline, 2 bad input.
     """
+    if script is not None:
+        from reports.command_line.commands.engines import write_script
+
+        write_script(script, options, (output, standard, limits))
+        return 0
     is_finished, (options, standard, limits) = _own_study("compare", output, options, standard, limits)
     if limits.jobs != 0 and not is_finished:
         _start_workers("comparisons.campaign.campaign")
@@ -273,50 +307,3 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None) -> 
     if is_finished:
         return stress.write_again(destination(output))
     return stress.run(options, destination(output), jobs)
-
-
-@command(app, "check-engine", summary="Test an engine's adapter.")
-def check_engine(
-    engine: Annotated[str, Argument("ENGINE", "engines")],
-    json: Json = False,
-    quiet: Quiet = False,
-    jobs: Annotated[int | None, Option("Worker processes; default: one per core.", "N")] = None,
-) -> int:
-    """Test an engine's adapter: signs, frames, units, instants, failures as values, deliberate errors.
-
-    ENGINE is the name of an adapter announced under the entry-point group linkproof.engines.
-
-    Exit codes: 0 every check passed, failed as expected or was not tested, 1 a check failed, 2 nothing to check.
-    """
-    _start_workers("comparisons.conformance.conformance")
-    from reports.command_line.commands import engines
-
-    return engines.check(engine, destination(OutputOptions(json=json, quiet=quiet)), jobs)
-
-
-@command(app, summary="Show what is installed, and try every engine.")
-def doctor(json: Json = False) -> int:
-    """Show versions, packages and folders, try every engine and the compiler, and say what a bug report needs.
-
-    Exit codes: 0 everything that is installed works, 1 something that is installed does not.
-    """
-    _start_workers("comparisons.campaign.campaign")
-    from reports.command_line.commands import doctor
-
-    return doctor.doctor(destination(OutputOptions(json=json)))
-
-
-@command(app, summary="Write an engine's run as a standalone script.")
-def export(
-    options: ExportOptions,
-    out: Annotated[Path | None, Option("Where to write it; default: stdout.", "FILE")] = None,
-) -> None:
-    """Write an engine's run as a script that needs only the engine and numpy, so that its author can repeat it.
-
-    MECHANISM is a name in the catalogue or the path of a .toml file.
-
-    At its end the script prints the engine's values where they differ most from the closed form, beside the latter.
-    """
-    from reports.command_line.commands import engines
-
-    engines.export(options, out)

@@ -23,7 +23,7 @@ from reports.imported.terminal import sentence
 from reports.python.keywords import load_linkage, resolve_linkage, with_keywords
 from reports.python.labels import PrintedResult, failed_rows
 from reports.records.origins import printout
-from reports.requests.doctor import engine_findings
+from reports.requests.engine_trials import engine_findings
 from reports.requests.judge import check_judgement, judge_files
 from reports.requests.motion_options import JudgeOptions
 

@@ -1,4 +1,4 @@
-"""The options of campaigns: runs of engines that compare, bench, stress and export make."""
+"""The options of campaigns: runs of engines that compare, bench and stress make."""
 
 from __future__ import annotations
 
@@ -59,18 +59,6 @@ class BenchOptions(RunsOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExportOptions(MotionOptions):
-    """The run that ``linkproof export`` writes as a script: of a mechanism, or the ``cell`` of a stability map."""
-
-    mechanism: Annotated[str | None, Argument("MECHANISM", "mechanisms")] = None
-    engine: Annotated[str | None, Option("Engine.", "NAME", names="engines")] = None
-    setting: Annotated[str | None, Option("naive or tuned; default: tuned.", "NAME", names="settings")] = None
-    cell: Annotated[
-        str | None, Option("Instead of a mechanism: a run of a stability map, AXIS/ROW/VALUE/ENGINE/USAGE.", "CELL")
-    ] = None
-
-
-@dataclass(frozen=True, kw_only=True)
 class StressOptions:
     """Stability maps or cells for ``linkproof stress``; empty means the default."""
 
@@ -78,9 +66,6 @@ class StressOptions:
     engine: Engines = ()
     setting: Settings = ()
     quick: Annotated[bool, Option("Fewer cells, coarser borders: about a minute.")] = False
-    time_limit: Annotated[
-        float | None, Option("Wall time that one cell may take; default: that of its map.", "SECONDS")
-    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -47,7 +47,7 @@ def test_its_adapter_passes_the_conformance_test_where_it_is_installed(tmp_path)
     offline = ["--no-index", "--no-deps", "--no-build-isolation", "--quiet"]
     subprocess.run([sys.executable, "-m", "pip", "install", *offline, "--target", str(folder), str(source)], check=True)
     path = os.pathsep.join([str(folder), str(ROOT)])
-    command = [sys.executable, "-m", "reports.command_line.main", "check-engine", "barwork"]
+    command = [sys.executable, "-m", "reports.command_line.main", "engines", "barwork", "--check"]
     environment = {**os.environ, "PYTHONPATH": path}
     done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

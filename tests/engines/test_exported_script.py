@@ -13,10 +13,10 @@ import tomlkit
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
 from comparisons.conformance.samples import case as sample_case
-from comparisons.exported_run import exported, exported_cell
+from comparisons.exported_run import exported
 from comparisons.reference.case import Case, case_of_file_regime
-from comparisons.stress.cells import find_cell
 from engines.contract import Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel
@@ -87,7 +87,7 @@ NIGHTLY = [
 def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, setting, tmp_path):
     adapter, case = engine(name), _case(linkage, regime)
     pytest.importorskip(adapter.package)
-    samples, printed = _run_alone(exported(case, name, Setting(setting), "linkproof export"), tmp_path)
+    samples, printed = _run_alone(exported(case, name, Setting(setting), "linkproof compare"), tmp_path)
     run = adapter.run(case.scene(frozenset(Channel)), Setting(setting))
     assert run.outcome is Outcome.FINISHED
     signals = {channel: getattr(run.history, channel) for channel in ("position", "velocity", "acceleration", "torque")}
@@ -108,8 +108,10 @@ def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, settin
 
 def test_a_run_that_an_engine_gives_up_is_given_up_by_its_script(tmp_path):
     pytest.importorskip("pyondsel")
-    cell = find_cell("change-point/rocker longer than crank/0/ondsel/tuned")
-    (tmp_path / "case.py").write_text(exported_cell(cell, "linkproof export"), encoding="utf-8")
+    at_change_point = Mechanism(load("comparisons/stress/linkages/parallel-cranks.toml"))
+    motion = crank_motion("run-up-quintic", ramp_time=0.24, hold_time=0.06, start_angle=0.5 * np.pi)
+    text = exported(Case(at_change_point, motion), "ondsel", Setting.TUNED, "linkproof compare")
+    (tmp_path / "case.py").write_text(text, encoding="utf-8")
     done = subprocess.run([sys.executable, "-I", "case.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr.startswith("Ondsel solved 25 of 101 frames")
@@ -147,7 +149,7 @@ def test_no_name_becomes_code_or_breaks_a_script(name, first, tmp_path):
     found = from_text(tomlkit.dumps(document), f"{hostile[0]}\\")
     case = case_of_file_regime(found, found.linkage.regimes[0])
     scene = case.scene(frozenset())
-    text = exported(case, name, Setting.TUNED, shlex.join(["linkproof", "export", *HOSTILE]))
+    text = exported(case, name, Setting.TUNED, shlex.join(["linkproof", "compare", *HOSTILE]))
     script = ast.parse(text)
     assert "__import__" not in {node.id for node in ast.walk(script) if isinstance(node, ast.Name)}
     assert HOSTILE[0] in ast.get_docstring(script)

@@ -100,7 +100,7 @@ def checked(package: Path) -> list[str]:
             for command, shown in commands(block)
             if not SETTING_UP & set(command.split())
         ]  # fmt: skip
-        for words in (("linkproof", "doctor"), ("mypy", "--strict", "script.py"), ("python", "script.py")):
+        for words in (("linkproof", "engines", "--try"), ("mypy", "--strict", "script.py"), ("python", "script.py")):
             faults.append(_differences(shlex.join(words), "", run(*words)))
         output = run("mypy", "--strict", "wrong.py").stdout
         lines = tuple(int(line.split(":")[1]) for line in output.splitlines() if ": error:" in line)

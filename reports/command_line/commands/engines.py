@@ -1,7 +1,8 @@
-"""``linkproof engines``, ``check-engine`` and ``export``: list engines, check an adapter, write a run as a script."""
+"""``linkproof engines``, and ``compare --script``: list, check or try engines; write a run as an engine's script."""
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -10,28 +11,55 @@ from typing import Any
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import cases
 from comparisons.conformance.trial import Finding
-from comparisons.exported_run import exported, exported_cell
+from comparisons.exported_run import exported
+from comparisons.runs.environment import environment
 from comparisons.runs.files import check_writable, write_text
-from comparisons.runs.plugins import engine, engines
-from comparisons.stress.cells import find_cell
+from comparisons.runs.plugins import engine
+from comparisons.runs.plugins import engines as registered
 from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine_names, why_unavailable
-from reports.command_line.destination import Destination, write_to_stdout
-from reports.document.parts import Paragraph
-from reports.document.terminal import Printed
+from reports.command_line.destination import Destination
+from reports.document.parts import Paragraph, Table, TableCell
+from reports.document.terminal import Printed, Printout
 from reports.records.origins import printout, readout_table
 from reports.requests import FAILED, PASSED
 from reports.requests.campaign import request
-from reports.requests.campaign_options import CompareOptions, ExportOptions
-from reports.requests.doctor import engine_findings
+from reports.requests.campaign_options import CompareOptions
+from reports.requests.engine_trials import (
+    SelfTest,
+    engine_findings,
+    engine_trials,
+    machine_code_trial,
+    optional_packages,
+    places,
+)
 from reports.requests.options import command_line
 
+REPORT = (
+    "With a bug report, send the output of `linkproof engines --try`, the linkage file, the command and what it "
+    "printed. If an engine failed, run the command again with LINKPROOF_WORKER_OUTPUT=1 before it."
+)
 
-def list_engines(names: Sequence[str], destination: Destination) -> None:
-    """Print or write the abilities and read-outs of these engines, of all by default."""
-    tables = [_describe_engine(adapter) for adapter in engines(names or engine_names())]
-    destination.print(*(part for table in tables for part in _engine_parts(table)))
+
+def engines(names: Sequence[str], destination: Destination, *, checks: bool = False, tries: bool = False) -> int:
+    """List, check or try engines; returns the exit code. Raises LinkproofError for words that do not go together."""
+    if checks and tries:
+        raise LinkproofError("--check and --try exclude each other: leave one of them out")
+    if tries and names:
+        raise LinkproofError("--try tries everything that is installed: leave the names of engines out")
+    if checks and len(names) != 1:
+        raise LinkproofError(f"--check tests one engine, got {len(names)}: linkproof engines NAME --check")
+    if checks:
+        return check(names[0], destination)
+    return try_all(destination) if tries else _list(names, destination)
+
+
+def _list(names: Sequence[str], destination: Destination) -> int:
+    """Print the abilities and read-outs of these engines, of all by default."""
+    tables = [_describe_engine(adapter) for adapter in registered(names or engine_names())]
+    destination.print_out(Printout([part for table in tables for part in _engine_parts(table)], (), ()))
     destination.write_json({"records": tables})
+    return PASSED
 
 
 def _describe_engine(adapter: Engine) -> dict[str, Any]:
@@ -71,41 +99,6 @@ def _engine_parts(table: Mapping[str, Any]) -> list[Printed]:
     ]
 
 
-def export(options: ExportOptions, out: Path | None) -> None:
-    """Write the run of one mechanism, or of one cell, in one engine and setting as a script of the engine's own.
-
-    Raises LinkproofError for what does not exist or cannot be exported.
-    """
-    if out is not None:
-        check_writable(out)
-    if (options.cell is None) != (options.mechanism is not None):
-        raise LinkproofError("expected a mechanism with --engine, or a --cell, and not both: leave one out")
-    text = _export_run(options) if options.cell is None else _export_cell(options, options.cell)
-    if out is None:
-        write_to_stdout(text)  # Python reads UTF-8
-    else:
-        write_text(out, text)
-
-
-def _export_cell(options: ExportOptions, cell: str) -> str:
-    if options != ExportOptions(cell=cell):
-        raise LinkproofError("--cell already defines the whole run: leave the other options out")
-    return exported_cell(find_cell(cell), command_line("export", options))
-
-
-def _export_run(options: ExportOptions) -> str:
-    """The script of the one run that the options name; raises LinkproofError for none or several."""
-    named = (options.mechanism, options.engine, options.setting)
-    mechanisms, engine, setting = ((name,) if name else () for name in named)
-    wanted = request(CompareOptions(mechanisms=mechanisms, engine=engine, setting=setting, **vars(options.motion)))
-    if not engine:
-        raise LinkproofError("expected one --engine to export, got 0: name one")
-    result, settings = cases(wanted), wanted.settings
-    if len(result) != 1 or len(settings) != 1:
-        raise LinkproofError(f"expected one regime and setting, got {len(result)} and {len(settings)}: name one each")
-    return exported(result[0], engine[0], settings[0], command_line("export", options))
-
-
 def check(name: str, destination: Destination, processes: int | None = None) -> int:
     """Make every check of an engine, print a line for each; returns the exit code. Raises as ``engine_findings``."""
     adapter = engine(name)
@@ -113,3 +106,63 @@ def check(name: str, destination: Destination, processes: int | None = None) -> 
     destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in results]})
     destination.print_out(printout(name, results))
     return FAILED if any(each.finding is Finding.FAILED for each in results) else PASSED
+
+
+def try_all(destination: Destination) -> int:
+    """Try every engine and the compiler, print the results and what a bug report needs; returns the exit code."""
+    facts, tried, packages = environment(), engine_trials(), optional_packages()
+    compiler, where = machine_code_trial(), places()
+    trials = [*tried, compiler]
+    destination.write_json(
+        {
+            "environment": facts,
+            "trials": [asdict(trial) for trial in trials],
+            "packages": [asdict(package) for package in packages],
+            "places": where,
+        }
+    )
+    tables = [
+        ", ".join(f"{name} {facts[name]}" for name in ("linkproof", "python", "numpy", "scipy") if name in facts),
+        f"{facts['machine']}; commit {facts['commit']}",
+        "",
+        _trials_table(trials, "engine"),
+        "",
+        _trials_table(packages, "package"),
+        "",
+        *(f"{name}: {place}" for name, place in where.items()),
+        "",
+    ]
+    destination.print_out(Printout(tables, [Paragraph(REPORT)], ()))
+    return FAILED if any(trial.works is False for trial in trials) else PASSED
+
+
+def _trials_table(trials: Sequence[SelfTest], head: str) -> Table:
+    marks = {True: TableCell("✓", colour="green"), False: TableCell("✗", colour="red"), None: TableCell("–")}
+    rows = [(trial.name, trial.version or "–", marks[trial.works], trial.detail) for trial in trials]
+    return Table("", (head, "version", "", ""), rows, "l")
+
+
+def write_script(file: Path, options: CompareOptions, others: tuple[object, ...] = ()) -> None:
+    """Write the run of one mechanism in one engine, setting and motion; ``others`` are options that runs alone have.
+
+    Raises LinkproofError for several runs, for a run that cannot be exported, and for ``others`` that are given.
+    """
+    if options.quantity or options.full or any(given != type(given)() for given in others):
+        raise LinkproofError(
+            "--script runs nothing: leave out every option but those of the engine, setting and motion"
+        )
+    check_writable(file)
+    if (len(options.mechanisms), len(options.engine)) != (1, 1):
+        raise LinkproofError(
+            f"--script writes one run, got {len(options.mechanisms)} mechanisms and {len(options.engine)} engines: "
+            "name one MECHANISM and one --engine"
+        )
+    wanted = request(options)
+    chosen, settings = cases(wanted), wanted.settings
+    if len(chosen) != 1 or len(settings) != 1:
+        raise LinkproofError(
+            f"--script writes one run, got {len(chosen)} motions and {len(settings)} settings: name one --regime and "
+            "one --setting"
+        )
+    command = f"{command_line('compare', options)} --script {shlex.quote(str(file))}"
+    write_text(file, exported(chosen[0], options.engine[0], settings[0], command))

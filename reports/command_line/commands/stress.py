@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
@@ -28,8 +27,6 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     destination.check(f"{KIND}.html")
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
-    if options.time_limit is not None and not 0.0 < options.time_limit < math.inf:
-        raise LinkproofError(f"--time-limit: expected a positive finite number of s, got {options.time_limit:g}")
     where = run_resources(RunLimits(jobs=jobs))
     cells = [word for word in options.words if "/" in word]
     if cells:
@@ -68,7 +65,7 @@ def _request(options: StressOptions) -> StressRequest:
     present = requested_engines(options.engine)
     axes = tuple(chosen_axes(options.words))
     command = command_line("stress", options)
-    return StressRequest(axes, present, options.setting, options.quick, time_limit=options.time_limit, command=command)
+    return StressRequest(axes, present, options.setting, options.quick, command=command)
 
 
 def _make_named_cells(
@@ -78,7 +75,7 @@ def _make_named_cells(
     if len(cells) < len(options.words):
         raise LinkproofError("expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind")
     chosen = [find_cell(name) for name in cells]
-    results = make_cells(chosen, options.time_limit, where.pool)
+    results = make_cells(chosen, where.pool)
     destination.print(*map(cell_details, results))
     destination.write_json({"cells": [result.data for result in results]})
     return stress_exit_code(results)

@@ -63,7 +63,7 @@ def test_rows_that_fail_together_have_their_meaning_once(failing, words):
     }
     run = run_record(RECORD, [rows["Mkr"], rows["joint_force:A"]], [rows[name] for name in CHECKED])
     text = rendered(*printout([replace(run, engine="e")] * 2).closing, width=400)
-    assert text.count("check-engine e'") == bool(words)
+    assert text.count("engines e --check'") == bool(words)
     assert words in text
 
 

@@ -39,7 +39,7 @@ def test_help_of_every_command_has_no_types_no_cut_sentences_and_no_long_lines()
     listed = linkproof("--help").stdout.partition("Commands:")[2].partition("\n\n")[0]
     assert "..." not in listed
     commands = re.findall(r"^  ([a-z][a-z-]*) ", listed, re.MULTILINE)
-    assert {"list", "compare", "sweep", "optimise", "tolerance", "watch", "doctor"} <= {*commands}
+    assert {"list", "compare", "sweep", "optimise", "tolerance", "watch", "engines"} <= {*commands}
     for command in commands:
         done = linkproof(command, "--help")
         assert done.returncode == 0

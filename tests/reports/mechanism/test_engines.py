@@ -59,7 +59,7 @@ def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
 @pytest.mark.parametrize(
     ("setting", "cure"),
     [
-        ("best", "run 'linkproof check-engine beta', and if it passes shorten the step."),
+        ("best", "run 'linkproof engines beta --check', and if it passes shorten the step."),
         ("naive", "naive takes the engine's defaults: use the setting tuned."),
     ],
 )

@@ -82,7 +82,7 @@ def test_an_engine_that_cannot_be_used_is_an_error(engine, words):
          ("judge", NAME, "a<b.csv", "--regime", "run-up"),
          "<JudgedResults: Right at the file's samples: all 2 signals are within 1.0 % of",
          [("Mkr", "passed"), ("S", "passed")]),
-        (lambda: linkproof.check_engine("direct", 1), ("check-engine", "direct", "--jobs", "1"),
+        (lambda: linkproof.check_engine("direct", 1), ("engines", "direct", "--check"),
          "<EngineFindings: direct: 1 passed>", [("identity", "passed")]),
     ],
     ids=["compare", "judge", "check_engine"],

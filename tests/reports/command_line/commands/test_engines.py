@@ -1,20 +1,25 @@
-"""``linkproof check-engine`` and ``export``: a line for each check, a script of one run, refusals in one sentence."""
+"""``linkproof engines``, and ``compare --script``: a line for each check, what is installed, a script of one run."""
 
 import ast
 import json
 import re
+import sys
+from types import SimpleNamespace
 
 import pytest
 
 from analytic.errors import LinkproofError
+from analytic.machine_code import compiling
 from comparisons.conformance import conformance
+from comparisons.judging.records import Record, Verdict
+from engines.registry import engine_names
 from reports.command_line.commands import engines
-from reports.command_line.commands.engines import export
 from reports.command_line.destination import Destination
-from reports.requests.campaign_options import ExportOptions
+from reports.requests import engine_trials
+from reports.requests.campaign_options import CompareOptions
+from tests.commands import linkproof, refused
 from tests.comparisons.conformance.wrong_engines import Direct, PrintingEngine
-
-CELL = "jump/four-bar/0.1/exudyn/tuned"
+from tests.test_economy import EXTRAS
 
 
 class AbsentEngine(Direct):
@@ -39,7 +44,7 @@ class UnsendableEngine(Direct):
 
 @pytest.fixture
 def checked(monkeypatch, capsys):
-    """Exit code, output and records of ``check-engine`` with a few of its checks, two mutants among them."""
+    """Exit code, output and records of ``engines --check`` with a few of its checks, two mutants among them."""
     mutants = [name for name in conformance.CHECKS if name.startswith(conformance.MUTANT)]
     names = ("identity", "installed", "silence", *mutants[:2])
     monkeypatch.setattr(conformance, "CHECKS", {name: conformance.CHECKS[name] for name in names})
@@ -79,39 +84,97 @@ def test_an_engine_that_cannot_be_checked_is_refused(checked, engine, words):
         checked(engine())
 
 
-def _options(**changed):
-    given = {"mechanism": "rimoldi-164", "engine": "exudyn", "ramp_time": 0.05, "hold_time": 0.01}
-    return ExportOptions(**given | changed)
+FACTS = {"mechanism": "m", "variant": "base", "regime": "run-up", "conditions": "", "setting": "tuned"}
 
 
-def test_a_script_names_its_run_and_the_command_that_wrote_it(tmp_path, capsys):
+def row(outcome, error=None, detail=""):
+    facts = {**FACTS, "engine": "barwork", "engine_version": "3"}
+    return Record(**facts, quantity="Mkr", outcome=outcome, error_max=error, detail=detail)
+
+
+@pytest.mark.parametrize("names", [("direct",), pytest.param(engine_names(), marks=pytest.mark.nightly)])
+def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(tmp_path, monkeypatch, names):
+    for package in EXTRAS:
+        monkeypatch.setitem(sys.modules, package, None)
+    for module in ("reports.requests.engine_trials", "reports.requests.campaign"):
+        monkeypatch.setattr(f"{module}.engine_names", lambda: names)
+    done = linkproof("engines", "--try", "--json", cwd=tmp_path)
+    facts = json.loads(done.stdout)
+    assert done.returncode == 0, done.stdout
+    assert [trial["name"] for trial in facts["trials"]] == [*names, "machine code"]
+    assert all(trial["works"] is not False for trial in facts["trials"])
+    assert set(facts["places"]) == {"temporary files", "matplotlib's cache"}
+
+
+@pytest.mark.parametrize(
+    ("record", "works", "word"),
+    [
+        (row(Verdict.CRASHED, detail="exit code -11"), False, "crashed: exit code -11"),
+        (row(Verdict.MEASURED, 0.5), True, "error of the torque 5.0e-01"),
+    ],
+)
+def test_an_engine_works_if_it_simulates(monkeypatch, record, works, word):
+    run = type("Run", (), {"records": [record]})
+    monkeypatch.setattr(engine_trials, "compare", lambda _: [run])
+    monkeypatch.setattr(engine_trials, "engine_names", lambda: ("barwork", "direct"))
+    lacking = [SimpleNamespace(name=name, why_unavailable=lambda: "not installed") for name in ("barwork", "direct")]
+    monkeypatch.setattr(engine_trials, "engines", lambda _: lacking)
+    tried, absent = engine_trials.engine_trials()
+    assert tried.works is works
+    assert word in tried.detail
+    assert (absent.name, absent.works, absent.detail) == ("direct", None, "not installed")
+
+
+@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
+def test_a_broken_compiler_is_exit_code_1(monkeypatch, tmp_path):
+    def broken(_):
+        raise OSError("no LLVM\nhere")
+
+    monkeypatch.setattr(compiling, "compile_source", broken)
+    monkeypatch.setattr("reports.command_line.commands.engines.engine_trials", list)
+    done = linkproof("engines", "--try", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "OSError: no LLVM here" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("--check",), "--check tests one engine, got 0: linkproof engines NAME --check"),
+        (("direct", "--try"), "--try tries everything that is installed: leave the names of engines out"),
+        (("direct", "--check", "--try"), "--check and --try exclude each other"),
+    ],
+)
+def test_words_that_do_not_go_together_are_refused(words, sentence):
+    assert sentence in refused("engines", *words)
+
+
+SHORT = ("--ramp-time", "0.05", "--hold-time", "0.01")
+
+
+def test_a_script_names_its_run_and_the_command_that_wrote_it(tmp_path):
     pytest.importorskip("exudyn")
-    export(_options(), tmp_path / "case.py")
+    done = linkproof("compare", "rimoldi-164", *SHORT, "--engine", "exudyn", "--script", "case.py", cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     text = (tmp_path / "case.py").read_text(encoding="utf-8")
-    title = ast.get_docstring(ast.parse(text))
+    title = " ".join(ast.get_docstring(ast.parse(text)).split())
     assert title.startswith("rimoldi-164 (as-built), run-up, in exudyn ")
-    assert "linkproof export rimoldi-164 --ramp-time 0.05 --hold-time 0.01 --engine exudyn" in " ".join(title.split())
+    assert f"linkproof compare rimoldi-164 {' '.join(SHORT)} --engine exudyn --script case.py" in title
     assert not {"linkproof", "analytic", "engines", "comparisons"} & set(text.partition("\nimport")[2].split())
-    export(ExportOptions(cell=CELL), None)
-    assert f"linkproof export --cell {CELL}" in ast.get_docstring(ast.parse(capsys.readouterr().out))
 
 
-@pytest.mark.parametrize(("options", "words"), [
-    (_options(setting="best"), "it is 4 runs extrapolated, and a script holds one: export 'tuned'"),
-    (_options(setting="all"), "got 1 and 3"),
-    (_options(engine="direct"), "whose loop is a module of its own \\(a LoopEngine\\), got 'direct': export another"),
-    (_options(engine="exudin"), "did you mean 'exudyn'"),
-    (_options(engine=None), "expected one --engine"),
-    (_options(cell=CELL), "not both"),
-    (ExportOptions(), "not both"),
-    (ExportOptions(speed=900.0, cell=CELL), "--cell already defines"),
-    (
-        ExportOptions(cell="start/positions/0.01/exudyn/tuned"),
-        "cannot be exported: the start state violates joint 'A'",
-    ),
+@pytest.mark.parametrize(("changes", "sentence"), [
+    ({"setting": ("best",)}, "it is 4 runs extrapolated, and a script holds one: export 'tuned'"),
+    ({"setting": ("all",)}, "got 1 motions and 3 settings: name one --regime and one --setting"),
+    ({"engine": ("direct",)}, r"whose loop is a module of its own \(a LoopEngine\), got 'direct': export another"),
+    ({"engine": ("exudin",)}, "did you mean 'exudyn'"),
+    ({"engine": ()}, "got 1 mechanisms and 0 engines: name one MECHANISM and one --engine"),
+    ({"mechanisms": ()}, "got 0 mechanisms and 1 engines"),
+    ({"quantity": ("Mkr",)}, "--script runs nothing: leave out every option but"),
 ])  # fmt: skip
-def test_a_run_that_cannot_be_exported_is_one_sentence(options, words, tmp_path):
+def test_what_is_not_one_run_has_no_script_and_one_sentence(changes, sentence, tmp_path):
     pytest.importorskip("exudyn")
-    with pytest.raises(LinkproofError, match=words):
-        export(options, tmp_path / "case.py")
+    given = {"mechanisms": ("rimoldi-164",), "engine": ("exudyn",), "ramp_time": 0.05, "hold_time": 0.01}
+    with pytest.raises(LinkproofError, match=sentence):
+        engines.write_script(tmp_path / "case.py", CompareOptions(**given | changes))
     assert not list(tmp_path.iterdir())

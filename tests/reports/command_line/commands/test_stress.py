@@ -21,7 +21,7 @@ CELL = "start/positions/1e-08/direct/tuned"
 @pytest.fixture(autouse=True)
 def _unhurried(monkeypatch):
     """A cell may take minutes unless its time is given."""
-    monkeypatch.setattr(campaign, "_cell_seconds", lambda request, _: request.time_limit or PATIENCE)
+    monkeypatch.setattr(campaign, "_cell_seconds", lambda *_: PATIENCE)
 
 
 @pytest.mark.parametrize(
@@ -33,7 +33,6 @@ def _unhurried(monkeypatch):
         (StressOptions(words=("start", CELL)), {}, "either axes or cells"),
         (StressOptions(engine=("nobody",)), {}, "nobody"),
         (StressOptions(), {"jobs": 0}, "--jobs"),
-        (StressOptions(time_limit=0.0), {}, "--time-limit"),
     ],
 )
 def test_bad_input_is_refused_before_any_cell_is_made(choice, options, words, monkeypatch):

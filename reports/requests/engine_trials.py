@@ -1,4 +1,4 @@
-"""``doctor``: the installed packages, tests of engines and compiler, and the folders that are written."""
+"""What ``engines --try`` and ``--check`` do: try installed packages, engines and compiler; check an adapter."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def places() -> dict[str, str]:
     }
 
 
-# ``check-engine``: every check of an engine's adapter.
+# Every check of an engine's adapter.
 
 
 def engine_findings(adapter: Engine, processes: int | None = None) -> list[CheckResult]:
