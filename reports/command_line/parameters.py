@@ -72,13 +72,12 @@ def command(
     *,
     summary: str,
     without: Sequence[str] = (),
-    hidden: Sequence[str] = (),
     texts: Mapping[str, str] = NO_TEXTS,
 ) -> Callable[[Callable[..., int | None]], Callable[..., int | None]]:
     """Add a function to the commands of an app; it may give the exit code.
 
-    Every declared field of a dataclass becomes an option, except those ``without``; ``hidden`` options are not in the
-    help, and ``texts`` replace the help of some options in this command.
+    Every declared field of a dataclass becomes an option, except those ``without``; ``texts`` replace the help of some
+    options in this command.
     """
 
     def add_command(function: Callable[..., int | None]) -> Callable[..., int | None]:
@@ -89,7 +88,7 @@ def command(
             kind = hints[parameter.name]
             if parameter.name in option_classes:
                 chosen = [option for option in declared_options(kind) if option.field.name not in without]
-                parameters += [_option_parameter(option, hidden, texts) for option in chosen]
+                parameters += [_option_parameter(option, texts) for option in chosen]
             elif get_origin(kind) is Annotated:
                 value, info = get_args(kind)
                 parameters.append(_typer_parameter(parameter.name, value, info, parameter.default))
@@ -115,13 +114,13 @@ def option_bag(kind: type[Bag], given: Mapping[str, Any]) -> Bag:
     return kind(**{name: _field_value(option, given[name]) for name, option in options.items() if name in given})
 
 
-def _option_parameter(option: DeclaredOption, hidden: Sequence[str], texts: Mapping[str, str]) -> inspect.Parameter:
+def _option_parameter(option: DeclaredOption, texts: Mapping[str, str]) -> inspect.Parameter:
     """The parameter of a declared field."""
     info = option.info
     default = REQUIRED if isinstance(info, Argument) and info.is_required else option.field.default
     if option.field.name in texts and isinstance(info, Option):
         info = replace(info, help=texts[option.field.name])
-    return _typer_parameter(option.field.name, option.kind, info, default, is_hidden=option.field.name in hidden)
+    return _typer_parameter(option.field.name, option.kind, info, default)
 
 
 def _typer_parameter(
@@ -129,8 +128,6 @@ def _typer_parameter(
     kind: Any,  # noqa: ANN401 - a type
     info: Option | Argument,
     default: Any,  # noqa: ANN401 - of any option
-    *,
-    is_hidden: bool = False,
 ) -> inspect.Parameter:
     """A parameter in the form of typer: a tuple of words becomes a list; a flag for a field that is True sets False."""
     is_flag, member = kind is bool, member_type(kind)
@@ -147,7 +144,7 @@ def _typer_parameter(
     else:
         flags = info.flags or (f"--{name.replace('_', '-')}",)
         metavar = None if is_flag else info.metavar
-        shown = typer.Option(*flags, metavar=metavar, help=info.help, autocompletion=names, hidden=is_hidden)
+        shown = typer.Option(*flags, metavar=metavar, help=info.help, autocompletion=names)
     way = inspect.Parameter.KEYWORD_ONLY
     return inspect.Parameter(name, way, default=default, annotation=Annotated[kind, shown])
 
