@@ -1,1 +1,1 @@
-"""Studies of many designs of one linkage: sweeps, optima, tolerances, and how far engines may be trusted there."""
+"""Studies of many designs of one linkage: sweeps, optima, tolerances."""
