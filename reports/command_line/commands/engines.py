@@ -121,7 +121,7 @@ def try_all(destination: Destination) -> int:
             "places": where,
         }
     )
-    tables = [
+    tables: list[Printed] = [
         ", ".join(f"{name} {facts[name]}" for name in ("linkproof", "python", "numpy", "scipy") if name in facts),
         f"{facts['machine']}; commit {facts['commit']}",
         "",

@@ -19,7 +19,6 @@ from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
 from comparisons.stress.cells import axes, find_cell, lost, run_cell, usages
 from comparisons.stress.scenes import case
 from engines.contract import Abilities, Method, Outcome, Run
-from tests.comparisons.faults import PATIENCE
 from tests.comparisons.true_motions import true_history, with_signal
 
 
@@ -217,7 +216,7 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
 
 
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
-    (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")], PATIENCE)
+    (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")])
     assert found.verdict is StressVerdict.WITHIN
 
 

@@ -27,9 +27,6 @@ def _unhurried(monkeypatch):
 @pytest.mark.parametrize(
     ("choice", "options", "words"),
     [
-        (StressOptions(words=("mas",)), {}, "mass"),
-        (StressOptions(words=("start/positions/1e-08/direct",)), {}, "AXIS/ROW/VALUE/ENGINE/USAGE"),
-        (StressOptions(words=("start/positions/much/direct/tuned",)), {}, "got 'much'"),
         (StressOptions(words=("start", CELL)), {}, "either axes or cells"),
         (StressOptions(engine=("nobody",)), {}, "nobody"),
         (StressOptions(), {"jobs": 0}, "--jobs"),
