@@ -1,10 +1,16 @@
-"""Figures over a space of designs, and which designs have the least and the largest."""
+"""Figures over a space of designs, the grid of several ranges or a list, and which designs have the extremes.
+
+The designs of a grid are numbered in C order, its last axis fastest. Values are in the units of the linkage's file.
+"""
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -14,16 +20,159 @@ from analytic.description.changes import SPEED, with_numbers
 from analytic.description.linkage import Linkage
 from analytic.designs.figures import STROKE
 from analytic.designs.results import usual_path
-from analytic.errors import AssemblyError, LinkproofError
+from analytic.errors import AssemblyError, LinkproofError, shortened
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names
-from comparisons.designs.parameters import NamedFigure, SteadyMotion, named_figures
-from comparisons.designs.space import ONE_BY_ONE, DesignSpace
+from comparisons.designs.parameters import NamedFigure, Parameter, SteadyMotion, named_figures, parameter
 
 if TYPE_CHECKING:
     import xarray
 
+
 Array = NDArray[np.float64]
+
+MOST: Final = 2 * 10**7  # values of an axis, and figures of all designs together: they are in memory
+ONE_BY_ONE: Final = "design"  # the dimension of a list
+RANGE_FORM: Final = "NAME=FIRST:LAST:COUNT, such as rod.B.x=170:180:1000"
+
+
+@dataclass(frozen=True)
+class DesignSpace:
+    """The grid of every combination of the ``columns``, the values of each parameter; or their rows, a list."""
+
+    parameters: tuple[Parameter, ...]
+    columns: tuple[Array, ...]
+    is_list: bool = False
+
+    def __post_init__(self) -> None:
+        names = [number.name for number in self.parameters]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise LinkproofError(f"expected every parameter once, got {twice} twice: leave one of the two out")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Designs along each dimension."""
+        return (len(self.columns[0]),) if self.is_list else tuple(map(len, self.columns))
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        """Names of the dimensions: the parameters of a grid."""
+        return (ONE_BY_ONE,) if self.is_list else tuple(number.name for number in self.parameters)
+
+    @property
+    def ends(self) -> Array:
+        """Least and largest value of every parameter, (parameters, 2), in the file's units."""
+        return np.array([[np.min(values), np.max(values)] for values in self.columns])
+
+    @property
+    def count(self) -> int:
+        """Number of designs."""
+        return math.prod(self.shape)
+
+    def file_values(self, first: int, last: int) -> Array:
+        """Values of the designs from number ``first`` up to ``last``, (parameters, designs), in the file's units."""
+        if self.is_list:
+            return np.stack([values[first:last] for values in self.columns])
+        places = np.unravel_index(np.arange(first, last), self.shape)
+        return np.stack([axis[place] for axis, place in zip(self.columns, places, strict=True)])
+
+    def block(self, first: int, last: int) -> dict[str, Array]:
+        """SI values (designs,) of the designs from number ``first`` up to ``last``, by parameter."""
+        values = self.file_values(first, last)
+        return {number.name: row * number.unit.size for number, row in zip(self.parameters, values, strict=True)}
+
+
+def parameter_range(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
+    """The parameter and its values, in equal steps, that ``--vary rod.B.x=170:180:1000`` means.
+
+    Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a malformed range.
+    """
+    name, equals, ends = text.partition("=")
+    words = ends.split(":")
+    if not equals or len(words) != 3:
+        raise LinkproofError(f"--vary: expected {RANGE_FORM}, got '{text}'; correct it")
+    number = parameter(linkage, name.strip())
+    first, last = (number.in_file(word) for word in words[:2])
+    count = int(words[2]) if re.fullmatch(r"\s*\d{1,18}\s*", words[2], re.ASCII) else 0
+    if not 1 <= count <= MOST:
+        raise LinkproofError(
+            f"--vary {name}: expected a number of values from 1 to {MOST:.0e}, got '{words[2]}'; write {RANGE_FORM}"
+        )
+    if (count == 1) != (first == last) or not math.isfinite(last - first):
+        raise LinkproofError(
+            f"--vary {name}: expected {'two values that differ' if count > 1 else 'a single value, twice'} for "
+            f"{count} value{'s' if count > 1 else ''}, got {words[0]} and {words[1]}; correct the range or the count"
+        )
+    return number, np.linspace(first, last, count)
+
+
+# Designs as a table in a CSV file: a column per parameter, a row per design.
+
+OTHER_MARKS: Final = {";": "semicolons", "\t": "tabs"}  # of spreadsheets
+
+
+def read_table(path: Path, linkage: Linkage) -> DesignSpace:
+    """The table of a file, whose first line names parameters: ``rod.B.x`` or ``rod.B.x [cm]``.
+
+    Raises UnknownNameError for an unknown column or unit, LinkproofError for a file that cannot be read and
+    rows that are no designs.
+    """
+    import pandas  # noqa: PLC0415 - half a second that only a table pays for
+
+    start = f"--table '{path}': expected"
+    read = partial(
+        pandas.read_csv, path, header=None, index_col=False, dtype=str, keep_default_na=False, skip_blank_lines=False,
+        encoding="utf-8-sig",
+    )  # fmt: skip
+    try:
+        columns = _read_head(start, read(nrows=1).iloc[0].tolist(), linkage)
+        cells = read().fillna("")
+    except OSError as error:
+        raise LinkproofError(f"{start} a file, got {error.strerror}; correct the path") from error
+    except UnicodeDecodeError as error:
+        raise LinkproofError(f"{start} text in UTF-8, got other bytes; save it as CSV") from error
+    except pandas.errors.EmptyDataError as error:
+        raise LinkproofError(f"{start} a head that names parameters, got an empty file; add it") from error
+    except pandas.errors.ParserError as error:
+        why = str(error).removeprefix("Error tokenizing data. C error: ").strip()
+        raise LinkproofError(f"{start} a cell per column in every row, got other rows: {why}; correct it") from error
+    rows = cells.iloc[1:].apply(lambda column: column.str.strip())
+    rows = rows[(rows != "").any(axis=1)]  # lines without a design count for nothing
+    if rows.empty:
+        raise LinkproofError(f"{start} a head that names parameters and a row per design below, got none; add some")
+    wrong = np.argwhere(~np.isfinite(rows.apply(pandas.to_numeric, errors="coerce").to_numpy(dtype=float)))
+    if len(wrong):
+        row, column = wrong[0]
+        got = f"'{shortened(rows.iat[row, column])}'" if rows.iat[row, column] else "nothing"
+        raise LinkproofError(
+            f"{start} a finite number in line {rows.index[row] + 1}, column {columns[column][0].name}, got {got}; "
+            "correct it"
+        )
+    exact = rows.to_numpy(dtype=object).astype(float)  # to_numeric is off by a last digit here and there
+    values = exact.T * np.array([size for _, size in columns])[:, None]
+    return DesignSpace(tuple(number for number, _ in columns), tuple(values), is_list=True)
+
+
+def _read_head(start: str, names: list[str], linkage: Linkage) -> list[tuple[Parameter, float]]:
+    """The parameters of a head, each with the size of its column's unit in that of the linkage's file."""
+    if len(names) == 1 and (other := next((word for mark, word in OTHER_MARKS.items() if mark in names[0]), None)):
+        raise LinkproofError(f"{start} commas between columns, and points in numbers, got {other}; save it so")
+    if not any(name.strip() for name in names):
+        raise LinkproofError(f"{start} a head that names parameters, got an empty line; add it")
+    columns = []
+    for number, cell in enumerate(names, start=1):
+        if not cell.strip():
+            raise LinkproofError(
+                f"{start} a parameter's name over every column, got nothing over column {number}; add it, or leave the "
+                "column out"
+            )
+        name, bracket, unit = cell.strip().partition("[")
+        entry = parameter(linkage, name.strip())
+        size = entry.si(f"1 {unit.strip().removesuffix(']').strip()}") / entry.unit.size if bracket else 1.0
+        columns.append((entry, size))
+    return columns
+
 
 USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.min")
 PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
@@ -134,14 +283,14 @@ def figures_of_file(request: SweepRequest) -> Array:
 
     Raises LinkproofError where the space has values that no design can.
     """
-    for parameter, (least, most) in zip(request.space.parameters, request.space.ends, strict=True):
-        if parameter.kind == SPEED and least <= 0.0 <= most:
+    for number, (least, most) in zip(request.space.parameters, request.space.ends, strict=True):
+        if number.kind == SPEED and least <= 0.0 <= most:
             raise LinkproofError(
-                f"{parameter.name}: expected speeds on one side of 0, got {least:g} to {most:g}; correct it"
+                f"{number.name}: expected speeds on one side of 0, got {least:g} to {most:g}; correct it"
             )
-        if parameter.kind in ("mass", "inertia") and least < 0.0:
+        if number.kind in ("mass", "inertia") and least < 0.0:
             raise LinkproofError(
-                f"{parameter.name}: expected no negative {parameter.kind}, got {least:g} {parameter.unit.name}; "
+                f"{number.name}: expected no negative {number.kind}, got {least:g} {number.unit.name}; "
                 "correct the range"
             )
     design = {name: np.array([value]) for name, value in request.numbers_of_file.items()}

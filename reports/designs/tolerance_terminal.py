@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.errors import printable
 from analytic.written import csv_text, finite, plain
-from comparisons.designs.tolerance_study import EXACT, SEED, ToleranceStudy
+from comparisons.designs.tolerances import EXACT, SEED, ToleranceStudy
 from reports.document.chart import Chart, Curve, Mark, Panel, axis_label
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table

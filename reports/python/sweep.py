@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.designs.parameters import Parameter, design_file, parameter
-from comparisons.designs.space import DesignSpace
-from comparisons.designs.sweep import SweepRequest, figures_of_file, labelled_dataset, sweep_block
+from comparisons.designs.sweep import DesignSpace, SweepRequest, figures_of_file, labelled_dataset, sweep_block
 from comparisons.designs.sweep import sweep as sweep_space
-from comparisons.designs.tolerance_study import QUANTILES, SEED, ToleranceStudy, tolerance_study
-from comparisons.designs.tolerances import Tolerances, read_tolerances
+from comparisons.designs.tolerances import QUANTILES, SEED, Tolerances, ToleranceStudy, read_tolerances, tolerance_study
 from reports.designs.optimise_terminal import document
 from reports.python.keywords import Words, resolve_linkage, with_keywords, words
 from reports.requests.case import steady_case

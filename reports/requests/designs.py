@@ -9,10 +9,8 @@ from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.designs.optimisation import OptimisationRequest, Optimum, optimise
 from comparisons.designs.parameters import mass_words, named_figures
-from comparisons.designs.space import MOST, DesignSpace, parameter_range, read_table
-from comparisons.designs.sweep import SweepRequest, usual_figures
-from comparisons.designs.tolerance_study import ToleranceRequest, tolerance_request
-from comparisons.designs.tolerances import Tolerances
+from comparisons.designs.sweep import MOST, DesignSpace, SweepRequest, parameter_range, read_table, usual_figures
+from comparisons.designs.tolerances import ToleranceRequest, Tolerances, tolerance_request
 from reports.requests.case import SteadyCase, steady_case
 from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
 

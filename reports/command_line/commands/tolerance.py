@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from analytic.description.loading import load
-from comparisons.designs.tolerance_study import ToleranceStudy, tolerance_study
-from comparisons.designs.tolerances import read_tolerances
+from comparisons.designs.tolerances import ToleranceStudy, read_tolerances, tolerance_study
 from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.designs.tolerance_terminal import csv_table, document, printout, tornado_chart

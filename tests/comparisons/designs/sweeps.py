@@ -3,8 +3,7 @@
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import named_figures, steady_motion
-from comparisons.designs.space import DesignSpace, parameter_range
-from comparisons.designs.sweep import SweepRequest
+from comparisons.designs.sweep import DesignSpace, SweepRequest, parameter_range
 
 SIX_BAR = load("rimoldi-164")
 GRID = ("rod.B.x=160:180:5", "rod.mass=100g:0.2:3", "rod.centre.x=50:6cm:2")

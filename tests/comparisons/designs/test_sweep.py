@@ -1,20 +1,129 @@
-"""A sweep is what a loop over its designs, one by one, makes of them."""
+"""A sweep is what a loop over its designs, one by one, makes of them; what is no space of designs is told."""
+
+from __future__ import annotations
 
 import itertools
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from analytic.description.crank_motion import RPM
 from analytic.designs.results import design_figures
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import sheet, usual_case
 from comparisons.designs import sweep as sweeps
-from comparisons.designs.parameters import named_figures, steady_motion
-from comparisons.designs.space import DesignSpace, parameter_range
-from comparisons.designs.sweep import SweepRequest, figures_of_file, reason_not_assembled, sweep, usual_figures
+from comparisons.designs.parameters import named_figures, parameter, steady_motion
+from comparisons.designs.sweep import (
+    DesignSpace,
+    SweepRequest,
+    figures_of_file,
+    parameter_range,
+    read_table,
+    reason_not_assembled,
+    sweep,
+    usual_figures,
+)
 from tests.analytic.loaded_linkages import on_trial
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
+
+NAMES = ("rod.B.x", "rod.mass", "rod.centre.x")
+
+
+@given(st.lists(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=4), min_size=1, max_size=3), st.data())
+def test_designs_are_numbered_last_axis_first(values, data):
+    parts = tuple(parameter(SIX_BAR, name) for name in NAMES[: len(values)])
+    space = DesignSpace(parts, tuple(map(np.array, values)))
+    truth = np.array(list(itertools.product(*values))).T
+    first = data.draw(st.integers(0, space.count - 1))
+    last = data.draw(st.integers(first + 1, space.count))
+    np.testing.assert_array_equal(space.file_values(first, last), truth[:, first:last])
+    np.testing.assert_array_equal(space.ends, np.stack([truth.min(axis=1), truth.max(axis=1)], axis=1))
+    for one, row in zip(parts, truth, strict=True):
+        np.testing.assert_array_equal(space.block(first, last)[one.name], row[first:last] * one.unit.size)
+
+
+def test_a_range_is_read_in_the_units_of_the_file_or_in_its_own():
+    for text in ("rod.B.x=170:180:11", "rod.B.x=17cm:18 cm:11", " rod.B.x =170:0.18m:11"):
+        np.testing.assert_array_equal(parameter_range(SIX_BAR, text)[1], np.arange(170.0, 181.0))
+    assert parameter_range(SIX_BAR, "rod.B.x=170:170:1")[1].tolist() == [170.0]
+
+
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        (["rod.B.z=1:2:3"], "did you mean 'rod.B."),
+        (["rod.B.x=1:2"], "expected NAME=FIRST:LAST:COUNT"),
+        (["rod.B.x=1:inf:3"], "expected a finite number of mm"),
+        (["rod.B.x=1kg:2:3"], "unknown length unit 'kg'"),
+        (["rod.B.x=1:2:0"], "expected a number of values"),
+        (["rod.B.x=1:2:1"], "expected a single value, twice"),
+        (["rod.B.x=2:2:5"], "expected two values that differ"),
+        (["rod.B.x=-1e308:1e308:5"], "expected two values that differ"),
+        (["rod.B.x=1:2:3", "rod.B.x=1:2:3"], "got rod.B.x twice"),
+        (["rod.B.x=1:2:20000001"], "expected a number of values from 1 to 2e+07"),
+    ],
+)
+def test_what_is_no_space_is_told(texts, words):
+    with pytest.raises(LinkproofError) as told:
+        grid(*texts)
+    assert words in str(told.value)
+
+
+# Tables of designs are what was written; what is wrong with one is told by line and column.
+
+
+def test_a_table_is_read_in_its_own_units(tmp_path):
+    values = np.random.default_rng(0).uniform(1.0, 2.0, (2, 103))
+    rows = [f"{a!r},{b!r}" for a, b in values.T.tolist()]
+    rows.insert(50, "")  # lines without a design count for nothing
+    file = tmp_path / "designs.csv"
+    file.write_text("\ufeffrod.B.x [cm], rod.mass \n" + "\n".join(rows), encoding="utf-8")
+    space = read_table(file, SIX_BAR)
+    truth = values * np.array([[10.0], [1.0]])
+    assert (space.count, space.shape, space.dimensions) == (103, (103,), ("design",))
+    np.testing.assert_array_equal(space.ends, np.stack([truth.min(axis=1), truth.max(axis=1)], axis=1))
+    for first, last in ((0, 103), (10, 20)):
+        np.testing.assert_array_equal(space.file_values(first, last), truth[:, first:last])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "expected a head that names parameters, got an empty file"),
+        ("\n1,2\n", "expected a head that names parameters"),
+        ("rod.B.x\n \n", "expected a head that names parameters and a row per design"),
+        ("rod.B.q\n1\n", "did you mean 'rod.B."),
+        ("rod.B.x [kg]\n1\n", "unknown length unit 'kg'"),
+        ("rod.B.x,rod.B.x\n1,2\n", "got rod.B.x twice"),
+        ("rod.B.x,rod.mass\n1,2\n3\n4,5\n", "in line 3, column rod.mass, got nothing"),
+        (
+            "rod.B.x,rod.mass\n1,2\n3,4,5\n",
+            "expected a cell per column in every row, got other rows: Expected 2 fields in line 3, saw 3",
+        ),
+        ("rod.B.x\n1\ntwo\n", "expected a finite number in line 3, column rod.B.x, got 'two'"),
+        ("rod.B.x\nTrue\n", "got 'True'"),
+        ("\ufeffrod.B.x [cm];rod.mass\r\n17,2;0,1\r\n", "got semicolons"),
+        ("rod.B.x,\n175,\n", "got nothing over column 2"),
+        ("rod.B.x\n1\n\n1e999\n", "in line 4, column rod.B.x, got '1e999'"),
+    ],
+)
+def test_what_is_no_table_is_told(tmp_path, text, words):
+    file = tmp_path / "designs.csv"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(LinkproofError) as told:
+        read_table(file, SIX_BAR)
+    assert words in str(told.value)
+
+
+def test_a_file_that_cannot_be_read_is_told(tmp_path):
+    (tmp_path / "latin.csv").write_bytes("rod.B.x\n1\nü\n".encode("latin1"))
+    (tmp_path / "head.csv").write_bytes("rö\n1\n".encode("latin1"))
+    for name, words in (("none.csv", "No such file"), ("latin.csv", "UTF-8"), ("head.csv", "UTF-8")):
+        with pytest.raises(LinkproofError, match=words):
+            read_table(tmp_path / name, SIX_BAR)
 
 
 def looped(asked):

@@ -2,8 +2,7 @@
 
 from analytic.description.crank_motion import RPM
 from comparisons.designs.parameters import steady_motion
-from comparisons.designs.tolerance_study import tolerance_request, tolerance_study
-from comparisons.designs.tolerances import Tolerances
+from comparisons.designs.tolerances import Tolerances, tolerance_request, tolerance_study
 from reports.designs.tolerance_terminal import NONE, TIED, document, printout
 from reports.document.terminal import rendered
 from tests.analytic.linkages import IN_LINE, from_text, mechanism

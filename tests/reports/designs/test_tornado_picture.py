@@ -7,8 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import RPM
 from comparisons.designs.parameters import steady_motion
-from comparisons.designs.tolerance_study import tolerance_request, tolerance_study
-from comparisons.designs.tolerances import Tolerances
+from comparisons.designs.tolerances import Tolerances, tolerance_request, tolerance_study
 from reports.charts import draw
 from reports.charts.scales import PALETTE
 from reports.designs.tolerance_terminal import WIDE, tornado_chart
