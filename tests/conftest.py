@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from comparisons.runs.worker_process import start_server
+from tests.pages import browser
 
 settings.register_profile(
     "steady", deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=bool(os.environ.get("CI"))
@@ -34,3 +35,9 @@ def pytest_collection_finish():
 def _workers_are_forked_with_what_they_need():
     """The server starts once, and the first test to use it would settle what every worker imports for itself."""
     start_server(["comparisons.conformance.conformance", "engines.direct_adapter.adapter"])
+
+
+@pytest.fixture(scope="session")
+def _at_a_browser():
+    """A browser is there, or the test is skipped or fails."""
+    browser.demand()

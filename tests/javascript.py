@@ -6,8 +6,6 @@ import json
 import shutil
 import subprocess
 
-import pytest
-
 from tests.pages import browser
 
 
@@ -17,8 +15,6 @@ def called(source: str, arguments: object) -> object:
     if shutil.which("node"):
         run = ["node", "-e", f"process.stdout.write(JSON.stringify({script}))"]
         return json.loads(subprocess.run(run, capture_output=True, check=True, text=True).stdout)
-    pytest.importorskip("playwright", reason="neither node nor Playwright is installed")
-    if browser.executable() is None:
-        pytest.skip("neither node nor Chromium on this machine")
+    browser.demand()
     with browser.started() as chromium:
         return chromium.new_page().evaluate(script)

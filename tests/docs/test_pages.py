@@ -1,7 +1,6 @@
 """The documentation: a complete site that loads nothing from a network, with the tables and names of the program."""
 
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +12,7 @@ from analytic.description.json_schema import json_schema
 from comparisons.judging.limits import shipped_limits
 from docs.making.pages import keys, limits, reference
 from docs.making.tables import renewed
-from tests.pages.browser import PATIENCE
+from tests.pages.browser import PATIENCE, started
 
 ROOT = Path(__file__).parents[2]
 LOADED = re.compile(r"<(?:script|img|iframe|source)[^>]* src=\"?([^\" >]+)|<link[^>]* href=\"?([^\" >]+)")
@@ -45,12 +44,10 @@ def test_every_page_of_the_folder_is_in_the_navigation(site):
     assert not missing
 
 
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium here")
+@pytest.mark.usefixtures("_at_a_browser")
 def test_the_site_is_searched_from_the_disk(site):
-    sync_api = pytest.importorskip("playwright.sync_api")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        page = browser.new_page()
+    with started() as chromium:
+        page = chromium.new_page()
         page.set_default_timeout(PATIENCE)
         requested = []
         page.on("request", lambda request: requested.append(request.url))
@@ -58,7 +55,6 @@ def test_the_site_is_searched_from_the_disk(site):
         page.keyboard.press("/")
         page.keyboard.type("shaking force")
         page.wait_for_selector(".md-search-result__item a[href*='quantities.html']")
-        browser.close()
     assert not [url for url in requested if url.startswith("http")]
 
 

@@ -1,12 +1,19 @@
-"""A report's pages in a headless browser: the files that a page loads, its size, and the violations by axe-core."""
+"""A report's pages in a headless browser: the files that a page loads, its size, and the violations by axe-core.
+
+``python -m tests.pages.browser`` succeeds where there is a browser; ``make browser`` installs one where it does not.
+"""
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -98,9 +105,34 @@ class Look:
         return len(re.findall(rb"/Type\s*/Page\b", self.page.pdf(format="A4", prefer_css_page_size=True)))
 
 
+@cache
 def executable(name: str = "chromium") -> str | None:
-    """The browser's program; None where there is none."""
-    return next((found for one in NAMES[name] if (found := shutil.which(one))), None)
+    """The browser's program, the system's or Playwright's own Chromium; None where there is neither."""
+    found = next((found for one in NAMES[name] if (found := shutil.which(one))), None)
+    if found or name != "chromium" or find_spec("playwright") is None:
+        return found
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        own = driver.chromium.executable_path
+    return own if Path(own).exists() else None
+
+
+def lacking() -> str:
+    """What tests of pages lack on this machine, in a sentence; empty where they lack nothing."""
+    for package in ("playwright", "axe_playwright_python"):
+        if find_spec(package) is None:
+            return f"{package} is not installed: pages were not looked at"
+    return "" if executable() else "no Chromium on this machine: pages were not looked at; make browser installs it"
+
+
+def demand() -> None:
+    """Skip a test where there is no browser; with LINKPROOF_REQUIRE=browser, as CI sets it, the test fails."""
+    import pytest
+
+    reason = lacking()
+    if reason:
+        (pytest.fail if os.environ.get("LINKPROOF_REQUIRE") == "browser" else pytest.skip)(reason)
 
 
 @contextmanager
@@ -186,3 +218,7 @@ def pages(folder: Path) -> list[Path]:
     """Every page of a report, the first one first."""
     rest = sorted({*folder.glob("*.html"), *folder.glob("mechanisms/*.html")} - {folder / "index.html"})
     return [folder / "index.html", *rest]
+
+
+if __name__ == "__main__":
+    sys.exit(lacking() or 0)

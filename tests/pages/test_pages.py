@@ -18,14 +18,12 @@ from comparisons.work_precision.records import save as save_bench
 from reports.document.html import _PageFiles
 from reports.site.site import write_site
 from tests.commands import empty_picture
-from tests.pages.browser import WIDTHS, executable, opened, started
+from tests.pages.browser import WIDTHS, opened, started
 from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_results import made_up_results
 from tests.reports.made_up_stress import made_up_stress
 
-pytest.importorskip("playwright", reason="Playwright is not installed")
-pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
-pytestmark = pytest.mark.skipif(executable() is None, reason="no Chromium on this machine: pages were not looked at")
+pytestmark = pytest.mark.usefixtures("_at_a_browser")
 
 MOST_SCREENS, MOST_NODES, MOST_BYTES, MOST_SHEETS = 12, 6_000, 1_500_000, 12
 INDEX_SCREENS = 3
