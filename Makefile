@@ -14,8 +14,11 @@ SPEED  := --config tests/speed/asv.conf.json
 RECORD := --baseline tests/baseline.json --record-baseline
 
 DOCUMENTED := $(VENV)/.documented
+BROWSER    := $(VENV)/.browser
+# drake is not one of all, and has an environment of its own.
+DRAKE      := .venv-drake
 
-.PHONY: report pages pictures docs pins test nightly lint baseline speed release-check clean
+.PHONY: report pages pictures docs pins browser test nightly nightly-drake lint baseline speed release-check clean
 
 report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
@@ -34,11 +37,16 @@ docs: $(DOCUMENTED)  ## the documentation, from docs/ to build/docs/index.html; 
 pins: $(READY)  ## every pinned record made anew and held; python tests/pins/pins.py take renews them
 	$(BIN)/python tests/pins/pins.py hold
 
-test: $(READY)  ## the tests of every change, on all cores
+browser: $(BROWSER)  ## a browser for the tests of pages, where there is none: Debian's Chromium as root, else Playwright's
+
+test: $(READY)  ## the tests of every change, on all cores; without a browser those of pages are skipped
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
 nightly: $(READY)  ## the tests that take minutes: every mutant in every engine, killed campaigns, the wheel, whole literature
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m nightly
+
+nightly-drake: $(DRAKE)/.installed  ## every test of the engine drake
+	$(DRAKE)/bin/python -m pytest --numprocesses auto --dist worksteal -m 'nightly or not nightly' -k drake
 
 lint: $(READY)  ## style, types and the direction of imports
 	$(BIN)/ruff check .
@@ -58,7 +66,7 @@ release-check: $(READY)  ## sdist and wheel in build/release, each installed ane
 	$(BIN)/python -m tests.linkproof.release build/release
 
 clean:
-	rm -rf build $(VENV)
+	rm -rf build $(VENV) $(DRAKE)
 
 # Installed once; again only when the dependencies change.
 $(READY): pyproject.toml
@@ -68,4 +76,17 @@ $(READY): pyproject.toml
 
 $(DOCUMENTED): $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	touch $@
+
+$(DRAKE)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(DRAKE)
+	$(DRAKE)/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[drake,dev]'
+	touch $@
+
+$(BROWSER): $(READY)
+	$(BIN)/python -m tests.pages.browser \
+	|| { [ "$$(id -u)" = 0 ] && apt-get update -qq \
+	     && DEBIAN_FRONTEND=noninteractive apt-get install -qq --yes --no-install-recommends chromium fonts-liberation; } \
+	|| $(BIN)/python -m playwright install --with-deps chromium
+	$(BIN)/python -m tests.pages.browser
 	touch $@

@@ -22,13 +22,16 @@ def test_workflows_and_templates_can_be_read():
     for path in (ROOT / ".github").rglob("*.yml"):
         parts = read(path)
         assert {"jobs"} <= parts.keys() or {"name", "description", "body"} <= parts.keys(), path
-    systems = read(".github/workflows/tests.yml")["jobs"]["test"]["strategy"]["matrix"]
-    assert systems == {"os": ["ubuntu-latest", "macos-latest", "windows-latest"], "python": ["3.11", "3.12", "3.13"]}
 
 
 def test_the_recipe_lists_every_dependency():
     text = (ROOT / "conda" / "meta.yaml").read_text(encoding="utf-8")
-    rendered = jinja2.Template(text).render(PYTHON="python", load_file_data=lambda *_, **__: {"project": PROJECT})
+
+    def load_file_data(name, *, from_recipe_dir):  # as conda-build does
+        place = ROOT / "conda" if from_recipe_dir else Path()
+        return tomllib.loads((place / name).read_text(encoding="utf-8"))
+
+    rendered = jinja2.Template(text).render(PYTHON="python", load_file_data=load_file_data)
     recipe = yaml.safe_load(rendered)
     assert recipe["package"] == {"name": "linkproof", "version": PROJECT["version"]}
     needed = [each.partition(" ")[0].replace("matplotlib-base", "matplotlib") for each in recipe["requirements"]["run"]]
