@@ -26,15 +26,6 @@ inertia = 1e-5
 """
 
 
-def nearly_parallelograms(dyads: int) -> str:
-    """The same of cells that all but close as parallelograms: each turns a little less far than the one before it."""
-    lengths = {"P0 = [20, 0]": "P0 = [0, 45]", "= [100, 0] }": "= [100, 3] }", "= [45, 0] }": "= [0, 45] }"}
-    text = chain_of_dyads(dyads).replace("angle = 90", "angle = 0")
-    for old, new in lengths.items():
-        text = text.replace(old, new)
-    return text
-
-
 def chain_of_dyads(dyads: int) -> str:
     """The text of a linkage of 2 ``dyads`` + 1 links; its crank turns fully."""
     numbers = range(1, dyads + 1)

@@ -1,15 +1,13 @@
-"""Quantities by name: the same numbers as one by one, in pieces of any size, with published peaks."""
+"""Quantities by name: the same numbers as one by one, in pieces of any size."""
 
 import numpy as np
 import pytest
 
 from analytic import evaluation
-from analytic.description.crank_motion import crank_motion
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate
 from tests.analytic.linkages import angles, mechanism
-from tests.analytic.tolerances import FOUR_DIGITS
 
 
 def test_pieces_make_up_the_whole(monkeypatch):
@@ -27,28 +25,6 @@ def test_results_have_the_shape_of_the_angles_and_scalars_spread():
     result = evaluate(mechanism("juki-mf7923d"), angles(6).reshape(2, 3), ["Mkr", "S"], speed=10.0)
     assert {name: values.shape for name, values in result.items()} == {"Mkr": (2, 3), "S": (2, 3)}
     assert evaluate(mechanism("juki-mf7923d"), 0.3, ["Jeq"])["Jeq"].shape == ()
-
-
-# Largest torque, N m, and driving power, W, of the specification (four digits) and as articles print them.
-RUN_UPS = [
-    ("juki-mf7923d", "as-built", "run-up", 0.1654, 17.07),
-    ("juki-mf7923d", "as-built", "run-up-quintic", 0.1562, 16.28),
-    ("rimoldi-164", "as-built", "run-up", 0.2704, 24.91),
-    ("rimoldi-164", "as-built", "run-up-cubic", 0.2704, 24.91),
-]
-PRINTED = [("juki-mf7923d", "as-printed", "run-up", 0.125, 12.9), ("rimoldi-164", "as-printed", "run-up", 0.179, 16.6)]
-
-
-@pytest.mark.parametrize(("name", "variant", "regime", "torque", "power"), [*RUN_UPS, *PRINTED])
-def test_peak_torque_and_largest_driving_power_of_the_run_up(name, variant, regime, torque, power):
-    motion = crank_motion(regime)
-    time = np.linspace(0.0, motion.duration, 40_001)
-    moves = {"speed": motion.speed(time), "acceleration": motion.acceleration(time)}
-    result = evaluate(mechanism(name, variant), motion.angle(time), ["Mkr", "Peq"], **moves, path="numpy")
-    is_printed = variant == "as-printed"  # with three decimals and with one
-    close = ({"abs": 0.5e-3}, {"abs": 0.05}) if is_printed else ({"rel": FOUR_DIGITS},) * 2
-    assert np.max(np.abs(result["Mkr"])) == pytest.approx(torque, **close[0])
-    assert np.max(result["Peq"]) == pytest.approx(power, **close[1])
 
 
 def test_an_unknown_quantity_a_missing_speed_and_a_speed_of_another_shape():

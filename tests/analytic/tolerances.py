@@ -20,5 +20,3 @@ FULL_TURN_WORK = 1e-14
 DIFFERENCED = 1e-9
 # A bound that is to be believed may exceed the true error, but not by more than this.
 BOUND_OVER_ERROR = 1e3
-# Article 003 and the specification print four digits.
-FOUR_DIGITS = 0.5e-3

@@ -3,32 +3,8 @@
 import numpy as np
 import pytest
 
-from analytic.dynamics import reduced
 from analytic.numerics.refine import extremes, in_turn, zeros
-from tests.analytic.linkages import mechanism
-from tests.analytic.tolerances import EPS, FOUR_DIGITS
-
-# Reduced inertia, kg m²: mean, max and relative pulsation, from the specification's independent closed form.
-PUBLISHED = {
-    ("juki-mf7923d", "as-printed"): (8.339e-5, 9.128e-5, 0.087),
-    ("juki-mf7923d", "as-built"): (7.997e-5, 9.127e-5, 0.134),
-    ("rimoldi-164", "as-printed"): (1.143e-4, 1.272e-4, 0.120),
-    ("rimoldi-164", "as-built"): (1.063e-4, 1.269e-4, 0.200),
-}
-
-
-def _inertia(name, variant):
-    sample = mechanism(name, variant)
-    return lambda angle: reduced.reduced_inertia(sample.sweep(angle))
-
-
-@pytest.mark.parametrize(("name", "variant"), PUBLISHED)
-def test_reduced_inertia_of_the_needle_mechanisms(name, variant):
-    mean, maximum, pulsation = PUBLISHED[name, variant]
-    result = extremes(_inertia(name, variant))
-    assert result.mean == pytest.approx(mean, rel=FOUR_DIGITS)
-    assert result.maximum == pytest.approx(maximum, rel=FOUR_DIGITS)
-    assert result.relative_pulsation == pytest.approx(pulsation, abs=FOUR_DIGITS)
+from tests.analytic.tolerances import EPS
 
 
 def test_extremes_of_a_known_function():

@@ -6,62 +6,20 @@ import pickle
 import numpy as np
 import pytest
 
-from analytic import moving
 from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.loading import load
 from analytic.dynamics import joint_forces, reduced
-from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.dead_centres import top_dead_centre, top_of_turn
 from comparisons.datasheet.building import usual_case
-from comparisons.judging.deviations import deviation
-from comparisons.judging.quantities import chosen_quantities
 from comparisons.reference.case import MOST_CLOCKS, Case
 from comparisons.reference.motion import zero_of_output
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.swinging import double_rocker
-from tests.comparisons.true_motions import perfect_motion
-from tests.counting import calls
 
 SIX_BAR, SPRUNG = "rimoldi-164", "spring-and-damper"
 MOTION = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02)
 TIMES = np.linspace(0.0, MOTION.duration, 50)
-
-
-def _solved(monkeypatch):
-    return {step: calls(monkeypatch, DyadSolver, step) for step in ("poses", "rates", "accelerations")}
-
-
-def _judged(case, motion, names=()):
-    return [deviation(case, quantity, motion) for quantity in chosen_quantities(case, names)]
-
-
-def test_all_quantities_on_a_clock_share_one_solution_of_the_linkage(monkeypatch):
-    """Jeq, which leaves out the samples near standstill, has a clock of its own."""
-    sample = mechanism(SIX_BAR)
-    motion, case = perfect_motion(sample, MOTION, 101), Case(sample, MOTION)
-    _judged(case, motion, ["S"])  # finds the top dead centre, once for the mechanism
-    dyads, solved = len(sample.structure.dyads), _solved(monkeypatch)
-    others = [quantity.name for quantity in chosen_quantities(case, ()) if quantity.name != "Jeq"]
-    assert len(_judged(Case(sample, MOTION), motion, others)) > dyads
-    assert {step: len(seen) for step, seen in solved.items()} == dict.fromkeys(solved, dyads)
-
-
-def test_jeq_alone_is_judged_without_second_derivatives_forces_or_torques(monkeypatch):
-    sample = mechanism(SIX_BAR)
-    motion, case = perfect_motion(sample, MOTION, 101), Case(sample, MOTION)
-    solved, asked = (
-        _solved(monkeypatch),
-        [
-            calls(monkeypatch, moving, "reactions"),
-            calls(monkeypatch, reduced, "half_inertia_derivative"),
-            calls(monkeypatch, reduced, "generalised_force"),
-        ],
-    )
-    (found,) = _judged(case, motion, ["Jeq"])
-    assert found.samples > 0
-    assert not solved["accelerations"]
-    assert not any(asked)
 
 
 def test_the_truth_on_a_clock_is_the_closed_form():
@@ -85,14 +43,6 @@ def test_a_case_keeps_the_truth_of_its_latest_clocks_alone_and_travels_without_i
     assert there._seen == {}
     assert (there.conditions, there.joint_names()) == (case.conditions, case.joint_names())
     assert np.array_equal(there.at(TIMES).inertia, case.at(TIMES).inertia)
-
-
-def test_joints_are_named_without_solving_anything(monkeypatch):
-    sample = mechanism(SIX_BAR)
-    named = tuple(joint_forces.reactions(sample.sweep(np.array([0.7])), 0.0, 0.0).forces)
-    solved = _solved(monkeypatch)
-    assert Case(sample, MOTION).joint_names() == named
-    assert not any(solved.values())
 
 
 CROSSED = """

@@ -24,7 +24,6 @@ from tests.analytic.kinematics.test_change_points import four_bar
 from tests.analytic.linkages import FULL_TURN, MADE_UP, from_text, mechanism
 from tests.analytic.loaded_linkages import ODD, on_trial
 from tests.analytic.swinging import double_rocker_text
-from tests.analytic.takeups import SLOTTED, TWO_CRANK, takeup
 from tests.engines.closed_form import EVERYTHING, crank_number, driven, errors_of, history_of, with_body
 
 ENGINE = DirectEngine()
@@ -70,11 +69,11 @@ def test_every_linkage_agrees_with_the_closed_form_in_motion_torque_and_joint_fo
 
 @pytest.mark.parametrize("changes", [{"clockwise": True, "start_angle": 4.0}, {"speed": 3.0}, {"hold_time": 3.0}])
 def test_direction_start_angle_and_many_turns_cost_no_accuracy(changes):
-    assert _worst(takeup(TWO_CRANK), _motion(**changes)) <= SAME
+    assert _worst(mechanism("two-crank-takeup"), _motion(**changes)) <= SAME
 
 
 def test_angles_are_unwrapped_over_the_turns():
-    position = _run(takeup(TWO_CRANK), _motion())[1].position
+    position = _run(mechanism("two-crank-takeup"), _motion())[1].position
     angles = position.values[:, :, 2]
     assert np.array_equal(angles[:, 1], _motion().angle(position.time)), "bodies come by name: coupler, crank"
     assert np.max(np.abs(np.diff(angles, axis=0))) < 1.0
@@ -143,7 +142,7 @@ def test_a_slightly_wrong_mass_is_noticed():
 @pytest.mark.nightly
 @pytest.mark.parametrize(("torque", "degrees"), [(0.0, 280.0), (0.025, 269.18)], ids=["free", "driven"])
 def test_ten_seconds_of_the_slotted_take_up_are_those_of_the_reference(torque, degrees):
-    linkage, start = takeup(SLOTTED), math.radians(degrees)
+    linkage, start = mechanism("slotted-takeup"), math.radians(degrees)
     truth = free_motion(linkage, torque=torque, start_angle=start, duration=10.0)
     model = scene(linkage, Free(torque, 10.0), {Channel.POSITION}, start_angle=start)
     position = history_of(ENGINE, model).position
