@@ -4,6 +4,8 @@ import pytest
 
 from tests.printed import is_same
 
+pytestmark = pytest.mark.nightly  # a test of tests
+
 
 @pytest.mark.parametrize(
     ("text", "other", "same"),

@@ -77,4 +77,3 @@ def test_the_reference_has_every_public_name_with_its_arguments():
     text = reference()
     assert not [name for name in linkproof.__all__ if f"### `linkproof.{name}`" not in text and name != "__version__"]
     assert not [name for name in linkproof.engine.__all__ if f"#### `linkproof.engine.{name}`" not in text]
-    assert "    record_baseline: bool = False,\n" in text

@@ -6,7 +6,6 @@ from io import StringIO
 from pathlib import Path
 
 import matplotlib as mpl
-import pytest
 
 from tests import printed
 
@@ -28,24 +27,3 @@ def test_every_cell_prints_what_the_notebook_shows(monkeypatch):
         shown = [part for output in cell["outputs"] for part in output.get("text", ())]
         assert printed.is_same(text.getvalue(), "".join(shown))
         assert pictures == [kind for output in cell["outputs"] if (kind := output["output_type"]) != "stream"]
-
-
-def printed_text(cell):
-    """What a cell of code printed."""
-    return "".join(output["text"] for output in cell["outputs"] if output["output_type"] == "stream")
-
-
-@pytest.mark.nightly
-@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::RuntimeWarning")  # of the kernel's own packages
-def test_a_kernel_prints_what_the_notebook_shows():
-    nbformat, client = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
-    saved = nbformat.read(NOTEBOOK, as_version=4)
-    executed = client.NotebookClient(
-        nbformat.read(NOTEBOOK, as_version=4), timeout=None, coalesce_streams=True
-    ).execute()
-    code = [cells for cells in zip(saved.cells, executed.cells, strict=True) if cells[0].cell_type == "code"]
-    assert sum(bool(printed_text(before)) for before, _ in code) > 3
-    for before, after in code:
-        assert printed.is_same(printed_text(before), printed_text(after))
-        kinds = [[output["output_type"] for output in cell["outputs"]] for cell in (before, after)]
-        assert kinds[0] == kinds[1]

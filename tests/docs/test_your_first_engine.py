@@ -1,6 +1,5 @@
 """The adapter that docs/your-first-engine.md builds, installed as its page says, is found and keeps the contract."""
 
-import ast
 import contextlib
 import os
 import re
@@ -24,7 +23,6 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "your-first-engine.md").read_text(encoding="utf-8")
 BLOCKS = dict(re.findall(r"^```\w+ (\S+)\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
 PROJECT = tomllib.loads(BLOCKS["pyproject.toml"])["project"]
-MOST_LINES = 100  # of the adapter, blank ones left out
 
 
 @pytest.fixture
@@ -75,10 +73,6 @@ def test_its_runs_are_exported_and_the_script_has_the_same_torque(barwork, capsy
 def test_its_thirty_lines_pass_every_check_of_an_engine_that_has_positions_alone():
     names = {"__name__": "pinwork"}
     exec(BLOCKS["pinwork.py"], names)
-    tree = ast.parse(BLOCKS["pinwork.py"])
-    strings = [node for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)]
-    lines = [line for line in BLOCKS["pinwork.py"].splitlines() if line.strip()]
-    assert len(lines) - len(strings) <= 33
     trial, passed = EngineTrial(names["PinworkEngine"]()), set()
     for check in CHECKS.values():
         if check.name.startswith(MUTANT):
@@ -87,11 +81,6 @@ def test_its_thirty_lines_pass_every_check_of_an_engine_that_has_positions_alone
             check.examine(trial)
             passed.add(check.name)
     assert passed >= {"positions", "samples", "refusals", "settings", "recording"}
-
-
-def test_its_adapter_is_short_and_needs_nothing_else():
-    assert {*PROJECT["dependencies"]} == {"linkproof", "numpy"}
-    assert len([line for line in BLOCKS["linkproof_barwork.py"].splitlines() if line.strip()]) <= MOST_LINES
 
 
 def test_the_page_has_every_check_and_the_words_of_a_failed_one():

@@ -1,4 +1,4 @@
-"""The package linkproof: few names, imported when they are used, and never a stranger's module in their place."""
+"""The package linkproof: its names, imported when they are used, and never a stranger's module in their place."""
 
 import ast
 import os
@@ -16,17 +16,13 @@ from engines import contract, scene
 from tests.linkproof import stub
 
 ROOT = Path(__file__).parents[2]
-MOST_NAMES, MOST_LINES = 20, 110
 
 
-def test_it_has_few_names_and_each_can_be_imported():
-    assert len(linkproof.__all__) <= MOST_NAMES
+def test_each_of_its_names_can_be_imported():
     assert all(getattr(linkproof, name) is not None for name in linkproof.__all__)
     assert dir(linkproof) == sorted(linkproof.__all__)
     with pytest.raises(AttributeError, match="'Mechanism': it has Comparison, Linkage"):
         _ = linkproof.Mechanism
-    files = [ROOT / "linkproof" / name for name in ("__init__.py", "engine.py")]
-    assert sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files) <= MOST_LINES
 
 
 def test_the_contract_for_plug_ins_has_every_class_of_which_an_adapter_is_made():
@@ -80,10 +76,10 @@ def test_each_entrance_imports_nothing_heavy_before_it_is_used(tmp_path):
 
 @pytest.fixture
 def stranger(tmp_path, monkeypatch):
-    """Make a folder or a file the place from which one of linkproof's packages would be imported; returns its path."""
+    """Make a folder the place from which one of linkproof's packages would be imported; returns its path."""
 
     def install(name, file="__init__.py"):
-        path = tmp_path / name / file if file else tmp_path / f"{name}.py"
+        path = tmp_path / name / file
         path.parent.mkdir(exist_ok=True)
         path.touch()
         monkeypatch.delitem(sys.modules, name)
@@ -106,12 +102,6 @@ def test_a_strangers_package_is_named_with_the_cure_by_every_entrance(name, stra
     for entrance in ("engine.py", "__main__.py"):
         with pytest.raises(ImportError, match=sentence):
             runpy.run_path(str(ROOT / "linkproof" / entrance), run_name="__main__")
-
-
-def test_a_strangers_file_is_named_too(stranger):
-    place = stranger("engines", file=None)
-    with pytest.raises(ImportError, match=refused("engines", place)):
-        _ = linkproof.load
 
 
 def test_a_module_in_place_of_a_package_is_refused(monkeypatch):

@@ -10,6 +10,7 @@ INSTALLED = [name for name in engine_names() if engine(name).version() is not No
 FAILING = 0.02  # share of the runs with a mass ratio up to 30 that may fail or be over a limit
 
 
+@pytest.mark.nightly
 def test_they_are_the_same_every_time_and_right_in_the_control():
     """One of each kind: the control is within its limits, or the linkages are not valid."""
     assert draw(2) == draw(2)

@@ -2,14 +2,9 @@
 
 import pytest
 
-from analytic.description.loading import parse
 from analytic.errors import StructureError
-from analytic.kinematics import decomposition
-from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.structure import KINDS
-from tests.analytic.chains import chain_of_dyads
 from tests.analytic.linkages import EVERY, MADE_UP, from_text, mechanism
-from tests.counting import calls
 
 HEAD = """
 title = "sample"
@@ -106,14 +101,3 @@ FAULTS = [
 def test_links_that_form_no_groups_are_refused_by_name(links, message):
     with pytest.raises(StructureError, match=message):
         from_text(HEAD + links)
-
-
-def test_the_work_grows_with_the_number_of_links(monkeypatch):
-    joints = calls(monkeypatch, decomposition._PlacedBodies, "revolute")
-    counts = []
-    for dyads in (20, 80):
-        joints.clear()
-        find_structure(parse(chain_of_dyads(dyads), "sample", "sample.toml"))
-        counts.append(len(joints))
-    assert counts[0] <= 20 * 10
-    assert counts[1] <= 4 * counts[0]
