@@ -24,7 +24,7 @@ OWN_TEST = "finds.md"  # tests/docs/test_finds.py runs its blocks
 # Commands that set up a machine; docs/your-first-engine.md has a test of its own, which installs its blocks first.
 SETTING_UP = {"git", "python3", "pip", "make", "barwork"}
 # Their figures are errors and times of engines, which differ from machine to machine.
-MEASURING = {"compare", "bench", "stress", "export"}
+MEASURING = {"compare", "bench", "stress"}
 LONG = {"bench", "stress"}
 PAGES_RUN = [page for page in PAGES if page.name != OWN_TEST]
 

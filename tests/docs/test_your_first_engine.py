@@ -62,8 +62,8 @@ def test_its_checks_are_cases_for_pytest(barwork, pytester):
 
 def test_its_runs_are_exported_and_the_script_has_the_same_torque(barwork, capsys):
     motion = ("--speed", "100", "--ramp-time", "0.1", "--hold-time", "0")
-    words = ("--engine", "barwork", "--setting", "naive", *motion, "--out", "case.py")
-    done = linkproof("export", "teaching-four-bar", *words)
+    words = ("--engine", "barwork", "--setting", "naive", *motion, "--script", "case.py")
+    done = linkproof("compare", "teaching-four-bar", *words)
     assert done.returncode == 0, done.stderr
     runpy.run_path("case.py", run_name="__main__")
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("drive torque")]
