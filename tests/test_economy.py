@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.campaign.campaign import CampaignRequest, compare, sheets
+from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import document, save
 from engines.registry import engine, engine_names
 from reports.requests.campaign import request
@@ -97,6 +97,6 @@ def test_the_pages_of_a_finished_study_import_no_engine(imported, tmp_path):
     choice = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",), quantity=("Jeq",))
     wanted: CampaignRequest = request(choice)
     results = list(compare(wanted))
-    save(tmp_path / "saved", document(wanted, "as tested"), results, sheets(wanted, processes=0))
+    save(tmp_path / "saved", document(wanted, "as tested"), results)
     assert imported(ENGINES, "compare", "--out", str(tmp_path / "saved"), ends=(0,)) == set()
     assert (tmp_path / "saved" / "index.html").is_file()

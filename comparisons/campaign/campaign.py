@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import closing
 from dataclasses import dataclass, replace
 
 from analytic.description.crank_motion import CrankMotion
@@ -228,14 +227,16 @@ def _compare_quantity(
 
 
 def sheets(
-    request: CampaignRequest, *, bounds: Bounds = DEFAULT_BOUNDS, processes: int | None = None
-) -> tuple[Sheet, ...]:
-    """A sheet of every linkage, in the order of the request; one whose process failed contains the reason."""
-    jobs = [(linkage, request.motions, request.own_regimes) for linkage in request.linkages]
+    linkages: Sequence[Linkage], motions: Sequence[CrankMotion], regimes: Sequence[str], processes: int | None = None
+) -> list[Sheet]:
+    """A sheet of every linkage, in their order; one whose process failed contains the reason."""
+    jobs = [(linkage, motions, regimes) for linkage in linkages]
     count = usual_processes(len(jobs)) if processes is None else processes
-    with closing(run_jobs(usual_sheet, jobs, bounds=bounds, processes=count)) as ended:
-        table = dict(ended)
-    return tuple(
-        bare_sheet(jobs[number][0], entry.reason) if isinstance(entry, Lost) else entry
+    try:
+        table = dict(run_jobs(usual_sheet, jobs, processes=count))
+    except LinkproofError:  # no worker can be started
+        table = dict(run_jobs(usual_sheet, jobs, processes=0))
+    return [
+        bare_sheet(linkages[number], entry.reason) if isinstance(entry, Lost) else entry
         for number, entry in sorted(table.items())
-    )
+    ]

@@ -5,26 +5,30 @@ from __future__ import annotations
 import csv
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Final, NotRequired
+from typing import Any, Final, NotRequired
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, TypeAdapter
+from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
-from analytic.description.crank_motion import CrankMotion, Segment
-from analytic.description.linkage import Linkage, Vector
-from analytic.description.loading import parse
-from analytic.errors import LinkproofError
+from analytic.description.crank_motion import CrankMotion
+from analytic.description.linkage import Linkage
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.standard import checksum
-from comparisons.datasheet.saved import FILE as SHEETS
-from comparisons.datasheet.saved import load_sheets, save_sheets
-from comparisons.datasheet.sheet import Sheet
+from comparisons.datasheet.saved import (
+    RESULTS,
+    LinkageRow,
+    MotionRow,
+    described_linkage,
+    described_motion,
+    linkage_row,
+    motion_row,
+)
 from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
 from comparisons.judging.records import CURVE, Record, RunRecord
 from comparisons.runs.environment import environment
@@ -36,20 +40,9 @@ Array = NDArray[np.float64]
 # The form of a campaign's saved document, by which it is checked when it is read back.
 
 
-class MotionRow(TypedDict):
-    """A crank motion: its pieces from one instant to another, s, each a polynomial of the angle, rad."""
+class DescriptionRow(LinkageRow):
+    """A linkage as it was described, and a checksum of its text."""
 
-    regime: str
-    segments: Annotated[list[tuple[float, float, Annotated[list[float], Field(min_length=1)]]], Field(min_length=1)]
-
-
-class DescriptionRow(TypedDict):
-    """A linkage as it was described, under a gravity, m/s²."""
-
-    name: str
-    variant: str
-    gravity: tuple[float, float]
-    text: str
     checksum: str
 
 
@@ -82,11 +75,10 @@ KINDS: Final = (COMPARE, JUDGE)
 
 @dataclass(frozen=True)
 class Results:
-    """A finished campaign: its document, its runs, a data sheet of each linkage."""
+    """A finished campaign: its document and its runs."""
 
     document: Mapping[str, Any]
     runs: tuple[RunRecord, ...]
-    sheets: tuple[Sheet, ...] = ()
 
     @cached_property
     def records(self) -> tuple[Record, ...]:
@@ -113,18 +105,17 @@ class Results:
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:
         """The linkages as they were described when the campaign ran."""
-        return tuple(
-            linkage_from_text(d["text"], d["name"], d["variant"], (d["gravity"][0], d["gravity"][1]))
-            for d in self.document["descriptions"]
-        )
+        return tuple(map(described_linkage, self.document["descriptions"]))
 
     @cached_property
     def motions(self) -> tuple[CrankMotion, ...]:
         """The crank motions of the campaign's regimes."""
-        return tuple(
-            CrankMotion(m["regime"], tuple(Segment(s[0], s[1], tuple(s[2])) for s in m["segments"]))
-            for m in self.document["motions"]
-        )
+        return tuple(map(described_motion, self.document["motions"]))
+
+    @cached_property
+    def regimes(self) -> tuple[str, ...]:
+        """Names of the regimes of its runs, the linkages' own among them."""
+        return tuple(dict.fromkeys(run.regime for run in self.runs))
 
     @cached_property
     def _curves(self) -> Mapping[tuple[str, ...], Mapping[str, Array]]:
@@ -133,11 +124,6 @@ class Results:
     def curve(self, run: Sequence[str], quantity: str) -> Array:
         """``CURVE`` of one run (mechanism, variant, regime, engine, setting) and quantity, (4, samples)."""
         return self._curves[tuple(run)][quantity]
-
-
-def linkage_from_text(text: str, name: str, variant: str | None, gravity: Vector) -> Linkage:
-    """A variant of a linkage from its file's text, under the gravity a campaign ran with."""
-    return replace(parse(text, name, name, variant), gravity=gravity)
 
 
 def document(
@@ -151,20 +137,8 @@ def document(
         "conditions": request.conditions,
         "environment": environment(request.engines),
         "readouts": dict(readouts or {}),
-        "motions": [
-            {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}
-            for m in request.motions
-        ],
-        "descriptions": [
-            {
-                "name": linkage.name,
-                "variant": linkage.variant,
-                "gravity": list(linkage.gravity),
-                "text": linkage.text,
-                "checksum": checksum(linkage.text),
-            }
-            for linkage in request.linkages
-        ],
+        "motions": [motion_row(motion) for motion in request.motions],
+        "descriptions": [{**linkage_row(linkage), "checksum": checksum(linkage.text)} for linkage in request.linkages],
     }
 
 
@@ -179,13 +153,12 @@ def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, 
     }
 
 
-def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord], sheets: Sequence[Sheet] = ()) -> None:
-    """Write a campaign, or a judgement, and its data sheets into a folder, in the place of another there."""
+def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> None:
+    """Write a campaign, or a judgement, into a folder, in the place of another there and of a designer's results."""
     kind = kind_of(table)
     save_study(folder, kind, table, ((run.key, *run.written()) for run in runs))
-    save_sheets(folder, sheets)
-    (other,) = {*KINDS} - {kind}
-    shutil.rmtree(folder / other, ignore_errors=True)
+    for other in {*KINDS, RESULTS} - {kind}:
+        shutil.rmtree(folder / other, ignore_errors=True)
 
 
 def kind_of(table: Mapping[str, Any]) -> str:
@@ -198,27 +171,13 @@ def is_saved(folder: Path) -> bool:
     return any(has_study(folder, kind) for kind in KINDS)
 
 
-def load(folder: Path, *, with_sheets: bool = True) -> Results:
+def load(folder: Path) -> Results:
     """Read a saved campaign or judgement back; no engine is imported.
 
     Raises LinkproofError if it is missing or damaged.
     """
     kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
-    results = Results(*load_study(folder, kind, FORM, RunRecord.from_row), load_sheets(folder) if with_sheets else ())
-    if with_sheets:
-        _check_sheets(results, folder)
-    return results
-
-
-def _check_sheets(results: Results, folder: Path) -> None:
-    """Raise LinkproofError where a linkage of the campaign has no data sheet."""
-    known = {(sheet.name, sheet.variant) for sheet in results.sheets}
-    for linkage in results.linkages:
-        if (linkage.name, linkage.variant) not in known:
-            raise LinkproofError(
-                f"'{folder / SHEETS}' is another campaign's: it has no {linkage.name} ({linkage.variant}); run compare "
-                "with --out again"
-            )
+    return Results(*load_study(folder, kind, FORM, RunRecord.from_row))
 
 
 # The curves of a campaign as CSV: a row per run, quantity and sample.

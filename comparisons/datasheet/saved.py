@@ -1,67 +1,105 @@
-"""Data sheets as a file beside a campaign's curves: ``mechanisms.json``."""
+"""Linkages and motions as results folders hold them, and the cases of ``results --out``, of which pages make sheets."""
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Final, Literal
+from typing import Annotated, Any, Final
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter
+from typing_extensions import TypedDict
 
-from analytic.errors import LinkproofError
-from comparisons.datasheet.sheet import Sheet
-from comparisons.runs.files import write_text
-from comparisons.runs.study_folder import first_fault
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.linkage import Linkage
+from analytic.description.loading import parse
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case, case_of_file_regime
+from comparisons.runs.study_folder import has_study, load_study, save_study
 
-FILE: Final = "mechanisms.json"
-REMEDY: Final = "run compare with --out again"
-
-
-@dataclass(frozen=True)
-class SavedSheets:
-    """Contents of the file: the sheets, preceded by a digest of them."""
-
-    format: Literal[2]
-    digest: str
-    sheets: tuple[Sheet, ...]
+RESULTS: Final = "results"
 
 
-SCHEMA: Final = TypeAdapter(SavedSheets)
-SHEETS_KEY: Final = b'"sheets":'
+class LinkageRow(TypedDict):
+    """A linkage as it was described, under a gravity, m/s²."""
+
+    name: str
+    variant: str
+    gravity: tuple[float, float]
+    text: str
 
 
-def save_sheets(folder: Path, sheets: Sequence[Sheet]) -> None:
-    """Write the sheets into a folder, in one step."""
-    _, mark, body = SCHEMA.dump_json(SavedSheets(2, "", tuple(sheets))).partition(SHEETS_KEY)
-    text = f'{{"format":2,"digest":"{_checksum(body)}",{(mark + body).decode()}'
-    write_text(folder / FILE, text)
+class MotionRow(TypedDict):
+    """A crank motion: its pieces from one instant to another, s, each a polynomial of the angle, rad."""
+
+    regime: str
+    segments: Annotated[list[tuple[float, float, Annotated[list[float], Field(min_length=1)]]], Field(min_length=1)]
 
 
-def load_sheets(folder: Path) -> tuple[Sheet, ...]:
-    """The sheets of a folder; raises LinkproofError, which names the key, for a file that is missing or damaged."""
-    path = folder / FILE
-    if not path.is_file():
-        raise LinkproofError(f"no data sheets of the mechanisms at '{path}': {REMEDY}")
-    try:
-        content = path.read_bytes()
-        result = SCHEMA.validate_json(content, strict=True)
-    except ValidationError as error:
-        if first_fault(error)[0] == "format":
-            raise LinkproofError(f"'{path}' was written by another version of linkproof: delete it") from error
-        raise _damage_error(path, *first_fault(error)) from error
-    except OSError as error:
-        raise LinkproofError(f"cannot read '{path}': {error.strerror}; {REMEDY}") from error
-    if _checksum(content.partition(SHEETS_KEY)[2]) != result.digest:
-        raise _damage_error(path, "sheets", "the checksum does not match, so the file was changed after it was written")
-    return result.sheets
+class CaseRow(TypedDict):
+    """A linkage under a motion; that of a released crank, which the text of the linkage has, is named alone."""
+
+    linkage: LinkageRow
+    motion: MotionRow | None
+    regime: str
+    conditions: str
 
 
-def _checksum(body: bytes) -> str:
-    """A few letters that change with every damage."""
-    return f"{zlib.crc32(body):08x}"
+CASE: Final = TypeAdapter(CaseRow)
 
 
-def _damage_error(path: Path, key: str, reason: str) -> LinkproofError:
-    return LinkproofError(f"'{path}' is damaged at {key or 'its start'}: {reason}; {REMEDY}")
+def linkage_row(linkage: Linkage) -> LinkageRow:
+    """A linkage for a folder."""
+    return LinkageRow(name=linkage.name, variant=linkage.variant, gravity=linkage.gravity, text=linkage.text)
+
+
+def described_linkage(row: LinkageRow) -> Linkage:
+    """The linkage of a folder."""
+    own = parse(row["text"], row["name"], row["name"], row["variant"])
+    return replace(own, gravity=(row["gravity"][0], row["gravity"][1]))
+
+
+def motion_row(motion: CrankMotion) -> MotionRow:
+    """A motion for a folder."""
+    segments = [(piece.start, piece.end, list(piece.coefficients)) for piece in motion.segments]
+    return MotionRow(regime=motion.regime, segments=segments)
+
+
+def described_motion(row: MotionRow) -> CrankMotion:
+    """The motion of a folder."""
+    return CrankMotion(row["regime"], tuple(Segment(start, end, tuple(c)) for start, end, c in row["segments"]))
+
+
+def save_case(folder: Path, case: Case) -> None:
+    """Put a case among those of a folder, in the place of an earlier one of its linkage."""
+    linkage, motion = case.mechanism.linkage, case.motion
+    row = CaseRow(
+        linkage=linkage_row(linkage),
+        motion=motion_row(motion) if isinstance(motion, CrankMotion) else None,
+        regime=motion.regime,
+        conditions=case.conditions,
+    )
+    key = f"{linkage.name}/{linkage.variant}"
+    rows = {**(dict(_load_rows(folder)) if has_study(folder, RESULTS) else {}), key: row}
+    rows[key] = rows.pop(key)  # the last one
+    save_study(folder, RESULTS, {}, ((key, row, {}) for key, row in rows.items()))
+
+
+def load_cases(folder: Path) -> list[Case]:
+    """The cases of a folder; raises LinkproofError for one that is damaged."""
+    return [_case_of_row(row) for _, row in _load_rows(folder)] if has_study(folder, RESULTS) else []
+
+
+def _load_rows(folder: Path) -> tuple[tuple[str, CaseRow], ...]:
+    def read(row: Mapping[str, Any], _: object) -> tuple[str, CaseRow]:
+        return row["key"], CASE.validate_python(row)
+
+    return load_study(folder, RESULTS, TypeAdapter(dict[str, Any]), read)[1]
+
+
+def _case_of_row(row: CaseRow) -> Case:
+    mechanism = Mechanism(described_linkage(row["linkage"]))
+    if row["motion"] is not None:
+        return Case(mechanism, described_motion(row["motion"]), conditions=row["conditions"])
+    case = case_of_file_regime(mechanism, mechanism.linkage.released[row["regime"]])
+    return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load

@@ -1,4 +1,4 @@
-"""The sheet of a designer's results as plain data: what terminal, pages, pictures and files show, saved as it is.
+"""The sheet of a designer's results as plain data: what terminal, pages, pictures and files show.
 
 Values are in SI; what a reader sees of them, the unit of the file, the axis, the place on it and what is zero but for
 rounding, is answered here alone.
@@ -7,61 +7,27 @@ rounding, is answered here alone.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import PlainSerializer, PlainValidator
 
 from analytic.description.crank_motion import RPM, CrankMotion
 from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.description.loading import parse
-from analytic.errors import LinkproofError
 from analytic.numerics.refine import in_turn
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import NEGLIGIBLE, TABLES
 
-DIGITS: Final = 9  # of a number in an array
-ROUNDING: Final = 1e-6  # of a turn: what the digits of a saved sheet leave of it
+ROUNDING: Final = 1e-6  # of a turn
 JOINT: Final = "joint_force:"
 
 
-def _read_array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - any value of a file
-    """An array from a file's lists of numbers; null is nan. Raises ValueError for anything else."""
-    try:
-        values = np.array(value, dtype=float)
-    except TypeError as error:
-        raise ValueError("expected lists of numbers") from error
-    if not values.ndim:
-        raise ValueError("expected a list of numbers")
-    return values
-
-
-def _array_as_lists(values: NDArray[np.float64]) -> list[Any]:
-    if values.ndim > 1:
-        return [_array_as_lists(row) for row in values]
-    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values.tolist()]
-
-
-def _read_linkage(words: Any) -> Linkage:  # noqa: ANN401 - any value of a file
-    """The linkage of a saved sheet; raises ValueError for anything else."""
-    try:
-        own = parse(words["text"], words["name"], words["name"], words["variant"])
-        return replace(own, gravity=tuple(words["gravity"]))
-    except (LinkproofError, LookupError, TypeError, AttributeError) as error:
-        raise ValueError(f"expected the text of a linkage ({error})") from error
-
-
-def _linkage_fields(linkage: Linkage) -> dict[str, Any]:
-    return {"name": linkage.name, "variant": linkage.variant, "gravity": linkage.gravity, "text": linkage.text}
-
-
-Array = Annotated[NDArray[np.float64], PlainValidator(_read_array), PlainSerializer(_array_as_lists)]
+Array = NDArray[np.float64]
 ByName = Mapping[str, Array]  # curves or vectors by their names
 
 
@@ -113,7 +79,7 @@ class Sheet:
 
     ``values`` are the signals by name over the whole motion, nan where undefined: at every instant of its
     grid (n,), or on a page at as many as a curve needs, φ ascending where that is the axis. ``chosen`` are those at
-    chosen instants, not saved. ``peaks`` has of each signal the largest magnitude, of a transmission angle the least,
+    chosen instants. ``peaks`` has of each signal the largest magnitude, of a transmission angle the least,
     ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``facts`` are those of the mechanism
     alone, as in ``linkproof check --json``. ``required`` is the feed of the thread at the crank angles "phi", rad, of
     its file, "required" there and "actual", m; empty without a required feed.
@@ -124,7 +90,7 @@ class Sheet:
     ``motion`` is the crank's where it is prescribed.
     """
 
-    linkage: Annotated[Linkage, PlainValidator(_read_linkage), PlainSerializer(_linkage_fields)]
+    linkage: Linkage
     facts: Mapping[str, Any]
     conditions: str = ""
     axis: Literal["phi", "time"] = "phi"

@@ -25,8 +25,6 @@ DOCUMENT: Final = "study.json"
 SUMS: Final = "SHA256SUMS"
 FORMAT: Final = 4  # the files of versions before had 1 to 3
 REPEAT_HINT: Final = "run {} with --out again"
-# What versions before wrote instead.
-OLD_FILES: Final = {"compare": "curves.nc", "judge": "curves.nc", "bench": "bench.json", "stress": "stress.json"}
 
 R = TypeVar("R")
 WrittenRecord = tuple[str, Mapping[str, Any], Mapping[str, Array]]  # key, row and curves
@@ -68,8 +66,8 @@ def _json_value(value: object) -> object:
 
 
 def has_study(folder: Path, kind: str) -> bool:
-    """Whether a folder has a study of this kind, of this version or of one before."""
-    return (folder / kind / DOCUMENT).is_file() or (folder / OLD_FILES[kind]).is_file()
+    """Whether a folder has a study of this kind."""
+    return (folder / kind / DOCUMENT).is_file()
 
 
 def load_study(
@@ -79,10 +77,8 @@ def load_study(
 
     Raises LinkproofError where the study is missing, damaged, or of another version.
     """
-    place, old = folder / kind, folder / OLD_FILES[kind]
+    place = folder / kind
     if not (place / DOCUMENT).is_file():
-        if old.is_file():
-            raise LinkproofError(f"'{old}' is of an earlier version of linkproof: {REPEAT_HINT.format(kind)}")
         raise LinkproofError(f"no results of {kind} in '{folder}': expected the folder given to {kind} --out")
     with study_errors(folder, kind):
         _check_sums(place)

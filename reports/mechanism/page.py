@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
 from reports.charts.moving import moving_scheme
@@ -163,9 +164,9 @@ def _short(value: float, scale: float) -> float | None:
 FOLDER = "mechanisms"
 
 
-def file_of(sheet: Sheet) -> str:
+def file_of(linkage: Sheet | Linkage) -> str:
     """Where the page is within a report's folder; signs that would need quoting in an address are dashes."""
-    name, variant = (re.sub(r"[^\w+-]+", "-", word) for word in (sheet.name, sheet.variant))
+    name, variant = (re.sub(r"[^\w+-]+", "-", word) for word in (linkage.name, linkage.variant))
     return f"{FOLDER}/{name}.{variant}.html"
 
 

@@ -12,8 +12,10 @@ from typing import Final
 
 from analytic.errors import LinkproofError
 from comparisons.campaign import results as campaign
+from comparisons.campaign.campaign import sheets as campaign_sheets
 from comparisons.campaign.results import Results
-from comparisons.datasheet import saved as datasheet
+from comparisons.datasheet.building import page_sheet
+from comparisons.datasheet.saved import load_cases
 from comparisons.datasheet.sheet import Sheet
 from comparisons.runs.files import claim, write_text
 from comparisons.runs.run_engine import Lost
@@ -34,7 +36,7 @@ from reports.mechanism import page as mechanism_page
 from reports.stress import page as stress_page
 from reports.work_precision import page as bench_page
 
-# The contents of a report's folder: saved data, and the pages made of them.
+# The contents of a report's folder: saved data, data sheets computed of them, and the pages made of both.
 
 
 BENCH, STRESS = bench_page.LINK, stress_page.LINK
@@ -42,13 +44,17 @@ BENCH, STRESS = bench_page.LINK, stress_page.LINK
 
 @dataclass(frozen=True)
 class Contents:
-    """The contents of a folder, each read on first use; a study is None if the folder has none of its kind."""
+    """The contents of a folder: the data ``sheets`` of its linkages, and its studies, each read on first use.
+
+    A study is None if the folder has none of its kind.
+    """
 
     path: Path
+    sheets: tuple[Sheet, ...]
 
-    def __reduce__(self) -> tuple[type[Contents], tuple[Path]]:
-        """Another process reads for itself."""
-        return Contents, (self.path,)
+    def __reduce__(self) -> tuple[type[Contents], tuple[Path, tuple[Sheet, ...]]]:
+        """Another process reads the studies for itself."""
+        return Contents, (self.path, self.sheets)
 
     @cached_property
     def campaign(self) -> Results | None:
@@ -64,13 +70,6 @@ class Contents:
     def stress(self) -> Stress | None:
         """The stability maps."""
         return stress_test.load(self.path) if has_study(self.path, stress_test.KIND) else None
-
-    @cached_property
-    def sheets(self) -> tuple[Sheet, ...]:
-        """The data sheets of its mechanisms."""
-        if self.campaign is not None:
-            return self.campaign.sheets
-        return datasheet.load_sheets(self.path) if (self.path / datasheet.FILE).is_file() else ()
 
     @property
     def is_single(self) -> bool:
@@ -133,7 +132,7 @@ def write_site(folder: Path, *, processes: int | None = None) -> Path:
     ``processes`` worker processes write, one per core by default; with 0, or if none can be started, this process
     does. Raises LinkproofError where another command writes there.
     """
-    contents = Contents(folder)
+    contents = Contents(folder, _sheets(folder, processes))
     links = contents.links()
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
@@ -151,6 +150,16 @@ def write_site(folder: Path, *, processes: int | None = None) -> Path:
             written[job] = write(file)
     _replace_file_list(folder, {name for names in written.values() for name in names})
     return folder / INDEX
+
+
+def _sheets(folder: Path, processes: int | None) -> tuple[Sheet, ...]:
+    """The data sheets of a folder's linkages: those of a campaign, and of the results that a designer added."""
+    added = [page_sheet(case, tuple(case.mechanism.linkage.released)) for case in load_cases(folder)]
+    if not campaign.is_saved(folder):
+        return tuple(added)
+    known, results = [(sheet.name, sheet.variant) for sheet in added], campaign.load(folder)
+    linkages = [linkage for linkage in results.linkages if (linkage.name, linkage.variant) not in known]
+    return (*campaign_sheets(linkages, results.motions, results.regimes, processes), *added)
 
 
 def _write(contents: Contents, links: Sequence[PageLink], file: str) -> tuple[str, ...]:

@@ -11,10 +11,9 @@ import pytest
 
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
-from comparisons.campaign.campaign import CampaignRequest, compare, sheets
+from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import COMPARE, document, save
 from comparisons.campaign.results import load as load_results
-from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.runs.record_file import RECORDS
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool
@@ -36,7 +35,7 @@ def run_campaign(folder, processes=2):
     )  # fmt: skip
     journal = Journal(folder, COMMAND)
     results = list(compare(wanted, pool=LocalPool(processes), journal=journal))
-    save(folder, document(wanted, COMMAND), results, sheets(wanted, processes=processes))
+    save(folder, document(wanted, COMMAND), results)
     journal.clear()
 
 
@@ -74,7 +73,7 @@ def test_kills_at_random_moments_lose_and_double_nothing(tmp_path, monkeypatch):
         kills += running.exitcode != 0
         if running.exitcode == 0:
             assert contents(folder) == contents(tmp_path / "undisturbed")
-            assert {path.name for path in folder.iterdir()} == {COMPARE, SHEETS}
+            assert {path.name for path in folder.iterdir()} == {COMPARE}
             campaigns += 1
     run_campaign(tmp_path / str(campaigns))
     assert contents(tmp_path / str(campaigns)) == contents(tmp_path / "undisturbed")

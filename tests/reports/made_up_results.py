@@ -7,14 +7,12 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from analytic.description.crank_motion import CrankMotion, crank_motion
+from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import Results, document
-from comparisons.datasheet.building import usual_sheet
-from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.deviations import Deviation, near_jumps
 from comparisons.judging.limits import judge
 from comparisons.judging.quantities import QUANTITIES
@@ -26,7 +24,6 @@ from engines.contract import ReadOut, Setting
 ERRORS = ("error_max", "error_rms", "peak", "worst_time", "samples", "left_out")
 SIZES = {Setting.NAIVE: 9e-2, Setting.TUNED: 1.3e-6, Setting.BEST: 4e-8}
 PRESCRIBED = tuple(name for name, quantity in QUANTITIES.items() if quantity.prescribed and not quantity.needs_thread)
-_SHEETS: dict[object, Sheet] = {}
 CONDITIONS = "1000 rpm counter-clockwise, 0.6 s + 0.1 s, from 0°, gravity on"
 
 
@@ -54,7 +51,7 @@ def made_up_results(
     ]
     readouts = {name: {"torque": asdict(ReadOut("motor torque", drive="it is the drive's"))} for name in engines}
     saved = document(request, "linkproof compare juki-mf7923d --setting all", readouts=readouts)
-    return Results(saved, tuple(runs), tuple(_sheet(linkage, motions) for linkage in linkages))
+    return Results(saved, tuple(runs))
 
 
 def changed_results(results: Results, change: Callable[[Record], Record | None]) -> Results:
@@ -66,13 +63,6 @@ def changed_results(results: Results, change: Callable[[Record], Record | None])
         )
         runs += [run_record([*records, *checks][0], records, checks, run.curves, run.details)] if records else []
     return Results(results.document, tuple(runs))
-
-
-def _sheet(linkage: Linkage, motions: tuple[CrankMotion, ...]) -> Sheet:
-    key = (linkage.text, linkage.variant, linkage.gravity, motions)
-    if key not in _SHEETS:
-        _SHEETS[key] = usual_sheet(linkage, motions)
-    return _SHEETS[key]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from comparisons.campaign.campaign import sheets
 from comparisons.campaign.results import COMPARE, load, save, with_runs, write_curves
 from comparisons.campaign.standard import JudgedCampaign
 from comparisons.runs.study_folder import to_json
@@ -54,9 +53,8 @@ def compare(
                 destination.write_json(with_runs(saved, judged.runs))
             destination.write_saves(WRITERS, saved, judged.runs)
         if out:
-            resources = wanted.resources
-            save(out, saved, judged.runs, sheets(request, bounds=resources.bounds, processes=resources.processes))
-            destination.write_pages(resources.processes)
+            save(out, saved, judged.runs)
+            destination.write_pages(wanted.resources.processes)
     if wanted.recorded:
         destination.remark(f"baseline: {wanted.recorded}")
     destination.write_junit(judged.records, judged.figures, judged.departures)

@@ -13,7 +13,6 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import document as saved_document
 from comparisons.campaign.results import save
-from comparisons.datasheet.building import usual_sheet
 from comparisons.imported.columns import MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.mapping import with_proposals
@@ -117,4 +116,4 @@ def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: st
     lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
     curves = [asdict(curve) for curve in judged_curves(judgement)]
     table = {**saved_document(request, command), "judgement": lines, "judged_curves": curves}
-    save(folder, table, [run], [usual_sheet(linkage, motions, options.regime)])
+    save(folder, table, [run])

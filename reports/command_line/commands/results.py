@@ -10,8 +10,9 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.building import page_sheet, sheet
 from comparisons.datasheet.linkage_warnings import check_slips
-from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
+from comparisons.datasheet.saved import save_case
 from comparisons.datasheet.sheet import Sheet
+from comparisons.reference.case import Case
 from comparisons.runs.files import claim
 from reports.command_line.destination import PICTURES, Destination, Writers, picture_writers, write_to_stdout
 from reports.designs.results_terminal import csv_table, json_text, printed
@@ -44,12 +45,10 @@ def results(
         check_slips(linkage)
     case, chosen = requested_results(linkage, options)
     result = sheet(case, chosen, every_peak=destination.json or destination.saves(".json"))
-    drawn = result
-    if out is not None or destination.saves(*PICTURES):
-        drawn = page_sheet(case, tuple(case.mechanism.linkage.released) if out is not None else ())
+    drawn = page_sheet(case) if destination.saves(*PICTURES) else result
     destination.write_saves(WRITERS, result, drawn, files)
     if out is not None:
-        _write_page(out, drawn, opens=opens, quiet=destination.quiet)
+        _write_page(out, case, opens=opens, quiet=destination.quiet)
     if destination.json:
         write_to_stdout(json_text(result))
     elif not destination.quiet:
@@ -69,16 +68,15 @@ def _check(files: ResultsFiles, destination: Destination, *, opens: bool) -> Non
     destination.check(PAGE)
 
 
-def _write_page(out: Path, sheet: Sheet, *, opens: bool, quiet: bool) -> None:
-    """Save a data sheet among those of a report's folder, and write the report's pages."""
-    from reports.site.site import Contents, write_site  # noqa: PLC0415  figures cost a second
+def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
+    """Save a case among those of a report's folder, and write the report's pages."""
+    from reports.mechanism.page import file_of  # noqa: PLC0415  figures cost a second
+    from reports.site.site import write_site  # noqa: PLC0415
 
     _claimed = claim(out)  # until the pages are written
-    sheets = load_sheets(out) if (out / FILE).is_file() else ()
-    others = [other for other in sheets if (other.name, other.variant) != (sheet.name, sheet.variant)]
-    save_sheets(out, [*others, sheet])
-    write_site(out, processes=0)
-    page = out / Contents(out).file_of(sheet)
+    save_case(out, case)
+    index, page = write_site(out, processes=0), out / file_of(case.mechanism.linkage)
+    page = page if page.is_file() else index  # the only one
     if not quiet:
         show(f"page: {page}", stderr=True)
     if opens:

@@ -108,13 +108,11 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
 
 NAMES = ("slotted-takeup", "juki-mf7923d")
 LINKAGES = tuple(load(name) for name in NAMES)
-SHEETS_REQUEST = CampaignRequest(
-    LINKAGES, (crank_motion("run-up", speed=500 * RPM),), "as tested", ("direct",), own_regimes=("free",)
-)
+SHEETS = LINKAGES, (crank_motion("run-up", speed=500 * RPM),), ("free",)
 
 
 def test_every_linkage_has_a_sheet_of_the_campaigns_motions():
-    found = sheets(SHEETS_REQUEST, processes=2)
+    found = sheets(*SHEETS, 2)
     assert [sheet.name for sheet in found] == list(NAMES)
     assert all("500 rpm" in sheet.conditions for sheet in found)
     assert [list(sheet.released) for sheet in found] == [["free"], []]
@@ -127,7 +125,7 @@ def test_a_sheet_that_fails_costs_no_other(monkeypatch):
         return usual_sheet(linkage, *rest)
 
     monkeypatch.setattr(module, "usual_sheet", broken)
-    whole, lost = sheets(SHEETS_REQUEST, processes=0)
+    whole, lost = sheets(*SHEETS, 0)
     assert "a fault of the suite" in lost.missing["values"]
     assert (lost.name, lost.linkage) == ("juki-mf7923d", LINKAGES[1])
     assert whole.values

@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from analytic.description.loading import find, load
+from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.results import document, linkage_from_text, save
+from comparisons.campaign.results import document, save
 from comparisons.campaign.results import load as load_results
-from comparisons.datasheet.building import bare_sheet
-from comparisons.datasheet.saved import save_sheets
+from comparisons.datasheet.saved import described_linkage, linkage_row
 from engines.contract import Outcome, Run
 from tests.comparisons.true_motions import perfect_motion
 
@@ -38,7 +37,7 @@ def saved(tmp_path_factory):
     motion = perfect_motion(Mechanism(JUKI), MOTION, 701)
     result = _compared(Run(Outcome.FINISHED, history=motion.history, details={"step": 1e-3}))
     folder = tmp_path_factory.mktemp("saved")
-    save(folder, document(REQUEST, "linkproof compare juki-mf7923d"), [result], [bare_sheet(JUKI, "")])
+    save(folder, document(REQUEST, "linkproof compare juki-mf7923d"), [result])
     return folder, result
 
 
@@ -57,19 +56,13 @@ def test_records_curves_linkages_and_motions_come_back_to_the_last_bit(saved):
         np.testing.assert_array_equal(results.curve(result.run, name), curve)
     assert (results.linkages, results.motions) == ((JUKI,), (MOTION,))
     assert results.document["environment"]["numpy"] == np.__version__
-    assert sorted(path.name for path in folder.iterdir()) == ["compare", "mechanisms.json"]
+    assert sorted(path.name for path in folder.iterdir()) == ["compare"]
 
 
 def test_a_judgement_takes_the_place_of_a_campaign(saved, copy):
     save(copy, {**load_results(copy).document, "judgement": ["right"]}, [saved[1]])
-    assert sorted(path.name for path in copy.iterdir()) == ["judge", "mechanisms.json"]
-    assert load_results(copy, with_sheets=False).document["judgement"] == ["right"]
-
-
-def test_sheets_of_another_campaign_are_refused(copy):
-    save_sheets(copy, [bare_sheet(load("fork-takeup"), "")])
-    with pytest.raises(LinkproofError, match=r"mechanisms\.json.*no juki-mf7923d"):
-        load_results(copy)
+    assert sorted(path.name for path in copy.iterdir()) == ["judge"]
+    assert load_results(copy).document["judgement"] == ["right"]
 
 
 @pytest.mark.parametrize(
@@ -107,10 +100,10 @@ def test_loading_imports_no_engine(saved):
 
 def test_a_campaign_of_failures_can_be_saved(tmp_path):
     failed = _compared(Run(Outcome.DIVERGED, "ran away"))
-    save(tmp_path, document(REQUEST, "linkproof compare"), [failed], [bare_sheet(JUKI, "")])
+    save(tmp_path, document(REQUEST, "linkproof compare"), [failed])
     assert load_results(tmp_path).records == failed.records
 
 
 def test_a_saved_text_with_a_byte_order_mark_is_read_again():
-    text = find("juki-mf7923d").read_text(encoding="utf-8")
-    assert linkage_from_text("\ufeff" + text, "juki-mf7923d", None, (0.0, -9.81)) == load("juki-mf7923d")
+    linkage = load("juki-mf7923d")
+    assert described_linkage({**linkage_row(linkage), "text": "\ufeff" + linkage.text}) == linkage

@@ -9,9 +9,10 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.campaign.results import COMPARE, save
-from comparisons.datasheet.building import usual_sheet
-from comparisons.datasheet.saved import FILE as SHEETS
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign.results import save
+from comparisons.datasheet.building import usual_case
+from comparisons.datasheet.saved import RESULTS, save_case
 from comparisons.runs.files import write_text
 from comparisons.runs.workers import run_jobs
 from comparisons.stress.saved import KIND as STRESS
@@ -33,7 +34,7 @@ def save_campaign(folder):
     linkage = load(NAME)
     results = made_up_results([linkage], samples=51, settings=[Setting.TUNED], quantities=("Jeq", "S"))
     folder.mkdir(exist_ok=True)
-    save(folder, results.document, results.runs, [usual_sheet(linkage)])
+    save(folder, results.document, results.runs)
 
 
 def files_of(folder):
@@ -97,29 +98,28 @@ def test_stale_files_of_the_report_go_and_no_others(saved, tmp_path):
 
 
 @pytest.mark.usefixtures("without_pictures")
-@pytest.mark.parametrize(("part", "pages"), [(BENCH, 2), (STRESS, 2), (SHEETS, 1)])
+@pytest.mark.parametrize(("part", "pages"), [(BENCH, 2), (STRESS, 2), (RESULTS, 1)])
 def test_a_folder_with_one_study_has_its_page_and_an_index_and_that_of_a_linkage_one_page(saved, tmp_path, part, pages):
-    copy = shutil.copy if (saved / part).is_file() else shutil.copytree
-    copy(saved / part, tmp_path / part)
+    if part == RESULTS:
+        save_case(tmp_path, usual_case(Mechanism(load(NAME))))
+    else:
+        shutil.copytree(saved / part, tmp_path / part)
     write_site(tmp_path, processes=0)
     assert len([name for name in files_of(tmp_path) if name.endswith(".html")]) == pages
 
 
-def test_a_folder_without_any_is_refused_and_an_older_report_too(saved, tmp_path):
+def test_a_folder_without_any_is_refused(tmp_path):
     with pytest.raises(LinkproofError, match="nothing to report in"):
-        write_site(tmp_path, processes=0)
-    shutil.copytree(saved / COMPARE, tmp_path / COMPARE)
-    with pytest.raises(LinkproofError, match="run compare with --out again"):
         write_site(tmp_path, processes=0)
 
 
 @pytest.mark.usefixtures("without_pictures")
-def test_pages_are_written_where_no_process_can_be_started(saved, tmp_path, monkeypatch):
+def test_pages_are_written_where_no_process_can_be_started(tmp_path, monkeypatch):
     def refuse(*_, **__):
         raise LinkproofError("no process")
 
     monkeypatch.setattr("reports.site.site.run_jobs", refuse)
-    shutil.copy(saved / SHEETS, tmp_path)
+    save_case(tmp_path, usual_case(Mechanism(load(NAME))))
     assert write_site(tmp_path).is_file()
 
 
