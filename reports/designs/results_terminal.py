@@ -133,11 +133,11 @@ def csv_table(sheet: Sheet, decimal: str = ".") -> str:
 
 
 def json_text(sheet: Sheet) -> str:
-    """One object, SI, angles in rad: ``conditions axis units values peaks figures required warnings``.
+    """One object, SI, angles in rad: ``conditions axis units values peaks figures warnings``.
 
     ``values`` has a list by name, ``peaks`` by name the value and where it is: φ where that is the axis, else the time.
-    ``figures`` has the tables of ``comparisons.datasheet.figures``, ``required`` the feed required of a thread beside
-    the actual one. What is not finite is null.
+    ``figures`` has the tables of ``comparisons.datasheet.figures``, ``required``, where
+    the file states it, the feed required of a thread beside the actual one. What is not finite is null.
     """
     document: dict[str, Any] = {
         "conditions": sheet.conditions,
@@ -146,7 +146,8 @@ def json_text(sheet: Sheet) -> str:
         "values": {name: plain(values) for name, values in sheet.table.items()},
         "peaks": {name: {"value": peak.value, "at": sheet.place_of(peak)} for name, peak in sheet.peaks.items()},
         "figures": {name: [vars(row) for row in rows] for name, rows in sheet.figures.items()},
-        "required": {name: plain(values) for name, values in sheet.required.items()},
         "warnings": list(warnings(sheet.linkage)),
     }
+    if sheet.required:
+        document["required"] = {name: plain(values) for name, values in sheet.required.items()}
     return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"

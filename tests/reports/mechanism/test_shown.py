@@ -10,6 +10,7 @@ from analytic.description.loading import load
 from comparisons.datasheet.building import page_sheet, usual_sheet
 from comparisons.datasheet.curves import SignalFigure
 from comparisons.reference.case import Case
+from reports.mechanism.page import SAMPLES, player_data
 from reports.mechanism.shown import words
 from tests.analytic.linkages import FOLDER, from_text
 from tests.reports.designs.samples import CRANK, ROD, SPEED, piston_text
@@ -46,7 +47,31 @@ def test_a_figure_stands_in_the_units_of_the_file(length, metres, one, text):
     assert words(shown(length=length, metres=metres), one) == text
 
 
-def test_a_range_is_shown_in_the_units_of_its_file_and_is_no_turn():
-    found = usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))
-    assert not found.is_turn
-    assert np.all(np.diff(found.x) > 0.0)
+@pytest.fixture(scope="module")
+def boom():
+    return usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))
+
+
+def test_a_range_is_shown_in_the_units_of_its_file_and_is_no_turn(boom):
+    assert not boom.is_turn
+    assert np.all(np.diff(boom.x) > 0.0)
+
+
+# What a player is given: a place on the figures, a pose of the drawing and the signals, instant by instant.
+
+
+@pytest.mark.parametrize("speed", [SPEED, -SPEED])
+def test_signals_are_those_of_the_place_on_the_axis(speed):
+    found = shown(speed)
+    data = player_data(found, found.positions)
+    shares = np.array(data["axis"]["shares"])
+    rows = {row["name"]: row for row in data["rows"]}
+    expected = np.interp(360.0 * shares, found.x, found.y("v"))
+    assert len(shares) == SAMPLES
+    assert np.array(rows["v"]["values"]) == pytest.approx(expected, abs=2e-3 * np.max(np.abs(expected)))
+    assert rows["v"]["unit"] == "mm/s"
+
+
+def test_poses_of_a_motion_to_and_fro_go_from_its_start_to_its_end(boom):
+    data = player_data(boom, boom.positions)
+    assert (data["poses"][0], data["poses"][-1]) == (0.0, 1.0)
