@@ -141,8 +141,9 @@ def started(name: str = "chromium") -> Iterator[Any]:
     from playwright.sync_api import sync_playwright
 
     options = {"chromium": {"args": ["--no-sandbox", "--disable-gpu"]}, "firefox": {"channel": "moz-firefox"}}
+    program = executable(name)  # which may start a driver of its own, and two cannot run at a time
     with sync_playwright() as driver:
-        browser = getattr(driver, name).launch(executable_path=executable(name), **options[name])
+        browser = getattr(driver, name).launch(executable_path=program, **options[name])
         try:
             yield browser
         finally:
