@@ -264,7 +264,7 @@ def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFi
 
 
 def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Constraint:
-    """A constraint to a value or a range, either end of which may be left out; without a text to ``own``, SI."""
+    """A constraint to a value or a range, either end of which may be left out; to ``file_value``, SI, without one."""
     if text is None:
         return Constraint(figure, file_value, file_value)
     ends = text.split(":")
