@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -40,16 +40,6 @@ def combine_histories(histories: Sequence[History], combine: Callable[[Sequence[
     forces = {name: combine([history.joint_force[name] for history in histories]) for name in histories[0].joint_force}
     position, velocity, acceleration, torque = map(combine_channel, CHANNELS)
     return History(position, velocity, acceleration, torque, forces)
-
-
-def join_histories(histories: Sequence[History]) -> History:
-    """Histories of consecutive parts of a run as one; a channel is None in all or in none."""
-
-    def end_to_end(signals: Sequence[Signal]) -> Signal:
-        time, values = (np.concatenate([getattr(signal, name) for signal in signals]) for name in ("time", "values"))
-        return replace(signals[0], time=time, values=values)
-
-    return combine_histories(histories, end_to_end)
 
 
 def named_signals(history: History) -> Iterator[tuple[str, Signal]]:

@@ -55,8 +55,9 @@ def test_both_borders_are_bracketed_to_a_tenth(above, below):
     assert len(asked) <= 2 * math.ceil(math.log2(math.log(10.0) / math.log(PRECISE)))
 
 
-def test_where_nothing_fails_there_is_no_border():
-    make, _ = world()
+@pytest.mark.parametrize("above", [math.inf, 0.5])
+def test_where_nothing_fails_or_the_easiest_value_does_there_is_no_border(above):
+    make, _ = world(above=above)
     assert borders(grid(make)) == []
 
 
@@ -91,11 +92,6 @@ def test_an_axis_whose_borders_are_not_worth_it_is_left_alone():
     ]
     rough = borders(line)
     assert bisect_borders(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
-
-
-def test_where_the_easiest_value_fails_there_is_none_either():
-    make, _ = world(above=0.5)
-    assert borders(grid(make)) == []
 
 
 def test_each_line_of_a_map_has_its_own_border():
