@@ -26,6 +26,10 @@ DEGREE: Final = 12
 TOLERANCE: Final = 4e-15  # of each function's peak: the closed form's own rounding
 # Halving a cell that shrinks its error by less than this, once that is small, only chases the closed form's rounding.
 PROGRESS, SMALL = 0.6, 1e-11
+# Neighbours so close, rad, that a function differs between them by rounding alone; one that differs by more than SMALL
+# of its peak is held to that rounding instead of its peak, or it would be halved to the end without getting nearer.
+NEIGHBOUR: Final = 1e-14
+OUTLIER: Final = 32.0  # times the rounding of a few places is that of others, and of the polynomial through them
 PIECE: Final = 16384  # angles at a time: a linkage of many links takes kilobytes an angle
 MOST_HALVINGS: Final = 40  # a cell of 1e-13 rad: nothing narrower can be distinguished from a jump
 MOST_CELLS: Final = 8192  # of a level: functions so rough are left as they are, with the error they have
@@ -37,7 +41,7 @@ class PeriodicTable:
 
     ``edges`` (cells + 1,), rad, span a period or less; ``coefficients`` (cells, degree + 1, functions) are of powers
     of the coordinate in [-1, 1] across the cell; ``error`` is the largest deviation between the nodes,
-    relative to the function's peak.
+    relative to the function's peak, or to its rounding if that is more than ``SMALL`` of it.
     """
 
     edges: Array
@@ -60,7 +64,8 @@ class PeriodicTable:
         powers[:, 0, 0] = 1.0
         powers[:, 0, 1:] = ((turned - middle[cell]) * scale[cell])[:, None]
         np.multiply.accumulate(powers, axis=2, out=powers)
-        return np.asarray((powers @ self.coefficients.take(cell, axis=0)).T.reshape(-1, *angle.shape))
+        values = powers @ self.coefficients.take(cell, axis=0)
+        return np.asarray(values.T.reshape(self.coefficients.shape[2], *angle.shape))
 
 
 def tabulate(
@@ -80,17 +85,20 @@ def tabulate(
     edges = np.linspace(*ends, FIRST_CELLS + 1)
     left, right = edges[:-1], edges[1:]
     parents: Array = np.full(len(left), np.inf)
-    peak: Array | None = None
+    noise = _rounding(functions, left, right, nodes)
+    peak = np.zeros(noise.shape[1])
     done: list[tuple[Array, Array, Array]] = []
     for level in range(MOST_HALVINGS + 1):
         last = level == MOST_HALVINGS or len(left) > MOST_CELLS
         values = _sampled_functions(functions, left, right, nodes)
-        peak = np.maximum(np.abs(values).max(axis=(1, 2)), 0.0 if peak is None else peak)
+        peak = np.maximum(np.abs(values).max(axis=(1, 2)), peak)
+        size = np.maximum(peak, OUTLIER * noise / SMALL)
+        size[size == 0.0] = 1.0
         # Two products: in one, the large entries of the conversion to powers would amplify roundings of the values.
         coefficients = np.moveaxis((values @ analysis.T) @ powers.T, 0, -1)
         true = np.moveaxis(_sampled_functions(functions, left, right, between), 0, -1)
         deviation = np.abs(checked @ coefficients - true).max(axis=1)
-        error = (deviation / np.where(peak > 0.0, peak, 1.0)).max(axis=1)
+        error = (deviation / size).max(axis=1)
         accepted = (error <= TOLERANCE) | ((error < SMALL) & (error > PROGRESS * parents)) | last
         done.append((left[accepted], coefficients[accepted], error[accepted]))
         if np.all(accepted):
@@ -100,12 +108,18 @@ def tabulate(
             np.concatenate([left[~accepted], middle[~accepted]]),
             np.concatenate([middle[~accepted], right[~accepted]]),
         )
-        parents = np.tile(error[~accepted], 2)
+        parents, noise = np.tile(error[~accepted], 2), np.tile(noise[~accepted], (2, 1))
     starts, coefficients, errors = (np.concatenate(parts) for parts in zip(*done, strict=True))
     order = np.argsort(starts)
     return PeriodicTable(
         np.append(starts[order], ends[1]), np.ascontiguousarray(coefficients[order]), float(errors.max()), period
     )
+
+
+def _rounding(functions: Functions, left: Array, right: Array, places: Array) -> Array:
+    """The largest difference of neighbours in each cell, (cells, functions): of a smooth function its rounding."""
+    here, beside = (_sampled_functions(functions, left + shift, right + shift, places) for shift in (0.0, NEIGHBOUR))
+    return np.asarray(np.abs(beside - here).max(axis=2).T)
 
 
 @lru_cache

@@ -135,6 +135,8 @@ def climb(sampled: Tops, heights: Heights) -> tuple[Array, Array]:
     fine = FINE * (high - low)
     share = np.full(len(x), NEAR)
     for _ in range(LOOKS):
+        if not len(left):
+            break
         reach = share * (high - low)
         top, _ = _parabola(x, y)
         top = np.where(np.isfinite(top), top, 0.5 * (low + high))
@@ -160,8 +162,6 @@ def climb(sampled: Tops, heights: Heights) -> tuple[Array, Array]:
         on = wide & np.isfinite(seen)
         left, x, y = left[on], x[on], y[on]
         low, high, fine, share = low[on], high[on], fine[on], share[on]
-        if not len(left):
-            break
     return result[0], result[1]
 
 

@@ -88,3 +88,10 @@ def test_places_that_coincide_have_no_parabola():
     values, places = climb(result, lambda _, x: np.full(x.shape, 0.2))
     assert values[0] == 0.2
     assert 0.0 <= places[0] <= 0.5
+
+
+def test_curves_that_are_undefined_everywhere_are_looked_at_nowhere():
+    """As the joint forces of a linkage that rests at a change point."""
+    values = np.full((2, len(GRID)), np.nan)
+    most, _ = highest(lambda places: pytest.fail("no place to look at"), GRID, values)
+    assert np.all(np.isnan(most))
