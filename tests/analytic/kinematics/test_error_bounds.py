@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 
 from analytic.kinematics.error_bounds import ErrorBounds, relative_bounds
+from analytic.kinematics.sweep import Sweep
 from tests.analytic.fifty_digits import exact
 from tests.analytic.linkages import angles, four_bars, from_text, mechanism, slider_cranks, text_of
 from tests.analytic.tolerances import BOUND_OVER_ERROR, FIFTY_DIGITS, ORACLE
@@ -68,3 +69,18 @@ def test_the_bound_holds_for_random_linkages(drawn):
     sample = from_text(drawn if isinstance(drawn, str) else drawn.text())
     for angle in angles(2, seed=5):
         assert all(error <= bound + ORACLE for _, error, bound in _errors_and_bounds(sample, angle))
+
+
+@pytest.mark.parametrize("order", range(3))
+def test_an_error_of_the_solver_is_within_the_bound(order, monkeypatch):
+    """A coupler misplaced by 1e-9, or its rate or acceleration: that is no rounding, and it is seen all the same."""
+    step = ("poses", "rates", "accelerations")[order]
+    true, slip = getattr(Sweep, step), 1e-9
+
+    def wrong(sweep, body):
+        first, *rest = true(sweep, body)
+        return (first + slip if body == "coupler" else first, *rest)
+
+    monkeypatch.setattr(Sweep, step, wrong)
+    bounds = ErrorBounds(mechanism("near-toggle").sweep(angles(3)))
+    assert np.all(bounds.point("coupler", (0.0, 0.0), order) >= slip)
