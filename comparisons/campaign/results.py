@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, NotRequired
@@ -19,7 +20,6 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.campaign.standard import checksum
 from comparisons.datasheet.saved import (
     RESULTS,
     LinkageRow,
@@ -29,6 +29,7 @@ from comparisons.datasheet.saved import (
     linkage_row,
     motion_row,
 )
+from comparisons.judging.changes import Change, Row, error_row
 from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
 from comparisons.judging.records import CURVE, Record, RunRecord
 from comparisons.runs.environment import environment
@@ -57,12 +58,12 @@ class SavedCampaign(TypedDict):
     descriptions: list[DescriptionRow]
     limits: NotRequired[list[Limit]]
     figures: NotRequired[list[KeyFigure]]
-    notes: NotRequired[list[str]]
-    departures: NotRequired[list[str]]
+    changes: NotRequired[list[Change]]
     judgement: NotRequired[list[str]]
 
 
 FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedCampaign)
+_CHANGES: Final = TypeAdapter(tuple[Change, ...])
 
 
 # The results of a campaign: its runs, and all that a report needs besides; saved and read back.
@@ -97,10 +98,19 @@ class Results:
 
     @cached_property
     def figures(self) -> tuple[KeyFigure, ...]:
-        """Key figures of every linkage and motion, beside their recorded values."""
-        names = [field.name for field in fields(KeyFigure)]
-        rows = self.document.get("figures", ())  # objects of a campaign that was not read from a folder
-        return tuple(row if isinstance(row, KeyFigure) else KeyFigure(**{n: row[n] for n in names}) for row in rows)
+        """Key figures of every linkage and motion."""
+        return tuple(KeyFigure(**row) for row in self.document.get("figures", ()))
+
+    @cached_property
+    def changes(self) -> tuple[Change, ...]:
+        """What has changed since the results that the campaign was compared with."""
+        return _CHANGES.validate_python(self.document.get("changes", ()))
+
+    @property
+    def rows(self) -> list[Row]:
+        """The rows of all errors and figures."""
+        records = (*self.records, *self.invariants)
+        return [*map(error_row, records), *(figure.row for figure in self.figures)]
 
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:
@@ -140,6 +150,11 @@ def document(
         "motions": [motion_row(motion) for motion in request.motions],
         "descriptions": [{**linkage_row(linkage), "checksum": checksum(linkage.text)} for linkage in request.linkages],
     }
+
+
+def checksum(text: str) -> str:
+    """A checksum of a linkage file's text."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:

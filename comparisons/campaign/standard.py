@@ -1,101 +1,22 @@
-"""A user's own standard: limits of a file, a baseline beside the linkages, and what results are under it."""
+"""The results of a campaign under a user's own standard: limits, and results recorded before."""
 
 from __future__ import annotations
 
-import hashlib
-import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from typing import Any
 
-from analytic.description.loading import LinkageFile, parse
+from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases, each_case
-from comparisons.campaign.key_figures import KeyFigure, compared, present_figures
-from comparisons.judging.baseline import Baseline, Coverage, Place, departures, read_baseline
-from comparisons.judging.limits import Standard, read_limits, shipped_limits
-from comparisons.judging.records import Record, RunRecord, blank_record
+from comparisons.campaign.key_figures import KeyFigure, figures_of_case
+from comparisons.judging.changes import Change, Row, changes, error_row
+from comparisons.judging.limits import Standard
+from comparisons.judging.records import Record, RunRecord
 from comparisons.reference.case import Case
-
-
-def places(files: Iterable[LinkageFile], folder: Path) -> dict[str, Place]:
-    """The places of linkages in a baseline in a folder, by name: the path from there, or the catalogue's own name."""
-    return {file.name: Place(_baseline_path(file, folder), checksum(file.text)) for file in files}
-
-
-def _baseline_path(file: LinkageFile, folder: Path) -> str:
-    if file.is_known:
-        return file.name
-    return Path(os.path.relpath(Path(file.origin).resolve(), folder.resolve())).as_posix()
-
-
-def checksum(text: str) -> str:
-    """A checksum of a linkage file's text."""
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def standard(
-    files: Iterable[LinkageFile],
-    limits: Path | None = None,
-    baseline: Path | None = None,
-    *,
-    may_lack: bool = False,
-    coverage: Coverage = Coverage(),  # noqa: B008 - frozen
-) -> Standard:
-    """The standard for results of these files; without limits or baseline the suite's limits alone.
-
-    ``coverage`` says how much of the baseline is compared. Raises LinkproofError for what cannot be read, and for a
-    baseline that is not there, unless it ``may_lack``.
-    """
-    table = read_limits(limits) if limits is not None else shipped_limits()
-    if baseline is None:
-        return Standard(table)
-    if not may_lack and not baseline.exists():
-        raise LinkproofError(
-            f"expected a baseline at '{baseline}', got no such file: correct its name, or add --record-baseline"
-        )
-    home = baseline.parent
-    result = read_baseline(baseline, places(files, home))
-    lost = (path for path in sorted(result.linkages) if path.endswith(".toml") and not (home / path).is_file())
-    return Standard(table, replace(result, lost=tuple(lost), coverage=coverage))
-
-
-def notes(baseline: Baseline) -> tuple[str, ...]:
-    """Notes on the files of a baseline that are no failures, a sentence each."""
-    if not baseline.is_recorded:
-        return ("the baseline is empty: --record-baseline writes it",)
-    return tuple(f"{path} has changed since its baseline was recorded" for path in baseline.changed())
-
-
-@dataclass(frozen=True)
-class JudgedCampaign:
-    """The results of a campaign under a standard, its key figures beside the recorded, and what the baseline says.
-
-    ``departures`` are sentences that fail it: linkages and motions that are missing, new or renamed.
-    """
-
-    standard: Standard
-    runs: Iterable[RunRecord]
-    figures: Sequence[KeyFigure]
-    notes: Sequence[str]
-    departures: Sequence[str] = ()
-
-    @property
-    def records(self) -> Iterator[Record]:
-        """Every record and invariant, run by run."""
-        return (record for run in self.runs for record in run.every)
-
-    @property
-    def as_dict(self) -> dict[str, Any]:
-        """The parts of a campaign's document besides the records, JSON-ready."""
-        return {
-            "limits": self.standard.limits.as_dict,
-            "figures": list(self.figures),
-            "notes": list(self.notes),
-            "departures": list(self.departures),
-        }
+from engines.contract import Setting
 
 
 @dataclass(frozen=True)
@@ -109,52 +30,86 @@ class JudgedRuns(Iterable[RunRecord]):
         return (run.judged(self.standard.judge) for run in self.runs)
 
 
-def compared_cases(request: CampaignRequest, baseline: Baseline) -> Iterator[Case]:
-    """The cases of a request, and as far as the baseline covers them those of its linkages' other variants.
+@dataclass(frozen=True)
+class JudgedCampaign:
+    """The ``runs`` of a request, judged by a standard; ``before`` are the rows that they are compared with, if any.
 
-    A variant that cannot follow a motion has no case: no engine is to run it.
+    ``every_variant``: the figures of the closed form are also those of the linkages' other variants.
     """
-    yield from each_case(request)
-    for linkage in request.linkages if baseline.coverage.every_variant else ():
-        for name in linkage.variants:
-            if name != linkage.variant:
-                variant = parse(linkage.text, linkage.name, linkage.name, name)
-                with suppress(LinkproofError):
-                    yield from cases(replace(request, linkages=(variant,)))
+
+    request: CampaignRequest
+    standard: Standard
+    runs: Iterable[RunRecord]
+    before: Sequence[Row] | None = None
+    every_variant: bool = False
+
+    @property
+    def records(self) -> Iterator[Record]:
+        """Every record and invariant, run by run."""
+        return (record for run in self.runs for record in run.every)
+
+    @cached_property
+    def figures(self) -> tuple[KeyFigure, ...]:
+        """The key figures of the closed form."""
+        return tuple(figure for case in self._cases() for figure in figures_of_case(case))
+
+    @property
+    def rows(self) -> list[Row]:
+        """The rows of all errors and figures."""
+        return [*map(error_row, self.records), *(figure.row for figure in self.figures)]
+
+    @cached_property
+    def changes(self) -> tuple[Change, ...]:
+        """What has changed of what was requested; empty if there is nothing to compare with."""
+        if self.before is None:
+            return ()
+        is_asked = asked_rows(self.request, every_variant=self.every_variant)
+        return tuple(changes(*(filter(is_asked, rows) for rows in (self.before, self.rows))))
+
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """The parts of a campaign's document besides the records, JSON-ready."""
+        return {
+            "limits": self.standard.limits.as_dict,
+            "figures": [asdict(figure) for figure in self.figures],
+            "changes": [{**asdict(entry), "sentence": entry.sentence} for entry in self.changes],
+        }
+
+    def _cases(self) -> Iterator[Case]:
+        """The cases of the request, and those of other variants; a variant that cannot follow a motion has none."""
+        yield from each_case(self.request)
+        for linkage in self.request.linkages if self.every_variant else ():
+            for name in linkage.variants:
+                if name != linkage.variant:
+                    variant = parse(linkage.text, linkage.name, linkage.name, name)
+                    with suppress(LinkproofError):
+                        yield from cases(replace(self.request, linkages=(variant,)))
 
 
-def judged_campaign(
-    request: CampaignRequest, runs: Iterable[RunRecord], standard: Standard, record_into: Path | None = None
-) -> JudgedCampaign:
-    """Runs, which can be gone through again, under a standard.
+def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Callable[[Row], bool]:
+    """Whether a request asks for a row: of its linkages, engines, settings, quantities and motions.
 
-    With ``record_into`` they are judged by its limits alone, and written there as its baseline.
+    Naive settings decide nothing beside others, and are left out there. A regime of a linkage's own file is the same
+    whatever its conditions are.
     """
-    baseline = standard.baseline
-    seen: list[Record] = []  # one record for each case: there may be thousands of cases
-    beside = compared(with_noted_records(compared_cases(request, baseline), seen), baseline)
-    departed = departures(request.linkages, seen, baseline)
-    if record_into is not None:
-        standard = replace(standard, baseline=Baseline())
-        records = (record for run in JudgedRuns(runs, standard) for record in run.every)
-        gone = [departure.place for departure in departed if departure.is_recorded]
-        baseline = baseline.recorded(records, present_figures(beside), gone)
-        baseline.write(record_into)
-        beside, departed = (
-            [replace(figure, recorded=figure.now, changed=False) for figure in beside if figure.now is not None],
-            (),
+    linkages = {(linkage.name, linkage.variant) for linkage in request.linkages}
+    names = {linkage.name for linkage in request.linkages}
+    motions = {(case.motion.regime, case.conditions) for case in each_case(request)}
+    settings = {*request.settings, *(request.own_settings if request.own_regimes else ())}
+    settings = settings - {Setting.NAIVE} or settings
+
+    def is_asked(row: Row) -> bool:
+        place = row.place
+        if (place.regime, place.conditions) not in motions and place.regime not in request.own_regimes:
+            return False
+        if row.is_figure:
+            return place.mechanism in names if every_variant else place[:2] in linkages
+        quantity = place.quantity.partition(":")[0]
+        return (
+            place[:2] in linkages
+            and place.engine in request.engines
+            and place.setting in settings
+            and (not request.quantities or quantity in request.quantities)
         )
-    return JudgedCampaign(
-        replace(standard, baseline=baseline),
-        JudgedRuns(runs, standard),
-        beside,
-        (*notes(baseline), *(departure.sentence for departure in departed if departure.is_allowed)),
-        tuple(departure.sentence for departure in departed if not departure.is_allowed),
-    )
 
-
-def with_noted_records(each: Iterable[Case], seen: list[Record]) -> Iterator[Case]:
-    """Cases as they come; a blank record of each is appended to ``seen``."""
-    for case in each:
-        seen.append(blank_record(case, ""))
-        yield case
+    return is_asked

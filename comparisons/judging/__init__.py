@@ -1,1 +1,1 @@
-"""Quantities, deviations, limits, baseline, and the records made of them."""
+"""Quantities, deviations, limits, changes, and the records made of them."""

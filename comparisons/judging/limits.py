@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Final, TypeVar
@@ -15,7 +15,6 @@ from analytic.description.crank_motion import LAWS, REGIMES
 from analytic.description.loading import read_document
 from analytic.description.schema import Positive, Tables, TomlTable
 from analytic.errors import UnknownNameError
-from comparisons.judging.baseline import Baseline
 from comparisons.judging.deviations import Deviation, NoSampleError, deviation
 from comparisons.judging.quantities import Quantity
 from comparisons.judging.records import Record, Verdict
@@ -140,7 +139,7 @@ def check_named(
                     raise UnknownNameError(f"{kind} of limit {number}", name, names)
 
 
-# Judging a record: its error against its limit and against its baseline.
+# Judging a record: its error against its limit.
 
 K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
@@ -148,13 +147,12 @@ V = TypeVar("V")
 
 @dataclass(frozen=True)
 class Standard:
-    """The standard for records: a table of limits and a baseline."""
+    """The standard for records: a table of limits."""
 
     limits: LimitTable
-    baseline: Baseline = field(default_factory=Baseline)
 
     def judge(self, record: Record) -> Record:
-        """Compare a record's error with its limit and with three times its recorded value.
+        """Compare a record's error with its limit.
 
         ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit. A figure
         that is the adapter's own says nothing of the engine; what has no error, or was left undecided, stays as it is.
@@ -163,18 +161,12 @@ class Standard:
         if error is None or not (record.outcome == Verdict.COMPUTED or Verdict(record.outcome).judged):
             return record
         bound = self.limits.limit(record.quantity, record.setting, record.regime, record.mechanism).value
-        grown = self.baseline.allowed(replace(record, limit=bound))
-        record = replace(record, limit=bound, baseline=grown, outcome=Verdict.PASSED.value, detail="")
+        record = replace(record, limit=bound, outcome=Verdict.PASSED.value, detail="")
         if record.origin == Origin.COMPUTED:
             detail = "computed by the adapter from the linkage's data, not read from the engine"
             return replace(record, outcome=Verdict.COMPUTED.value, detail=detail)
         if not error <= bound:
             detail = f"error {error:.2g} of peak is over its limit {bound:.2g}"
-        elif grown is not None and error > grown:
-            detail = (
-                f"error {error:.2g} of peak is within its limit {bound:.2g} but over {grown:.2g}, three times its "
-                "recorded value"
-            )
         elif not record.error_at_jumps <= bound:
             detail = (
                 f"error {record.error_at_jumps:.2g} of peak at an acceleration jump, besides the jump itself, is over "
@@ -188,7 +180,7 @@ class Standard:
 
 @cache
 def shipped_standard() -> Standard:
-    """The standard without a user's files: the suite's own limits, and no baseline."""
+    """The standard without a user's file: the suite's own limits."""
     return Standard(shipped_limits())
 
 

@@ -108,7 +108,6 @@ class QuantityRecord:
     error_rms: float | None = None
     error_at_jumps: float = 0.0
     limit: float | None = None
-    baseline: float | None = None
     outcome: str = Verdict.PASSED.value
     detail: str = ""
     peak: float | None = None

@@ -36,9 +36,9 @@ from reports.document.templates import lines, sentence
 from reports.mechanism.engines import errors_section
 from reports.mechanism.page import file_of
 from reports.mechanism.shown import key_figures
-from reports.records.differences import changed_figures
+from reports.records.changes import appeared_note, changes_table
 from reports.records.origins import computed_or_shared, concurrency_note, environment_facts, origin_words, readout_table
-from reports.records.views import caught_by_baseline, every_record, family_title, limit_table, share, views
+from reports.records.views import every_record, family_title, limit_table, share, views
 
 # A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
 
@@ -122,10 +122,8 @@ def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, .
         ]
         return (Section("signals", "The signals", tuple(signals)),)
     parts: list[Part] = [settings_table(trust), families_table(trust)]
-    if caught := caught_by_baseline(results):
-        parts.append(Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)))
-    parts += map(Paragraph, (*results.document.get("notes", ()), *results.document.get("departures", ())))
-    return (Section("engines", "The engines", (*parts, *changed_figures(results.figures))),)
+    parts += map(Paragraph, appeared_note(results.changes))
+    return (Section("engines", "The engines", (*parts, *changes_table(results.changes))),)
 
 
 def settings_table(trust: EngineRanking) -> Table:

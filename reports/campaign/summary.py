@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 from xml.etree import ElementTree
 
-from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
+from comparisons.judging.changes import Change
 from comparisons.judging.limits import deciding
 from comparisons.judging.records import Record, Verdict
 from reports.campaign.index import families_table
@@ -20,7 +20,7 @@ from reports.document.markdown import written
 from reports.document.numbers import ROUND_OFF, bound
 from reports.document.parts import Mono, Paragraph, Part, Section
 from reports.mechanism.engines import errors_section
-from reports.records.differences import changed_figures
+from reports.records.changes import changes_table
 from reports.records.views import limit_table, views
 
 
@@ -44,7 +44,7 @@ def markdown(results: Results) -> str:
         Paragraph(words),
         Section("", "Verdict", (*map(Paragraph, lines), families_table(trust))),
         *_section_with_parts("Errors", errors),
-        *_section_with_parts("Key figures", changed_figures(results.figures)),
+        *_section_with_parts("Changes", changes_table(results.changes)),
         Section("", "Limits", (limit_table(results),)),
     )
     return f"# {title}\n\n{written(parts)}\n"
@@ -54,26 +54,23 @@ def _section_with_parts(heading: str, parts: Sequence[Part]) -> tuple[Section, .
     return (Section("", heading, tuple(parts)),) if parts else ()
 
 
-# A campaign as test cases in JUnit's XML, which CI services show: one for every record and every key figure.
+# A campaign as test cases in JUnit's XML, which CI services show: one for every record and every change.
 
 ILLEGAL: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-FIGURES: Final = "key figures"  # stands where records have engine and setting
-BASELINE: Final = "baseline"  # the suite of what departs from it
+CHANGES: Final = "changes"  # the suite of what is not as it was recorded
 
 
-def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = (), departures: Sequence[str] = ()) -> str:
+def junit(records: Sequence[Record], changes: Sequence[Change] = ()) -> str:
     """The document: a suite per mechanism, variant and regime; the classes are engine and setting.
 
-    Skipped are records that are not judged, naive records beside other settings, and figures without a record.
+    Skipped are records that are not judged, naive records beside other settings, and what was not recorded before.
     """
     decides = {id(record) for record in deciding(records)}
     suites: dict[tuple[str, str, str], list[ElementTree.Element]] = {}
     for record in records:
         suites.setdefault(record.run[:3], []).append(_record_case(record, decides=id(record) in decides))
-    for figure in figures:
-        suites.setdefault((figure.mechanism, figure.variant, figure.regime), []).append(_figure_case(figure))
-    if departures:
-        suites[BASELINE, "", ""] = [_departure_case(words) for words in departures]
+    if changes:
+        suites[CHANGES, "", ""] = list(map(_change_case, changes))
     counts = _outcome_counts([case for cases in suites.values() for case in cases])
     root = ElementTree.Element("testsuites", {"name": "linkproof"} | counts)
     for place, cases in suites.items():
@@ -103,24 +100,13 @@ def _number_lines(record: Record) -> Iterator[str]:
         yield f"error {record.error_max:.3e} of the peak, {record.peak or 0.0:.6g} {record.unit}".rstrip()
     if record.limit is not None:
         yield f"limit {record.limit:.3e}"
-    if record.baseline is not None:
-        yield f"three times the recorded error {record.baseline:.3e}"
 
 
-def _figure_case(figure: KeyFigure) -> ElementTree.Element:
-    case = _test_case("/".join((figure.mechanism, figure.variant, figure.regime, FIGURES)), figure.figure)
-    if figure.changed:
-        ElementTree.SubElement(
-            case, "failure", message=_legal(figure.sentence), type="changed"
-        ).text = figure.conditions
-    elif figure.recorded is None:
-        ElementTree.SubElement(case, "skipped", message="not in the baseline", type="not-recorded")
-    return case
-
-
-def _departure_case(words: str) -> ElementTree.Element:
-    case = _test_case(BASELINE, words)
-    ElementTree.SubElement(case, "failure", message=_legal(words), type="departure")
+def _change_case(entry: Change) -> ElementTree.Element:
+    place = (CHANGES, entry.mechanism, entry.variant, entry.regime, entry.engine, entry.setting)
+    case = _test_case("/".join(filter(None, place)), entry.quantity)
+    kind = "failure" if entry.fails else "skipped"
+    ElementTree.SubElement(case, kind, message=_legal(entry.sentence), type=entry.kind.value).text = entry.conditions
     return case
 
 

@@ -7,20 +7,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
 
-from comparisons.campaign.key_figures import KeyFigure
 from comparisons.faults.symptoms import probable_faults
+from comparisons.judging.changes import Change
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
-from reports.records.differences import changed_figures
+from reports.records.changes import appeared_note, changes_table
 from reports.records.origins import computed_or_shared, concurrency_note, origin_words
-from reports.records.views import family, is_within
+from reports.records.views import family
 
 ACROSS = 4  # runs side by side in a table of 80 columns
 DETAILS = (
-    *("engine", "setting", "quantity", "origin", "outcome", "error", "RMS", "limit", "baseline", "peak", "unit"),
+    *("engine", "setting", "quantity", "origin", "outcome", "error", "RMS", "limit", "peak", "unit"),
     "worst at s",
     *("samples", "left out", "why"),
 )
@@ -28,20 +28,24 @@ DETAILS = (
 
 def printout(
     runs: Iterable[RunRecord],
-    figures: Sequence[KeyFigure] = (),
-    notes: Sequence[str] = (),
+    changes: Sequence[Change] = (),
     environment: Mapping[str, str] = MappingProxyType({}),
 ) -> Printout:
-    """One table per mechanism and regime, quantities down, engines and settings across; then key figures that changed.
+    """One table per mechanism and regime, quantities down, engines and settings across; then what has changed.
 
-    ``runs`` are gone through again for each part of it. ``notes`` are sentences that always stand before the closing
-    line. ``environment`` says how many ran at a time.
+    ``runs`` are gone through again for each part of it. ``environment`` says how many ran at a time.
     """
-    closing = [*notes, *_reasons(runs), *_probable_faults(runs), *_changes(figures), _closing_line(runs)]
-    return Printout(_motion_tables(runs, figures, concurrency_note(environment)), closing, _detail_tables(runs))
+    closing = [
+        *appeared_note(changes),
+        *_reasons(runs),
+        *_probable_faults(runs),
+        *_counts(changes),
+        _closing_line(runs),
+    ]
+    return Printout(_motion_tables(runs, changes, concurrency_note(environment)), closing, _detail_tables(runs))
 
 
-def _motion_tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure], while_others: str) -> Iterator[Printed]:
+def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         for start in range(0, len(together), ACROSS):
@@ -49,7 +53,7 @@ def _motion_tables(runs: Iterable[RunRecord], figures: Sequence[KeyFigure], whil
             yield _mechanism_table(beside, while_others)
             yield from _computed_or_shared(beside)
             yield ""
-    for table in changed_figures(figures):
+    for table in changes_table(changes):
         yield table
         yield ""
 
@@ -67,11 +71,10 @@ def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
         yield sorted(part, key=lambda run: run.errors[0].origin == CONTROL)
 
 
-def _changes(figures: Sequence[KeyFigure]) -> list[str]:
-    """How many key figures are not as recorded, in a sentence."""
-    known = [figure for figure in figures if figure.changed or figure.recorded is not None]
-    changed = sum(figure.changed for figure in known)
-    return [f"{changed} of {len(known)} key figures are not as recorded"] if changed else []
+def _counts(changes: Sequence[Change]) -> list[str]:
+    """How many results are not as they were recorded, in a line."""
+    counts = Counter(entry.kind for entry in changes if entry.fails)
+    return [f"not as recorded: {', '.join(f'{count} {kind}' for kind, count in counts.items())}"] if counts else []
 
 
 def _motion_heading(run: RunRecord) -> Paragraph:
@@ -123,21 +126,25 @@ def _detail_row(record: Record) -> tuple[TableCell | str, ...]:
     return (
         record.engine, record.setting, record.quantity, record.origin,
         TableCell(record.outcome, colour=RUNS[record.outcome].colour),
-        error(record.error_max), error(record.error_rms), bound(record.limit), error(record.baseline),
+        error(record.error_max), error(record.error_rms), bound(record.limit),
         figure(record.peak), record.unit, time, f"{record.samples}", f"{record.left_out}", record.detail,
     )  # fmt: skip
 
 
 def _reasons(runs: Iterable[RunRecord]) -> list[str]:
-    """Why runs gave nothing, and which records the baseline rather than the limit caught; each once, with where."""
+    """Why runs gave nothing, or nothing that is judged; each reason once, with where."""
     records = (
         record
         for run in runs
         for record in run.every
-        if record.detail and (record.error_max is None or is_within(record))
+        if record.detail and (record.error_max is None or _is_within(record))
     )
     reasons = grouped(((f"{record.engine} {record.setting}", record.detail), record.mechanism) for record in records)
     return [f"{run}, {', '.join(dict.fromkeys(where))}: {detail}" for (run, detail), where in reasons.items()]
+
+
+def _is_within(record: Record) -> bool:
+    return record.error_max is not None and record.limit is not None and record.error_max <= record.limit
 
 
 def _probable_faults(runs: Iterable[RunRecord]) -> list[str]:

@@ -160,16 +160,15 @@ def ratio(record: Record) -> str:
 
 
 def verdict(trust: EngineRanking, *, timed: bool = True) -> tuple[str, ...]:
-    """Departures, the engines to trust, the nearest (and if ``timed`` the quickest) one, and the naive settings.
+    """Changes, the engines to trust, the nearest (and if ``timed`` the quickest) one, and the naive settings.
 
     Nobody is to be trusted where the campaign has not passed.
     """
     setting, results = trust.settings[0], trust.results
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
-    departures, moved = results.document.get("departures", []), [figure for figure in results.figures if figure.changed]
+    count = sum(entry.fails for entry in results.changes)
     lines = (
-        sentence("verdict_departures", departures=departures) if departures else "",
-        sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else "",
+        sentence("verdict_changes", count=count) if count else "",
         _trust_sentence(trust, engines, setting),
         _accuracy_sentence(trust, engines, setting, timed=timed),
         _naive_sentence(trust, engines) if trust.is_idle(Setting.NAIVE.value) else "",
@@ -195,12 +194,10 @@ def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) 
 
 
 def _has_failed(results: Results) -> bool:
-    """Whether the campaign has failed, in any engine, by a key figure or by a departure from the baseline."""
+    """Whether the campaign has failed, in any engine, or by a change since its results were recorded."""
     decided = deciding((*results.records, *results.invariants))
     failed = any(Verdict(record.outcome).failed or record.outcome == Verdict.SUITE_ERROR for record in decided)
-    return (
-        failed or any(key_figure.changed for key_figure in results.figures) or bool(results.document.get("departures"))
-    )
+    return failed or any(entry.fails for entry in results.changes)
 
 
 def _accuracy_sentence(trust: EngineRanking, engines: Sequence[str], setting: str, *, timed: bool) -> str:

@@ -227,8 +227,8 @@ def compare(
     --out DIR alone takes the study that is in DIR: the runs that are missing are made, a finished study only gets its
     pages again.
 
-    Exit codes: 0 every error within its limit, 1 an error over its limit, a failed run, or a linkage, motion or
-    key figure that differs from the baseline, 2 bad input.
+    Exit codes: 0 every error within its limit, 1 an error over its limit, a failed run, or a result that
+    is not as it was recorded (--against), 2 bad input.
     """
     if script is not None:
         from reports.command_line.commands.engines import write_script
@@ -241,7 +241,7 @@ def compare(
     from reports.command_line.commands import compare
 
     if is_finished:
-        return compare.write_again(destination(output))
+        return compare.write_again(destination(output), standard.record)
     return compare.compare(options, destination(output), limits, standard)
 
 

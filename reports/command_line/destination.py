@@ -28,7 +28,7 @@ from reports.requests.options import OutputOptions
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from comparisons.campaign.key_figures import KeyFigure
+    from comparisons.judging.changes import Change
     from comparisons.judging.records import Record
 
 
@@ -136,12 +136,12 @@ class Destination(OutputOptions):
         if self.json:
             write_to_stdout(to_json(document))
 
-    def write_junit(self, records: Iterable[Record], figures: Sequence[KeyFigure], departures: Sequence[str]) -> None:
-        """Write records, key figures and departures from a baseline as test cases, if requested."""
+    def write_junit(self, records: Iterable[Record], changes: Sequence[Change]) -> None:
+        """Write records, and what has changed, as test cases, if requested."""
         if self.junit is not None:
             from reports.campaign.summary import junit  # noqa: PLC0415
 
-            write_text(self.junit, junit(list(records), figures, departures))
+            write_text(self.junit, junit(list(records), changes))
 
     def remark(self, text: str) -> None:
         """Print a remark on stderr, unless it is empty or the run quiet."""

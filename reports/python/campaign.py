@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
 from comparisons.campaign.standard import JudgedCampaign
+from comparisons.judging.changes import Change, write_rows
 from comparisons.judging.limits import deciding
 from comparisons.judging.records import Record, Verdict
 from reports.campaign.terminal import printout
@@ -33,7 +33,7 @@ RUN = ("mechanism", "variant", "regime", "engine", "setting")
 
 @dataclass(frozen=True, repr=False)
 class Comparison(PrintedResult):
-    """The result of a comparison: a record per run, quantity and check, and the key figures with their recorded values.
+    """The result of a comparison: a record per run, quantity and check, and the changes since earlier results.
 
     ``repr`` is a line, ``str`` and a notebook have what the command prints, ``to_pandas`` has a row for each record.
     """
@@ -47,19 +47,9 @@ class Comparison(PrintedResult):
         return tuple(self.judged.records)
 
     @property
-    def figures(self) -> tuple[KeyFigure, ...]:
-        """Key figures with their recorded values."""
-        return tuple(self.judged.figures)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Remarks that cause no failure: changes since the baseline was recorded, and permitted differences."""
-        return tuple(self.judged.notes)
-
-    @property
-    def departures(self) -> tuple[str, ...]:
-        """Linkages and motions that differ from the baseline, and fail the comparison."""
-        return tuple(self.judged.departures)
+    def changes(self) -> tuple[Change, ...]:
+        """What has changed since the results of ``against`` were recorded; those that appeared do not fail."""
+        return self.judged.changes
 
     @property
     def command(self) -> str:
@@ -83,8 +73,7 @@ class Comparison(PrintedResult):
         )
 
     def _printout(self) -> Printout:
-        notes = (*self.notes, *self.departures)
-        return printout(self.judged.runs, self.figures, notes, self.campaign.environment)
+        return printout(self.judged.runs, self.changes, self.campaign.environment)
 
     def _rows(self) -> Sequence[Record]:
         return self.records
@@ -92,13 +81,13 @@ class Comparison(PrintedResult):
     @property
     def passed(self) -> bool:
         """Whether the command would exit with 0; raises LinkproofError if nothing could be judged."""
-        return campaign_exit_code(self.records, figures=self.figures, departures=self.departures) == PASSED
+        return campaign_exit_code(self.records, changes=self.changes) == PASSED
 
     def check(self) -> Comparison:
         """The comparison itself if it has passed; a test is ``linkproof.compare("press.toml").check()``.
 
-        Raises AssertionError with a line for every error over its limit, every failed run and every difference from a
-        baseline, and LinkproofError if nothing could be judged.
+        Raises AssertionError with a line for every error over its limit, every failed run and every result that is
+        not as it was recorded, and LinkproofError if nothing could be judged.
         """
         __tracebackhide__ = True  # pytest shows the line of the test
         if self.passed:
@@ -106,9 +95,9 @@ class Comparison(PrintedResult):
         ours = [record for record in self.records if record.outcome == Verdict.SUITE_ERROR]
         failed = [record for record in deciding(self.records) if Verdict(record.outcome).failed]
         rows = failed_rows([*failed, *ours])
-        changed = [figure.sentence for figure in self.figures if figure.changed]
+        changed = [entry.sentence for entry in self.changes if entry.fails]
         head = f"{len(rows)} of {len(self.records)} errors and checks failed"
-        raise AssertionError("\n".join((head, *rows, *changed, *self.departures)))
+        raise AssertionError("\n".join((head, *rows, *changed)))
 
     @property
     def table(self) -> xarray.Dataset:
@@ -155,10 +144,13 @@ def compare(
         if not isinstance(mechanism, (str, Path)):
             raise LinkproofError(
                 f"expected names and paths of linkages, got a {type(mechanism).__name__}: give its file, since "
-                "limits and baselines belong to files"
+                "limits and recorded results belong to files"
             )
     wanted = campaign(replace(options, mechanisms=tuple(map(str, mechanisms))), standard, limits)
-    return Comparison(wanted.compared(wanted.resources.pool), wanted)
+    result = Comparison(wanted.compared(wanted.resources.pool), wanted)
+    if standard.record is not None:
+        write_rows(result.judged.rows, standard.record)
+    return result
 
 
 def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> Named:

@@ -16,7 +16,7 @@ from comparisons.campaign.results import Results
 from comparisons.judging.deviations import near_jumps
 from comparisons.judging.limits import LimitTable, grouped
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
-from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
+from comparisons.judging.records import CONTROL, IMPORTED, Record
 from engines.contract import Setting
 from reports.document.chart import Array
 from reports.document.numbers import bound
@@ -209,21 +209,7 @@ def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -
         before = row[:heads]
 
 
-# The limits of a campaign's records, and those that the baseline caught.
-
-
-def caught_by_baseline(results: Results) -> tuple[str, ...]:
-    """Records within their limit that fail by the recorded baseline, each in one sentence."""
-    return tuple(
-        f"{r.mechanism} ({r.variant}), {r.regime}, {r.engine} {r.setting}, {r.quantity}: {r.detail}"
-        for r in every_record(results)
-        if r.outcome == Verdict.OVER_LIMIT.value and r.baseline is not None and is_within(r)
-    )
-
-
-def is_within(record: Record) -> bool:
-    """Whether there is an error within the limit, so that only the baseline can have caught it."""
-    return record.error_max is not None and record.limit is not None and record.error_max <= record.limit
+# The limits of a campaign's records.
 
 
 def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:

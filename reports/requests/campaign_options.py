@@ -70,15 +70,25 @@ class StressOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class StandardOptions:
-    """Files of limits and of a baseline, which with ``record_baseline`` is written anew."""
+    """Files of limits, and of results recorded before."""
 
     limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None
-    baseline: Annotated[Path | None, Option("Errors and key figures recorded earlier.", "FILE")] = None
-    record_baseline: Annotated[
-        bool, Option("Record errors and key figures in the file of --baseline.", affects_results=False)
-    ] = False
-    allow_new: Annotated[bool, Option("Allow linkages and motions that the baseline does not contain.")] = False
-    allow_missing: Annotated[bool, Option("Allow linkages and motions of the baseline to be missing.")] = False
+    against: Annotated[
+        Path | None,
+        Option(
+            "Compare with results that --record wrote or that are in a folder of --out: what newly fails, has grown "
+            "threefold, has vanished or has changed fails.",
+            "FILE|DIR",
+        ),
+    ] = None
+    record: Annotated[
+        Path | None,
+        Option(
+            "Write errors, and figures of the closed form, into this CSV file for --against.",
+            "FILE",
+            affects_results=False,
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from analytic.errors import LinkproofError
-from comparisons.campaign.key_figures import KeyFigure
+from comparisons.judging.changes import Change
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.run_engine import Failure
 from comparisons.stress.cell_result import CellResult, StressVerdict
@@ -18,13 +18,11 @@ from reports.requests import FAILED, PASSED, SUITE_ERROR
 
 def campaign_exit_code(
     records: Iterable[Record],
-    figures: Iterable[KeyFigure] = (),
-    departures: Sequence[str] = (),
+    changes: Iterable[Change] = (),
 ) -> int:
     """The exit code of records; naive ones count only without other settings.
 
-    A key figure that differs from its record fails, and so do ``departures`` from a baseline. Raises LinkproofError if
-    no record is judged.
+    Of ``changes`` since results were recorded those that fail count. Raises LinkproofError if no record is judged.
     """
     naive, others = set[Verdict](), set[Verdict]()
     reasons: Counter[tuple[str, str]] = Counter()
@@ -35,9 +33,7 @@ def campaign_exit_code(
             reasons[record.outcome, record.detail] += 1
     decisive = others or naive
     is_ours = Verdict.SUITE_ERROR in naive | others
-    has_failed = (
-        any(entry.failed for entry in decisive) or any(figure.changed for figure in figures) or bool(departures)
-    )
+    has_failed = any(entry.failed for entry in decisive) or any(entry.fails for entry in changes)
     return _code(is_ours, has_failed, any(entry.judged for entry in decisive), reasons)
 
 

@@ -1,4 +1,4 @@
-"""The campaign that ``compare`` makes: its runs, and the user's standard, which is limits and a baseline."""
+"""The campaign that ``compare`` makes: its runs, limits of the user's own, and earlier results."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from analytic.description.loading import LinkageFile, catalogue, literature, rea
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
-from comparisons.campaign.results import document
-from comparisons.campaign.standard import JudgedCampaign, judged_campaign
-from comparisons.campaign.standard import standard as standard_of
-from comparisons.judging.baseline import Coverage
-from comparisons.judging.limits import Standard, check_named
+from comparisons.campaign.results import document, load
+from comparisons.campaign.standard import JudgedCampaign, JudgedRuns
+from comparisons.judging.changes import Row, read_rows
+from comparisons.judging.limits import Standard, check_named, read_limits, shipped_limits
 from comparisons.runs.files import check_writable
 from comparisons.runs.plugins import engines
 from comparisons.runs.study import Task
@@ -27,43 +26,32 @@ from reports.requests.campaign import RunResources, files, request, run_resource
 from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
 from reports.requests.options import command_line
 
-INSTALLATIONS = {"site-packages", "dist-packages"}  # the next installation removes the files in them
+
+def check_record(file: Path | None) -> None:
+    """Raise LinkproofError where results are to be recorded and cannot be."""
+    if file is not None and file.suffix.lower() != ".csv":
+        raise LinkproofError(f"--record {file}: the suffix must be .csv; rename the file")
+    if file is not None:
+        check_writable(file)
 
 
-def check_recorded(standard: StandardOptions) -> None:
-    """Raise LinkproofError where a baseline is to be recorded and cannot be."""
-    file = standard.baseline
-    if not standard.record_baseline:
-        return
-    if file is None:
-        raise LinkproofError("--record-baseline: expected a file to record into, got none: name one with --baseline")
-    if {*file.resolve().parts} & INSTALLATIONS:
-        raise LinkproofError(
-            f"--record-baseline: expected a file of your own, got '{file}' among installed packages: "
-            "give a place beside your linkages"
-        )
-    check_writable(file)
+def rows_before(place: Path) -> list[Row]:
+    """The rows of a file, or of the comparison in a results folder; raises LinkproofError for anything else."""
+    return load(place).rows if place.is_dir() else read_rows(place)
 
 
-def chosen_standard(options: CompareOptions, standard: StandardOptions) -> Standard:
-    """The limits and the baseline for results; raises LinkproofError for unknown names in them."""
-    read_files = files(options)
-    chosen = standard_of(
-        read_files, standard.limits, standard.baseline,
-        may_lack=standard.record_baseline, coverage=_coverage(options, standard),
-    )  # fmt: skip
+def chosen_standard(options: CompareOptions, limits: Path | None) -> Standard:
+    """The limits for results; raises LinkproofError for unknown names in them."""
+    if limits is None:
+        return Standard(shipped_limits())
+    chosen, read_files = read_limits(limits), files(options)
 
     def known() -> Iterator[LinkageFile]:
         yield from read_files
         yield from _neighbours(read_files)
 
-    recorded = chosen.baseline.linkages  # a recorded linkage that is missing has its own message
-    check_named(
-        chosen.limits,
-        lambda: [*_mechanism_names(known()), *(Path(path).stem for path in recorded)],
-        lambda: [*_regime_names(known()), *chosen.baseline.regimes],
-    )
-    return chosen
+    check_named(chosen, lambda: _mechanism_names(known()), lambda: _regime_names(known()))
+    return Standard(chosen)
 
 
 def _neighbours(named: list[LinkageFile]) -> Iterator[LinkageFile]:
@@ -86,17 +74,7 @@ def _regime_names(known: Iterable[LinkageFile]) -> list[str]:
     return names
 
 
-def _coverage(options: CompareOptions, standard: StandardOptions) -> Coverage:
-    """The part of a baseline that is compared: all of it, or the linkages and motions that are named."""
-    return Coverage(
-        every_linkage=not options.mechanisms and options.variant is None,
-        every_variant=options.variant is None and options.gravity,
-        allow_new=standard.allow_new,
-        allow_missing=standard.allow_missing,
-    )
-
-
-# ``compare``: the requested campaign with the standard of its project, and its results.
+# ``compare``: the requested campaign with its standard, and its results.
 
 
 DEFAULT_STANDARD, DEFAULT_LIMITS = StandardOptions(), RunLimits()
@@ -106,8 +84,8 @@ DEFAULT_STANDARD, DEFAULT_LIMITS = StandardOptions(), RunLimits()
 class Campaign:
     """A campaign whose names are all known.
 
-    ``command`` repeats it, ``saved_command`` with its standard and limits. ``recorded`` is the file that its errors are
-    recorded in, if they are to be.
+    ``command`` repeats it, ``saved_command`` with its standard and limits. ``before`` are the rows that its results are
+    compared with. ``every_variant``: no variant is chosen, so that figures are those of all.
     """
 
     request: CampaignRequest
@@ -115,13 +93,16 @@ class Campaign:
     resources: RunResources
     command: str
     saved_command: str
-    recorded: Path | None
+    before: Sequence[Row] | None
+    every_variant: bool
 
     def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign
-        """Make the runs in a pool and judge them; the errors are recorded as the baseline if they are to be."""
+        """Make the runs in a pool and judge them."""
         runs = run_campaign(self.request, bounds=self.resources.bounds, pool=pool, todo=self.tasks, **how)
         runs.make()
-        return judged_campaign(self.request, runs, self.standard, self.recorded)
+        return JudgedCampaign(
+            self.request, self.standard, JudgedRuns(runs, self.standard), self.before, self.every_variant
+        )
 
     @cached_property
     def tasks(self) -> Sequence[Task]:
@@ -146,12 +127,13 @@ def campaign(
     options: CompareOptions, standard: StandardOptions = DEFAULT_STANDARD, limits: RunLimits = DEFAULT_LIMITS
 ) -> Campaign:
     """The campaign of a request; raises LinkproofError for bad input, before any run."""
-    check_recorded(standard)
+    check_record(standard.record)
     return Campaign(
         request(options),
-        chosen_standard(options, standard),
+        chosen_standard(options, standard.limits),
         run_resources(limits),
         command_line("compare", options),
         command_line("compare", options, standard, limits),
-        standard.baseline if standard.record_baseline else None,
+        None if standard.against is None else rows_before(standard.against),
+        options.variant is None and options.gravity,
     )

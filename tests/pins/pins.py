@@ -2,7 +2,7 @@
 
 ``python tests/pins/pins.py hold [PART ...] [only=TEXT]`` makes the records anew and prints those that moved; ``take``
 renews the pins. Parts: figures (list, check, printed), designer (results, check, sweep, optimise, tolerance
-and judge, of the catalogue, the literature and the linkages of the tests), bench, stress; tests/baseline.json holds
+and judge, of the catalogue, the literature and the linkages of the tests), bench, stress; tests/baseline.csv holds
 the errors of compare. Times, dates and borders are left out, and bench and stress are held where both trees finished.
 Engines' last digits belong to the machine and the versions that took them, so this is run by hand and not by the tests.
 """

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Final
 
 from comparisons.campaign.results import COMPARE, load, save, with_runs, write_curves
-from comparisons.campaign.standard import JudgedCampaign
+from comparisons.judging.changes import write_rows
 from comparisons.runs.study_folder import to_json
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination, Writers, journal, report_interruption
-from reports.document.terminal import Printout
 from reports.requests.campaign import missing_engines
 from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
 from reports.requests.exit_codes import campaign_exit_code
-from reports.requests.standard import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign
+from reports.requests.standard import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign, check_record
 
 PAGE = "index.html"
 WRITERS: Final[Writers] = {
@@ -30,9 +28,8 @@ def compare(
     destination: Destination,
     limits: RunLimits = DEFAULT_LIMITS,
     standard: StandardOptions = DEFAULT_STANDARD,
-    words: Callable[[JudgedCampaign], Printout] | None = None,
 ) -> int:
-    """Run a campaign, write the requested files, print its tables, or what ``words`` makes; returns the exit code."""
+    """Run a campaign, write the requested files, print its tables; returns the exit code."""
     destination.check(PAGE)
     destination.check_saves(WRITERS, {f"'{name}'": Path(name) for name in options.mechanisms})
     wanted, out = campaign(options, standard, limits), destination.out
@@ -55,32 +52,31 @@ def compare(
         if out:
             save(out, saved, judged.runs)
             destination.write_pages(wanted.resources.processes)
-    if wanted.recorded:
-        destination.remark(f"baseline: {wanted.recorded}")
-    destination.write_junit(judged.records, judged.figures, judged.departures)
-    notes = (*judged.notes, *judged.departures)
-    shown = words(judged) if words else printout(judged.runs, judged.figures, notes, wanted.environment)
-    destination.print_out(shown)
-    code = campaign_exit_code(judged.records, judged.figures, judged.departures)
+    if standard.record:
+        write_rows(judged.rows, standard.record)
+    destination.write_junit(judged.records, judged.changes)
+    destination.print_out(printout(judged.runs, judged.changes, wanted.environment))
+    code = campaign_exit_code(judged.records, judged.changes)
     if records:
         records.clear()  # last, since the runs are read from it
     return code
 
 
-def write_again(destination: Destination) -> int:
+def write_again(destination: Destination, record: Path | None = None) -> int:
     """Write the files and the tables of the comparison that is in the folder of ``--out``; returns its exit code."""
     destination.check(PAGE)
     destination.check_saves(WRITERS)
     assert destination.out is not None
+    check_record(record)
     results = load(destination.out)
     document = results.document
-    departures = document.get("departures", ())
     if destination.json:
         destination.write_json(with_runs(document, results.runs))
     destination.write_saves(WRITERS, document, results.runs)
     destination.write_pages()
     every = [record for run in results.runs for record in run.every]
-    destination.write_junit(every, results.figures, departures)
-    notes = (*document.get("notes", ()), *departures)
-    destination.print_out(printout(results.runs, results.figures, notes, document["environment"]))
-    return campaign_exit_code(every, figures=results.figures, departures=departures)
+    if record:
+        write_rows(results.rows, record)
+    destination.write_junit(every, results.changes)
+    destination.print_out(printout(results.runs, results.changes, document["environment"]))
+    return campaign_exit_code(every, results.changes)

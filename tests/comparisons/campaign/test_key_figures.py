@@ -1,4 +1,4 @@
-"""Key figures change with a linkage's file, by a mass of 1e-5, and not with rounding."""
+"""Key figures change with a linkage's file, by a mass of 1e-5; and which recorded rows a request asks for."""
 
 import math
 import re
@@ -10,15 +10,20 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load, parse
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.key_figures import changes, compared, key_figures, present_figures
-from comparisons.judging.baseline import Baseline, Place
+from comparisons.campaign.campaign import CampaignRequest
+from comparisons.campaign.key_figures import key_figures
+from comparisons.campaign.standard import JudgedCampaign
+from comparisons.judging.changes import CLOSED_FORM, Place, Row
+from comparisons.judging.limits import shipped_standard
 from comparisons.reference.case import Case
+from engines.contract import Setting
 
 LINKAGE = load("juki-mf7923d")
+REQUEST = CampaignRequest((LINKAGE,), (crank_motion("run-up"),), "c", ("pymunk",), (Setting.NAIVE, Setting.TUNED))
 
 
-def _case(linkage=LINKAGE) -> Case:
-    return Case(Mechanism(linkage), crank_motion("run-up"), conditions="c")
+def judged(request=REQUEST, before=None, *, every_variant=False):
+    return JudgedCampaign(request, shipped_standard(), (), before, every_variant)
 
 
 def _heavier(share: float):
@@ -28,30 +33,53 @@ def _heavier(share: float):
     return parse(text, LINKAGE.name, LINKAGE.name, LINKAGE.variant)
 
 
-def _now():
-    return present_figures(compared([_case()], Baseline()))
+@pytest.mark.parametrize("every_variant", [False, True])
+def test_a_mass_changed_by_a_hundred_thousandth_is_seen(every_variant):
+    before = judged(every_variant=every_variant).rows
+    assert judged(before=before, every_variant=every_variant).changes == ()
+    found = judged(replace(REQUEST, linkages=(_heavier(1e-5),)), before, every_variant=every_variant).changes
+    assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.quantity for one in found}
+    assert all(re.search(r" was \S+ (N|N m|W|kg m²), and is .* %$", one.sentence) for one in found)
+    assert {one.variant for one in found} == ({"as-built", "as-printed"} if every_variant else {"as-built"})
 
 
-def _baseline() -> Baseline:
-    return Baseline({}, {LINKAGE.name: Place("press.toml", "0")}).recorded([], _now())
+RECORDED = Place("juki-mf7923d", "as-built", "run-up", "c, gravity on", "pymunk", "tuned", "Mkr")
 
 
-def test_the_same_file_has_the_same_figures():
-    assert changes([_case()], _baseline()) == []
-    assert changes([replace(_case(), conditions="another")], _baseline()) == []
+@pytest.mark.parametrize(
+    ("other", "is_asked"),
+    [
+        ({}, True),
+        ({"mechanism": "another"}, False),
+        ({"variant": "as-printed"}, False),
+        ({"regime": "run-up-quintic"}, False),
+        ({"conditions": "2000 rpm, gravity on"}, False),
+        ({"engine": "mujoco"}, False),
+        ({"setting": "best"}, False),
+        ({"setting": "naive"}, False),  # decides nothing beside another setting
+        ({"engine": CLOSED_FORM, "setting": "", "quantity": "old.peak"}, True),
+        ({"engine": CLOSED_FORM, "setting": "", "quantity": "old.peak", "variant": "as-printed"}, False),
+    ],
+)
+def test_what_is_asked_for_and_not_there_any_more_has_vanished(other, is_asked):
+    row = Row(RECORDED._replace(**other), "passed", 1e-6)
+    vanished = [change.quantity for change in judged(before=[row]).changes if change.fails]
+    assert vanished == [row.place.quantity] * is_asked
+    narrow = replace(REQUEST, quantities=("Jeq",))
+    assert not any(change.fails for change in judged(narrow, [Row(RECORDED, "passed", 1e-6)]).changes)
 
 
-def test_a_mass_changed_by_a_hundred_thousandth_is_seen():
-    found = changes([_case(_heavier(1e-5))], _baseline())
-    assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.figure for one in found}
-    assert all(re.search(r" was \S+ (N|N m|W|kg m²) and is .* %$", one.sentence) for one in found)
+def test_a_regime_of_a_file_is_the_same_whatever_its_conditions_are():
+    linkage = load("two-crank-takeup")
+    request = CampaignRequest((linkage,), (), "", ("pymunk",), own_regimes=("driven",))
+    place = Place(linkage.name, linkage.variant, "driven", "released at 7°", "pymunk", "tuned", "phi")
+    vanished = [change.quantity for change in judged(request, [Row(place, "passed", 1e-6)]).changes if change.fails]
+    assert vanished == ["phi"]
 
 
 def test_figures_are_the_peaks_of_the_motion():
-    found = key_figures(_case())
-    fresh = compared([_case()], Baseline())
-    assert {one.figure: one.now for one in fresh} == found
-    assert not any(one.changed or one.recorded is not None for one in fresh)
+    found = key_figures(Case(Mechanism(LINKAGE), crank_motion("run-up"), conditions="c"))
+    assert {one.figure: one.value for one in judged().figures} == found
     assert found["Peq.peak"] == pytest.approx(found["Mkr.peak"] * 104.72, rel=0.05)  # near full speed
     kinds = {"Mkr", "Peq", "Jeq", "joint_force", "S", "stroke", "v", "a", "transmission_angle", "point", "output"}
     assert {name.partition(":")[0].partition(".")[0] for name in found} == kinds
@@ -70,18 +98,3 @@ def test_figures_of_a_centric_slider_crank_are_those_of_its_formulas():
     assert least == pytest.approx(math.acos(r / length))
     assert (found["point:A:x@0s"], found["point:D:y@0s"]) == pytest.approx((r, -math.sqrt(length**2 - r**2)))
     assert (found["output:direction:x"], found["output:direction:y"]) == (0.0, 1.0)
-
-
-def test_a_figure_that_is_lost_or_new_has_a_sentence():
-    key = next(iter(_now()))
-    baseline = _baseline().recorded([], {key: {"Mkr.peak": key_figures(_case())["Mkr.peak"], "old": 1.0}})
-    sentences = {one.figure: one.sentence for one in changes([_case()], baseline)}
-    assert "is no figure any more" in sentences.pop("old")
-    assert all("was not recorded" in words for words in sentences.values())
-
-
-def test_rounding_of_a_figure_that_is_zero_is_no_change():
-    """A force that is zero but for rounding differs between machines by more than a millionth of itself."""
-    recorded = {**key_figures(_case()), "Jeq.mean": key_figures(_case())["Jeq.mean"] + 1e-15}
-    baseline = _baseline().recorded([], {next(iter(_now())): recorded})
-    assert changes([_case()], baseline) == []

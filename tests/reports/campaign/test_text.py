@@ -1,12 +1,13 @@
 """A campaign in the terminal, in the summary and as JUnit's XML."""
 
+import re
 from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
 
-from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
+from comparisons.judging.changes import Change, Kind
 from comparisons.judging.records import Verdict, run_record
 from reports.campaign.summary import junit, markdown
 from reports.campaign.terminal import printout
@@ -86,12 +87,34 @@ def test_another_machine_on_another_day_writes_the_same(results, text):
     assert markdown(later) == text
 
 
-FIGURE = KeyFigure("m", "v", "r", "c", "Mkr.peak", 1.0, 1.0, changed=False)
+PLACE = ("m", "v", "r", "c")
+CHANGED = Change(Kind.CHANGED, *PLACE, "closed form", "", "Jeq.mean", 2.0, 2.02, unit="kg m²")
+GROWN = Change(Kind.GROWN, *PLACE, "e", "tuned", "Mkr", 1e-6, 4e-6, "passed")
+VANISHED = [Change(Kind.VANISHED, *PLACE, "e", "best", name, 1e-6, None) for name in ("S", "v")]
+APPEARED = Change(Kind.APPEARED, *PLACE, "e", "tuned", "Teq", None, 1e-6, "passed")
 
 
-def _cases(records, figures=(), departures=()):
-    root = ElementTree.fromstring(junit(records, figures, departures))
+def _cases(records, changes=()):
+    root = ElementTree.fromstring(junit(records, changes))
     return {(case.get("classname"), case.get("name")): case for case in root.iter("testcase")}
+
+
+def test_what_has_changed_is_a_table_and_a_line_and_test_cases():
+    every = [CHANGED, GROWN, *VANISHED, APPEARED]
+    text = rendered(*(printed := printout([_result()], every)).tables, *printed.closing, width=200)
+    rows = [re.split(" {2,}", line) for line in text.splitlines() if line.startswith("m (v)  ")]
+    assert rows == [
+        ["m (v)", "r", "closed form", "Jeq.mean", "changed", "2", "2.02", "kg m²", "+1 %"],
+        ["m (v)", "r", "e tuned", "Mkr", "grown threefold", "1.0e-6", "4.0e-6", "4.0 times"],
+        ["m (v)", "r", "e best", "2 quantities", "vanished"],
+    ]
+    assert "not recorded, which is no failure: 1 result of m (v), r, e tuned" in text
+    assert "not as recorded: 1 changed, 1 grown threefold, 2 vanished" in text
+    found = {name: case for (place, name), case in _cases([RECORD], every).items() if place.startswith("changes/m/v/r")}
+    assert {name: case[0].tag for name, case in found.items()} == {
+        **dict.fromkeys(("Jeq.mean", "Mkr", "S", "v"), "failure"), "Teq": "skipped",
+    }  # fmt: skip
+    assert found["Mkr"][0].get("message") == GROWN.sentence
 
 
 @pytest.mark.parametrize(
@@ -103,38 +126,22 @@ def _cases(records, figures=(), departures=()):
     ],
 )
 def test_what_did_not_pass_says_why(outcome, tag):
-    record = replace(RECORD, outcome=outcome, detail="because <it> is\x07 so", baseline=2e-5)
+    record = replace(RECORD, outcome=outcome, detail="because <it> is\x07 so")
     ((told,),) = _cases([record]).values()
     assert (told.tag, told.get("type")) == (tag, outcome)
     assert told.get("message") == "because <it> is� so"
-    assert told.text.splitlines()[1:] == [
-        "error 1.235e-05 of the peak, 1 N m", "limit 1.000e-04", "three times the recorded error 2.000e-05",
-    ]  # fmt: skip
-
-
-def test_key_figures_are_cases_too():
-    changed = replace(FIGURE, figure="Jeq.mean", now=1.01, changed=True)
-    unknown = replace(FIGURE, figure="Peq.peak", recorded=None)
-    found = _cases([RECORD], [FIGURE, changed, unknown])
-    tags = {name: [told.tag for told in case] for (place, name), case in found.items() if place == "m/v/r/key figures"}
-    assert tags == {"Mkr.peak": [], "Jeq.mean": ["failure"], "Peq.peak": ["skipped"]}
-    assert found["m/v/r/key figures", "Jeq.mean"][0].get("message") == changed.sentence
-
-
-def test_what_departs_from_the_baseline_is_a_case_that_fails():
-    ((told,),) = (case for (place, _), case in _cases([RECORD], (), ["a.toml is new"]).items() if place == "baseline")
-    assert (told.tag, told.get("message")) == ("failure", "a.toml is new")
+    assert told.text.splitlines()[1:] == ["error 1.235e-05 of the peak, 1 N m", "limit 1.000e-04"]
 
 
 def test_suites_count_their_cases_and_the_time_of_every_run_once():
     first = [replace(RECORD, seconds=1.5), replace(RECORD, seconds=1.5, quantity="Jeq", outcome="diverged", detail="x")]
     other = replace(RECORD, mechanism="n", seconds=0.25, outcome="unsupported", detail="y")
-    root = ElementTree.fromstring(junit([*first, other], [FIGURE]))
+    root = ElementTree.fromstring(junit([*first, other]))
     suites = {one.get("name"): one for one in root}
     counts = ("tests", "failures", "errors", "skipped", "time")
-    assert [suites["m/v/r"].get(name) for name in counts] == ["3", "1", "0", "0", "1.500000"]
+    assert [suites["m/v/r"].get(name) for name in counts] == ["2", "1", "0", "0", "1.500000"]
     assert [suites["n/v/r"].get(name) for name in counts] == ["1", "0", "0", "1", "0.250000"]
-    assert [root.get(name) for name in counts[:-1]] == ["4", "1", "0", "1"]
+    assert [root.get(name) for name in counts[:-1]] == ["3", "1", "0", "1"]
 
 
 def test_details_hold_every_record_and_all_its_figures():

@@ -1,4 +1,4 @@
-"""``linkproof.compare``: records as a table and a picture, files of limits and baselines, refusals."""
+"""``linkproof.compare``: records as a table and a picture, files of limits and of earlier results, refusals."""
 
 import re
 
@@ -46,8 +46,18 @@ def test_a_check_gives_the_comparison_or_shows_every_row_over_its_limit_of_a_fil
     )
 
 
+def test_what_changed_since_results_were_recorded_fails_a_check(tmp_path):
+    held = tmp_path / "held.csv"
+    linkproof.compare("juki-mf7923d", quantity="Jeq", record=held, **FAST)
+    assert linkproof.compare("juki-mf7923d", quantity="Jeq", against=held, **FAST).check().changes == ()
+    held.write_text(held.read_text(encoding="utf-8").replace("Jeq.mean,,8.02", "Jeq.mean,,8.03"), encoding="utf-8")
+    found = linkproof.compare("juki-mf7923d", quantity="Jeq", against=held, **FAST)
+    with pytest.raises(AssertionError, match=r"0 of 1 errors and checks failed\n.*Jeq.mean: was 8.03\d+e-05 kg m²"):
+        found.check()
+
+
 def test_where_nothing_can_be_judged_it_has_neither_passed_nor_failed():
-    found = linkproof.Comparison(JudgedCampaign(None, (), (), ()), None)
+    found = linkproof.Comparison(JudgedCampaign(None, None, ()), None)
     with pytest.raises(linkproof.LinkproofError, match="got no run at all"):
         found.check()
 

@@ -1,12 +1,9 @@
-"""Records as tables: limits, changed key figures, and one mechanism at a time."""
+"""Records as tables: limits, and one mechanism at a time."""
 
 import numpy as np
 import pytest
 
-from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Verdict
-from reports.document.numbers import ABSENT
-from reports.records.differences import changed_figures
 from reports.records.views import View, anchor, blank_repeats, limit_table, short_title, views
 from tests.analytic.drives import driven
 from tests.reports.made_up_results import made_up_results
@@ -22,21 +19,6 @@ def test_limits_carry_their_reasons(results):
     jeq = next(row for row in rows if row[0].startswith("Jeq") and "tuned" in row[1])
     assert jeq[3] == "1e-5"
     assert "smoother than torque" in jeq[4]
-
-
-PLACE = ("m", "v", "run-up", "c")
-
-
-def test_only_what_changed_has_a_row():
-    same = KeyFigure(*PLACE, "Mkr.peak", 1.0, 1.0, changed=False)
-    assert changed_figures([same]) == ()
-    moved = KeyFigure(*PLACE, "Jeq.mean", 2.0, 2.02, changed=True, unit="kg m²")
-    lost = KeyFigure(*PLACE, "Peq.peak", 3.0, None, changed=True)
-    (table,) = changed_figures([same, moved, lost])
-    assert table.rows == (
-        ("m (v)", "run-up", "Jeq.mean", "2", "2.02", "kg m²", "+1 %"),
-        ("m (v)", "run-up", "Peq.peak", "3", ABSENT, "", ABSENT),
-    )
 
 
 @pytest.fixture(scope="module")

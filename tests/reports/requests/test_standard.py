@@ -1,4 +1,4 @@
-"""The campaign of ``compare``: names of equal files, and a baseline recorded into a file that a user names."""
+"""The campaign of ``compare``: names of equal files, limits and earlier results."""
 
 import re
 from pathlib import Path
@@ -11,7 +11,7 @@ from comparisons.judging.limits import read_limits
 from reports.requests.campaign import files
 from reports.requests.campaign_options import CompareOptions, StandardOptions
 from reports.requests.options import command_line
-from reports.requests.standard import campaign, check_recorded
+from reports.requests.standard import campaign
 
 ROOT = Path(__file__).parents[3]
 
@@ -26,20 +26,27 @@ def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(tmp
     assert names == ["a-press", "a-parts-press", "b-parts-press"]
 
 
-def test_recording_needs_a_file_of_the_users_own(tmp_path):
-    for place, words in (
-        (None, "--record-baseline: .* name one with --baseline"),
-        (tmp_path, "cannot write"),
-        (tmp_path / "lib" / "site-packages" / "base.json", r"your own, got .*base\.json' among installed packages"),
-    ):
-        with pytest.raises(LinkproofError, match=words):
-            check_recorded(StandardOptions(baseline=place, record_baseline=True))
-
-
 def test_the_words_ask_for_the_same_standard():
-    mine = StandardOptions(limits=Path("my limits.toml"), baseline=Path("b.json"), allow_new=True, allow_missing=True)
-    words = "linkproof compare --limits 'my limits.toml' --baseline b.json --allow-new --allow-missing"
+    mine = StandardOptions(limits=Path("my limits.toml"), against=Path("b.csv"), record=Path("c.csv"))
+    words = "linkproof compare --limits 'my limits.toml' --against b.csv"
     assert command_line("compare", CompareOptions(), mine) == words
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            {"against": Path("nix.csv")},
+            "'nix.csv' cannot be read: No such file or directory; name a file",
+        ),
+        ({"against": ROOT / "tests"}, "no results of compare in"),
+        ({"record": Path("press.toml")}, "--record press.toml: the suffix must be .csv"),
+        ({"record": ROOT / "README.md" / "a.csv"}, "cannot write"),
+    ],
+)
+def test_what_cannot_be_read_or_written_is_refused_before_any_run(options, words):
+    with pytest.raises(LinkproofError, match=words):
+        campaign(CompareOptions(engine=("direct",)), StandardOptions(**options))
 
 
 @pytest.mark.parametrize(

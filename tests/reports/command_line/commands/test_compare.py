@@ -1,8 +1,9 @@
-"""``linkproof compare`` in a user's repository: limits, a baseline and an engine from outside the suite."""
+"""``linkproof compare`` in a user's repository: limits, earlier results and an engine from outside the suite."""
 
 import json
 import os
 import re
+from pathlib import Path
 from unittest.mock import patch
 from xml.etree import ElementTree
 
@@ -55,31 +56,33 @@ def _failed(file):
 
 
 def test_a_changed_mass_is_red_by_its_figures_and_in_an_engine_by_its_rows(folder):
-    held = ("--baseline", "held.json")
-    done = _compare(folder, *PRESSES, *held, "--record-baseline")
-    assert (done.returncode, done.stderr) == (0, "baseline: held.json\n")
+    done = _compare(folder, *PRESSES, "--out", "held", "--record", "held.csv")
+    assert (done.returncode, done.stderr) == (0, f"report: {Path('held/index.html')}\n")
+    recorded = (folder / "held.csv").read_bytes()
+    assert linkproof("compare", "--out", "held", "--record", "held.csv", cwd=folder).returncode == 0
+    assert (folder / "held.csv").read_bytes() == recorded
 
-    done = _compare(folder, *PRESSES, *held, "--quantity", "joint_force", "--junit", "red.xml", more="0.01")
-    assert (done.returncode, "key figures" in done.stdout) == (1, False)
-    assert _failed(folder / "red.xml") == {f"{name}-press/as-built/run-up/heavy/tuned" for name in "ab"}
+    for held in (("--against", "held.csv"), ("--against", "held")):
+        words = (*PRESSES, *held, "--quantity", "joint_force", "--junit", "red.xml")
+        assert _compare(folder, *words).returncode == 0
+        done = _compare(folder, *words, more="0.001")
+        assert done.returncode == 1
+        assert re.search(
+            r"a-press \(as-built\) +run-up +heavy tuned +joint_force:.+ +newly failing: over-limit", done.stdout
+        )
+        changed = {f"changes/{name}-press/as-built/run-up/heavy/tuned" for name in "ab"}
+        assert changed <= _failed(folder / "red.xml")
 
     press = folder / "b" / "press.toml"
     text = press.read_text(encoding="utf-8")
     press.write_text(text.replace("mass    = 0.03\n", "mass    = 0.0303\n"), "utf-8")
     done = _compare(folder, *PRESSES, *held, "--quantity", "Jeq", "--junit", "red.xml")
     assert done.returncode == 1
-    assert "b/press.toml has changed since its baseline was recorded" in done.stdout
-    assert re.search(r"b-press \(as-built\) +run-up +Mkr.peak", done.stdout)
-    assert not re.search(r"a-press .* Mkr.peak", done.stdout)
-    assert _failed(folder / "red.xml") == {
-        f"b-press/{variant}/run-up/key figures" for variant in ("as-built", "as-printed")
-    }
-
-    press.unlink()
-    done = _compare(folder, PRESSES[0], *held, "--quantity", "Jeq", "--junit", "red.xml")
-    assert (done.returncode, _failed(folder / "red.xml")) == (1, {"baseline"})
-    assert "b/press.toml is in the baseline and does not exist any more: " in done.stdout
-    assert _compare(folder, PRESSES[0], *held, "--quantity", "Jeq", "--allow-missing").returncode == 0
+    assert re.search(r"b-press \(as-built\) +run-up +closed form +Mkr.peak +changed", done.stdout)
+    assert "a-press" not in done.stdout.partition("not as it was recorded")[2]
+    places = {f"changes/b-press/{variant}/run-up/closed form" for variant in ("as-built", "as-printed")}
+    assert _failed(folder / "red.xml") == places
+    assert _compare(folder, PRESSES[0], *held, "--quantity", "Jeq").returncode == 0  # of what is asked for
 
 
 def test_limits_of_a_file_are_saved_with_the_results(folder):

@@ -1,0 +1,222 @@
+"""What has changed since results were recorded: rows of errors and of figures of the closed form, joined by their run.
+
+A row of the engine ``CLOSED_FORM`` has a figure of the closed form, SI, so that a changed mass in a linkage's file is
+seen; every other row has an error over the peak. A file of rows is CSV, sorted, so that its diff shows what moved.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from analytic.errors import LinkproofError, shortened
+from analytic.written import change
+from comparisons.judging.records import Record, Verdict
+from comparisons.runs.files import write_text
+
+CLOSED_FORM: Final = "closed form"
+GROWTH: Final = 3.0  # times its recorded value an error may become
+FLOOR_SHARE: Final = 1e-3  # of its limit: a smaller error is round-off, and may grow
+SAME_FIGURE: Final = 1e-6  # what a figure of the closed form may change by, relative
+Motion = tuple[str, ...]  # mechanism, variant, regime, conditions, and a unit
+ROUNDINGS: Final = 16  # of the largest figure of a unit: a smaller figure counts as zero
+
+
+class Place(NamedTuple):
+    """What tells a row from all others."""
+
+    mechanism: str
+    variant: str
+    regime: str
+    conditions: str
+    engine: str
+    setting: str
+    quantity: str
+
+
+COLUMNS: Final = (*Place._fields, "outcome", "value")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A quantity of a run, or a figure of the closed form; ``limit`` and ``unit`` are those of fresh results."""
+
+    place: Place
+    outcome: str = ""
+    value: float | None = None
+    limit: float | None = None
+    unit: str = ""
+
+    @property
+    def is_figure(self) -> bool:
+        """Whether it has a figure of the closed form."""
+        return self.place.engine == CLOSED_FORM
+
+
+def error_row(record: Record) -> Row:
+    """The row of a record."""
+    place = Place(*(getattr(record, name) for name in Place._fields))
+    return Row(place, record.outcome, record.error_max, record.limit)
+
+
+def write_rows(rows: Iterable[Row], file: Path) -> None:
+    """Write rows as CSV: errors with four digits, figures with nine."""
+    target = io.StringIO()
+    writer = csv.writer(target, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for row in sorted(rows, key=lambda row: row.place):
+        digits = ".9g" if row.is_figure else ".3e"
+        writer.writerow((*row.place, row.outcome, "" if row.value is None else f"{row.value:{digits}}"))
+    write_text(file, target.getvalue())
+
+
+def read_rows(file: Path) -> list[Row]:
+    """The rows of a file; raises LinkproofError, with the line, for a file of another form."""
+    cure = "record it again with --record, or correct the line"
+    try:
+        with file.open(encoding="utf-8", newline="") as opened:
+            reader = csv.reader(opened)
+            if (head := next(reader, [])) != [*COLUMNS]:
+                got = shortened(",".join(head))
+                raise LinkproofError(f"'{file}', line 1: expected the columns {','.join(COLUMNS)}, got '{got}'; {cure}")
+            rows: dict[Place, Row] = {}
+            for cells in reader:
+                try:
+                    row = _row(cells)
+                    if row.place in rows:
+                        raise ValueError("the same row stands above")
+                except ValueError as error:
+                    raise LinkproofError(f"'{file}', line {reader.line_num}: {error}; {cure}") from error
+                rows[row.place] = row
+    except UnicodeDecodeError as error:
+        raise LinkproofError(f"'{file}' is no text in UTF-8: name a file that --record wrote") from error
+    except (OSError, csv.Error) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise LinkproofError(f"'{file}' cannot be read: {reason}; name a file that --record wrote") from error
+    return list(rows.values())
+
+
+def _row(cells: list[str]) -> Row:
+    """A row of a file; raises ValueError for a wrong one."""
+    if len(cells) != len(COLUMNS):
+        raise ValueError(f"expected {len(COLUMNS)} columns, got {len(cells)}")
+    *words, outcome, text = cells
+    value = float(text) if text else None
+    if value is not None and not math.isfinite(value):
+        raise ValueError(f"expected a finite value, got {text}")
+    row = Row(Place(*words), outcome, value)
+    if row.is_figure and value is None:
+        raise ValueError("expected a value of the closed form, got none")
+    if not row.is_figure and outcome not in list(Verdict):
+        raise ValueError(f"expected an outcome, such as passed, got '{outcome}'")
+    return row
+
+
+class Kind(StrEnum):
+    """What has become of a row. All but one fail."""
+
+    FAILING = "newly failing"
+    GROWN = "grown threefold"
+    VANISHED = "vanished"
+    CHANGED = "changed"
+    APPEARED = "appeared"
+
+
+@dataclass(frozen=True)
+class Change:
+    """A row that is not as it was recorded; ``before`` and ``after`` are its values, ``outcome`` is that of now."""
+
+    kind: Kind
+    mechanism: str
+    variant: str
+    regime: str
+    conditions: str
+    engine: str
+    setting: str
+    quantity: str
+    before: float | None
+    after: float | None
+    outcome: str = ""
+    unit: str = ""
+
+    @property
+    def fails(self) -> bool:
+        """Whether it fails the comparison; what has appeared is a note."""
+        return self.kind is not Kind.APPEARED
+
+    @property
+    def run(self) -> str:
+        """The run in words."""
+        return f"{self.mechanism} ({self.variant}), {self.regime}, {self.engine} {self.setting}".rstrip()
+
+    @property
+    def share(self) -> float | None:
+        """Relative change; None without both values, or from zero."""
+        return self.after / self.before - 1.0 if self.before and self.after is not None else None
+
+    @property
+    def sentence(self) -> str:
+        """The change in words."""
+        place = f"{self.run}, {self.quantity}"
+        if self.kind is Kind.FAILING:
+            return f"{place}: {Verdict(self.outcome).value}, and was not before"
+        if self.kind is Kind.VANISHED:
+            return f"{place}: was recorded, and {f'is {self.outcome}' if self.outcome else 'is not there any more'}"
+        if self.kind is Kind.APPEARED:
+            return f"{place}: was not recorded"
+        if self.kind is Kind.GROWN:
+            return f"{place}: the error was {self.before:.2g} of the peak, and is {self.after:.2g}"
+        share = f", {change(self.share, '.2g')}" if self.share is not None else ""
+        return f"{place}: was {self.before:.9g} {self.unit}".rstrip() + f", and is {self.after:.9g} {self.unit}{share}"
+
+
+def changes(before: Iterable[Row], after: Iterable[Row]) -> Iterator[Change]:
+    """What is not in rows ``after`` as it was ``before``, in the order of the rows' names."""
+    old, new = ({row.place: row for row in rows} for rows in (before, after))
+    least = _rounding_errors(old, new)
+    for place in sorted(old.keys() | new.keys()):
+        was, now = old.get(place), new.get(place)
+        kind = _kind(was, now, least)
+        if kind is not None:
+            values = (was.value if was else None, now.value if now else None)
+            yield Change(kind, *place, *values, now.outcome if now else "", now.unit if now else "")
+
+
+def _kind(was: Row | None, now: Row | None, least: Mapping[Motion, float]) -> Kind | None:
+    """What has become of a row; None if nothing has."""
+    if was is None or now is None:
+        there = was or now
+        assert there is not None
+        return None if there.value is None else Kind.APPEARED if was is None else Kind.VANISHED
+    if now.is_figure:
+        assert was.value is not None
+        assert now.value is not None
+        allowed = max(SAME_FIGURE * abs(was.value), least.get((*now.place[:4], now.unit), 0.0))
+        return None if abs(now.value - was.value) <= allowed else Kind.CHANGED
+    if Verdict(now.outcome).failed:
+        return None if Verdict(was.outcome).failed else Kind.FAILING
+    if now.value is None or was.value is None:
+        return None if was.value is None else Kind.VANISHED
+    floor = FLOOR_SHARE * (now.limit or math.inf)
+    is_grown = Verdict(now.outcome).judged and not now.value <= max(GROWTH * was.value, floor)
+    return Kind.GROWN if is_grown else None
+
+
+def _rounding_errors(old: Mapping[Place, Row], new: Mapping[Place, Row]) -> dict[Motion, float]:
+    """By motion and unit, the rounding error of the largest recorded figure in that unit."""
+    values: dict[Motion, float] = {}
+    for place, row in new.items():
+        if row.is_figure and (was := old.get(place)) is not None and was.value is not None:
+            motion = (*place[:4], row.unit)
+            usual = SAME_FIGURE if row.unit == "rad" else 0.0  # a transmission angle of zero is rounding
+            error = ROUNDINGS * float(np.finfo(float).eps) * abs(was.value)
+            values[motion] = max(values.get(motion, usual), error)
+    return values
