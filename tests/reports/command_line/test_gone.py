@@ -22,8 +22,8 @@ OFFERED = {
     "tolerance": "variant from to clockwise no-gravity scale-mass samples save json quiet",
     "judge": f"{MOTION} mapping limit out save json quiet verbose",
     "engines": "check try json quiet",
-    "compare": f"{MOTION} engine setting quantity full out save json junit quiet verbose limits baseline "
-    "record-baseline allow-new allow-missing script time-limit memory-limit jobs",
+    "compare": f"{MOTION} engine setting quantity full out save json junit quiet verbose limits against "
+    "record script time-limit memory-limit jobs",
     "bench": f"{MOTION} engine quantity quick out json quiet verbose",
     "stress": "engine setting quick out json quiet verbose jobs",
 }
