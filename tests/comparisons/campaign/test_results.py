@@ -1,8 +1,6 @@
 """A saved campaign is read back whole, without an engine; a damaged document is refused by the key at fault."""
 
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -87,15 +85,6 @@ def test_a_record_of_another_form_is_refused_by_its_key(saved, tmp_path):
     save(tmp_path, load_results(folder).document, [wrong])
     with pytest.raises(LinkproofError, match=r"0\.error_max: Input should be a valid number"):
         load_results(tmp_path)
-
-
-def test_loading_imports_no_engine(saved):
-    script = (
-        "import sys; from pathlib import Path; from comparisons.campaign.results import load;"
-        f"load(Path({str(saved[0])!r})); print([m for m in ('exudyn', 'pymunk') if m in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 def test_a_campaign_of_failures_can_be_saved(tmp_path):

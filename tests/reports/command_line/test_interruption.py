@@ -49,11 +49,6 @@ def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sente
     assert (str(error.value), passed_on) == (sentence, announced)
 
 
-def test_other_faults_pass():
-    with pytest.raises(ValueError, match="as it was"), report_interruption(Path("out"), "compare"):
-        raise ValueError("as it was")
-
-
 def test_the_same_request_goes_on_and_another_one_begins_anew_with_a_remark(tmp_path, capsys):
     faster = dataclasses.replace(OPTIONS, speed=2000.0)
     for other, words in (

@@ -9,6 +9,7 @@ import sys
 from contextlib import chdir
 from dataclasses import asdict
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -221,12 +222,19 @@ def gate(tmp_path, monkeypatch):
     return tmp_path / "gate"
 
 
-def interrupted(*words, when):
-    """Press Ctrl-C, which every process of a terminal's foreground hears, as soon as ``when()`` is true."""
+@pytest.fixture
+def short_folder():
+    """An empty folder whose sockets have paths of no more than the 107 letters that Linux takes."""
+    with TemporaryDirectory(dir="/tmp") as name:
+        yield Path(name)
+
+
+def interrupted(*words, by, when):
+    """Send a signal to every process of a terminal's foreground, as Ctrl-C does, as soon as ``when()`` is true."""
     command, pipe = [*COMMAND, *map(str, words)], subprocess.PIPE
     with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as running:
         wait_for(lambda: when() or running.poll() is not None)
-        os.killpg(running.pid, signal.SIGINT)
+        os.killpg(running.pid, by)
         out, err = running.communicate()
     return subprocess.CompletedProcess(command, running.returncode, out, err)
 
@@ -236,7 +244,9 @@ def untimed(rows):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
-def test_an_interrupted_campaign_is_finished_by_its_folder_alone(tmp_path, gate):
+@pytest.mark.parametrize("by", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.nightly)])
+def test_an_interrupted_campaign_is_finished_by_its_folder_alone(tmp_path, gate, monkeypatch, short_folder, by):
+    monkeypatch.setenv("TMPDIR", str(short_folder))
     out = tmp_path / "out"
     words = (
         "compare",
@@ -251,8 +261,10 @@ def test_an_interrupted_campaign_is_finished_by_its_folder_alone(tmp_path, gate)
         "all",
     )
     records = out / FOLDER / RECORDS
-    done = interrupted(*words, "--out", out, when=lambda: records.is_file() and records.read_bytes().count(b"\n") > 1)
+    some = lambda: records.is_file() and records.read_bytes().count(b"\n") > 1  # noqa: E731
+    done = interrupted(*words, "--out", out, by=by, when=some)
     assert (done.returncode, done.stdout) == (130, "")
+    assert wait_for(lambda: not any(short_folder.iterdir()))
     rest = f" of 6 runs are saved in {out}: repeat the command, or linkproof compare --out {out}, to finish\n"
     number = re.fullmatch(rf"linkproof: interrupted; (\d+){re.escape(rest)}", done.stderr)
     assert number is not None, done.stderr
