@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
 from comparisons.runs.files import Claim, claim, write_text, writing
-from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile, temporary_records
+from comparisons.runs.record_file import Array, RecordFile, temporary_records
 from comparisons.runs.run_engine import Lost
 from comparisons.runs.workers import DEFAULT_BOUNDS, EVERY_CORE, Bounds, LocalPool, Pool
 
@@ -47,11 +47,8 @@ class Journal:
         """The records finished so far; those of another request are removed first."""
         _ = self._claim
         header = self.place / HEADER
-        if self.other_request():
+        if not header.is_file() or self.other_request():
             self.clear()
-        if not header.is_file():
-            for name in (RECORDS, CURVES):  # of an unknown request
-                (self.place / name).unlink(missing_ok=True)
             write_text(header, self.request)
         write_text(self.place / COMMAND, self.command)
         return RecordFile(self.place, survives_power_failure=True)

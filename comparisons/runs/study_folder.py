@@ -23,7 +23,7 @@ from comparisons.runs.record_file import CURVES, RECORDS, Array, RecordFile
 
 DOCUMENT: Final = "study.json"
 SUMS: Final = "SHA256SUMS"
-FORMAT: Final = 4  # the files of versions before had 1 to 3
+FORMAT: Final = 5  # of the files; it counts up where they change
 REPEAT_HINT: Final = "run {} with --out again"
 
 R = TypeVar("R")
@@ -84,7 +84,9 @@ def load_study(
         _check_sums(place)
         document = json.loads((place / DOCUMENT).read_text("utf-8"))
         if document["format"] != FORMAT:
-            raise ValueError(f"expected format {FORMAT}, got {document['format']}, of another version")
+            raise LinkproofError(
+                f"'{place}' was made by another version of linkproof: {REPEAT_HINT.format(kind)}, into a new folder"
+            )
         form.validate_python(document)
         file = RecordFile(place, may_be_torn=False)
         del document["kind"], document["format"]

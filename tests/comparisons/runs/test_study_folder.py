@@ -109,7 +109,7 @@ def test_a_file_that_is_missing_is_missed(folder, name):
     [
         ({**TOLD, "sizes": ["x"]}, r"sizes\.0: Input should be a valid integer"),
         ({"command": "c"}, "sizes: Field required"),
-        ({**TOLD, "format": 9}, "expected format 4, got 9, of another version"),
+        ({**TOLD, "format": 9}, "bench' was made by another version of linkproof: run bench with --out again"),
     ],
 )
 def test_a_document_of_another_form_is_refused_by_its_key(tmp_path, told, words):
