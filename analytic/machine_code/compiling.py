@@ -217,8 +217,8 @@ class StraightFunction:
         self._straight = compile_source(python_source(trace, lanes, rows, results))
         self._scratch = threading.local()
 
-    def __call__(self, lanes: Sequence[Any], rows: Array, count: int, into: Array | None = None) -> Array:
-        """Results (results, count), or put there: ``lanes`` are numbers or arrays of so many, ``rows`` (rows, k)."""
+    def __call__(self, lanes: Sequence[Any], rows: Array, count: int) -> Array:
+        """Results (results, count): ``lanes`` are numbers or arrays of so many, ``rows`` (rows, k)."""
         given, out = self._memory(-(-count // LANES))
         full = count - count % LANES
         for number, values in enumerate(lanes):
@@ -228,7 +228,7 @@ class StraightFunction:
                 given[-1, number, : count - full] = flat[full:]
                 given[-1, number, count - full :] = flat[-1]
         self._straight(given.reshape(len(given), -1), rows, out.reshape(len(out), -1))
-        results = np.empty((len(out[0]), count)) if into is None else into
+        results = np.empty((len(out[0]), count))
         results[:, :full].reshape(len(results), full // LANES, LANES)[:] = out[: full // LANES].swapaxes(0, 1)
         if full < count:
             results[:, full:] = out[-1, :, : count - full]

@@ -14,10 +14,10 @@ def test_pieces_make_up_the_whole(monkeypatch):
     sample, angle = mechanism("rimoldi-164"), angles(17)
     motion = {"speed": angles(17, seed=2), "acceleration": angles(17, seed=3)}
     names = ("Jeq", "Mkr", "S", "a", "joint_force:A:x", "link:rod:angle")
-    whole = evaluate(sample, angle, names, **motion, path="numpy")
+    whole = evaluate(sample, angle, names, **motion)
     assert np.array_equal(whole["Mkr"], reduced.drive_torque(sample.sweep(angle), *motion.values()))
     monkeypatch.setattr(evaluation, "PIECE", 5)
-    for name, values in evaluate(sample, angle, names, **motion, path="numpy").items():
+    for name, values in evaluate(sample, angle, names, **motion).items():
         assert np.array_equal(values, whole[name]), name
 
 

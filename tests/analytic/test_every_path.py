@@ -12,7 +12,6 @@ from analytic.designs.derivatives import signal_gradients
 from analytic.errors import LinkproofError
 from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
-from analytic.machine_code import compiling
 from analytic.machine_code.tracing import linkage_trace
 from analytic.signals import names
 from tests.analytic.drives import driven
@@ -21,7 +20,7 @@ from tests.analytic.fifty_digits import Exact
 from tests.analytic.loaded_linkages import ALL, laden, on_trial
 
 SAME = 1e-13  # of the peak
-SEED, COUNT, ORDINARY, COMPILED = 11, 22, (0, 3, 8, 20), 13
+SEED, COUNT, ORDINARY = 11, 22, (0, 3, 8, 20)
 STRIDE = 5  # has no factor in common with the number of kinds
 SPEED = 20.0
 SHARE = 0.02  # of a length, that it is changed by; of the rest ten times as much
@@ -52,19 +51,17 @@ def drawn(number):
     raise RuntimeError(f"no linkage of number {number}")
 
 
-def by_every_path(sample, places, chosen, is_compiled):
+def by_every_path(sample, places, chosen):
     """Values (signals, angles) by path."""
     varied = f"{sample.linkage.crank}.mass"  # a number that the list leaves open, and that has derivatives
     own = {varied: numbers(sample.linkage)[varied]}
     listed = linkage_trace(sample, own, chosen)
     rows = listed.trace.evaluate(listed.signals, listed.values(own, places, SPEED))
-    paths = {
+    return {
+        "numpy": np.stack(list(evaluate(sample, places, chosen, speed=SPEED).values())),
         "list": np.stack([np.broadcast_to(row, places.shape) for row in rows]),
         "dual": signal_gradients(sample, own, chosen, places, speed=SPEED)[0],
     }
-    for path in ("numpy", "compiled") if is_compiled else ("numpy",):
-        paths[path] = np.stack(list(evaluate(sample, places, chosen, speed=SPEED, path=path).values()))
-    return paths
 
 
 def kind_of(name):
@@ -73,13 +70,13 @@ def kind_of(name):
     return head if head == "joint_force" else (head, last[:-1]) if head == "point" else name
 
 
-def deviations(number, is_compiled):
+def deviations(number):
     """Deviation over the peak by path and signal."""
     sample, places = drawn(number)
     exact = Exact(sample.sweep(places[0]))
     truth = signals_of(exact, SPEED) | forces_of(exact, SPEED)
     chosen = [name for name in names(sample) if name in truth]
-    paths = by_every_path(sample, places, chosen, is_compiled)
+    paths = by_every_path(sample, places, chosen)
     peaks = {}
     for name, row in zip(chosen, paths["numpy"], strict=True):
         peaks[kind_of(name)] = max(peaks.get(kind_of(name), 0.0), float(np.max(np.abs(row))))
@@ -95,5 +92,5 @@ NIGHTLY = [pytest.param(number, marks=pytest.mark.nightly) for number in range(C
 
 @pytest.mark.parametrize("number", [*ORDINARY, *NIGHTLY])
 def test_signals_of_linkages_drawn_at_random_are_those_of_fifty_digits(number):
-    errors = dict(deviations(number, is_compiled=number == COMPILED and compiling.is_installed()))
+    errors = dict(deviations(number))
     assert max(errors.values()) <= SAME, max(errors, key=errors.get)

@@ -95,7 +95,7 @@ def test_the_force_of_the_drive_is_found_from_virtual_work_and_from_the_balance_
     sweep = driven(name).sweep(motion.angle(time))
     virtual = drive_torque(sweep, speed, acceleration)
     assert reactions(sweep, speed, acceleration).torque == pytest.approx(virtual, rel=1e-11, abs=1e-12)
-    by_name = evaluate(driven(name), motion.angle(time), ["Mkr"], speed=speed, acceleration=acceleration, path="auto")
+    by_name = evaluate(driven(name), motion.angle(time), ["Mkr"], speed=speed, acceleration=acceleration)
     assert by_name["Mkr"] == pytest.approx(virtual, rel=1e-13)
 
 

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.evaluation import evaluate
 from analytic.machine_code import compiling
 from analytic.machine_code.compiling import FUNCTION, LANES, Result, StraightFunction, is_worthwhile, python_source
-from analytic.machine_code.tracing import FUNCTIONS, OperationList, is_traceable, linkage_trace
+from analytic.machine_code.tracing import FUNCTIONS, OperationList, linkage_trace
 from analytic.signals import names
-from tests.analytic.linkages import from_text, mechanism, text_of
+from tests.analytic.linkages import from_text, text_of
 
 SAME = 1e-14  # of the peak: square roots of sums in place of a library's hypot
 
@@ -67,35 +66,6 @@ def test_a_source_is_made_of_numbers_and_operations():
     assert source.startswith(f"def {FUNCTION}(lanes, rows, results):")
 
 
-@numba
-@pytest.mark.parametrize("name", ["spring-and-damper", pytest.param("moving-guides", marks=pytest.mark.nightly)])
-def test_signals_of_one_linkage_are_numpy_s(name):
-    sample, angle = mechanism(name), np.linspace(-7.0, 9.0, 700)
-    motion = {"speed": np.cos(angle), "acceleration": 3.0 - angle}
-    result, expected = (evaluate(sample, angle, names(sample), **motion, path=path) for path in ("compiled", "numpy"))
-    assert list(result) == list(expected)
-    for signal, values in expected.items():
-        peak = max(np.max(np.abs(values)), 1e-9 if "force" in signal else 0.0)
-        assert np.max(np.abs(result[signal] - values)) <= SAME * 10.0 * peak, signal
-
-
-@numba
-def test_threads_make_up_the_whole_and_leave_nothing_to_numpy(monkeypatch):
-    monkeypatch.setattr(OperationList, "evaluate", lambda *_: pytest.fail("NumPy computes what machine code should"))
-    sample, angle = mechanism("juki-mf7923d"), np.linspace(0.0, 40.0, 70_001)
-    whole, parts = (evaluate(sample, angle, ["Mkr"], speed=2.0, cores=cores, path="compiled") for cores in (1, 3))
-    np.testing.assert_array_equal(whole["Mkr"], parts["Mkr"])
-
-
-@numba
-@pytest.mark.parametrize("name", ["parallelogram", "shaper-quick-return"])
-def test_a_linkage_that_cannot_be_traced_is_left_to_numpy(name):
-    sample, angle = mechanism(name), np.linspace(0.1, 0.4, 9)
-    assert not is_traceable(sample)
-    one, two = (evaluate(sample, angle, ["Jeq"], path=path)["Jeq"] for path in ("compiled", "numpy"))
-    np.testing.assert_array_equal(one, two)
-
-
 def test_it_is_compiled_where_that_saves_time(monkeypatch):
     assert not is_worthwhile("auto", 200, 1e5)
     assert is_worthwhile("auto", 200, 1e8) == compiling.is_installed()
@@ -106,18 +76,16 @@ def test_it_is_compiled_where_that_saves_time(monkeypatch):
     monkeypatch.setattr(compiling, "is_installed", lambda: False)
     assert not is_worthwhile("auto", 200, 1e8)
     with pytest.raises(LinkproofError, match=r"pip install 'linkproof\[compiled\]'"):
-        evaluate(mechanism("juki-mf7923d"), 0.3, ["Jeq"], path="compiled")
+        is_worthwhile("compiled", 1, 1.0)
 
 
-def test_small_evaluations_do_not_import_numba():
+def test_a_few_designs_do_not_import_numba():
     code = (
         "import sys, numpy as np\n"
         "from analytic.designs.sampled_signals import evaluate_designs\n"
-        "from analytic.evaluation import evaluate\n"
         "from analytic.description.loading import load\n"
         "from analytic.kinematics.mechanism import Mechanism\n"
         "sample = Mechanism(load('juki-mf7923d'))\n"
-        "evaluate(sample, np.linspace(0.0, 6.0, 1000), ['Mkr'], speed=1.0)\n"
         "evaluate_designs(sample, {'crank.mass': np.ones(3)}, np.linspace(0.0, 6.0, 9), ['Jeq'])\n"
         "assert 'numba' not in sys.modules\n"
     )
