@@ -64,7 +64,7 @@ def test_finding_adapters_imports_no_engine():
 
 SEEN = {
     "engines": {"description", "numerics", "errors", "catalogue"},
-    "reports.document": {"description", "errors", "catalogue", "written"},
+    "reports.document": {"description", "errors", "catalogue"},
 }
 
 

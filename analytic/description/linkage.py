@@ -20,8 +20,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from analytic.description.crank_motion import degrees
-from analytic.description.crank_motion.prescribed import CrankMotion
+from analytic.description.crank_motion import CrankMotion, degrees
 from analytic.description.law import Law, TimeLaw
 from analytic.description.schema import EyeReference, Published
 from analytic.description.units import factor

@@ -1,21 +1,26 @@
-"""Looking things up in a validated document: SI values, and which bodies carry a point."""
+"""Looking things up in a validated document: SI values, laws over φ, and which bodies carry a point."""
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
+import numpy as np
+
 from analytic.description import schema as doc
 from analytic.description.diagnosis import Source
+from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Vector, unit
 from analytic.description.units import UNITS, factor
 from analytic.errors import DescriptionError, UnknownNameError, listed
 
 # SI magnitudes outside 1e±60 are slips of the pen, and products of four of them would leave the range of a double.
 LARGEST: Final = 1e60
+LEAST_STEP: Final = 1e-6  # rad between the angles of a law: nearer ones are one angle written twice
 
 
 @dataclass(frozen=True)
@@ -139,3 +144,55 @@ def reader_of(document: doc.Document, source: Source) -> Reader:
         except UnknownNameError as error:
             raise DescriptionError(source.place(f"units.{kind}: {error}")) from error
     return Reader(document, source, scale)
+
+
+# Laws over φ.
+
+
+def interpolated_law(
+    reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], kind: str, where: str
+) -> Law:
+    """The law of a force or torque, by a spline or by straight lines as the table says."""
+    law = _law(reader, rows, table.angle, kind, where)
+    if table.interpolation and law.is_constant:
+        raise reader.fail(
+            f"{where}.interpolation: expected a list of values over angle = [...] beside it, got one value; leave it "
+            "out"
+        )
+    return replace(law, linear=table.interpolation == "linear")
+
+
+def law_over_angle(reader: Reader, values: list[float], angles: list[float], kind: str, where: str) -> Law:
+    """The law of one component through values at angles, both in the file's units."""
+    return _law(reader, [(value,) for value in values], angles, kind, where)
+
+
+def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] | None, kind: str, where: str) -> Law:
+    """The law through rows of components; one row without angles is a constant."""
+    table = np.array([[reader.number(value, kind, f"{where}.{kind}") for value in row] for row in rows], dtype=float)
+    if angles is None:
+        if len(table) != 1:
+            raise reader.fail(
+                f"{where}: expected one value, or angle = [...] with as many angles as values, got {len(table)} values "
+                "and no angles; add angle"
+            )
+        return Law(table[0])
+    phi = np.asarray(angles, dtype=float) * reader.scale[reader.coordinate]
+    periodic = not reader.is_linear
+    if len(table) != len(phi) or len(phi) < 3:
+        raise reader.fail(
+            f"{where}: expected as many values as angles and at least 3 of each, got {len(table)} values and "
+            f"{len(phi)} angles; complete the shorter list"
+        )
+    if np.any(np.diff(phi) < LEAST_STEP) or (periodic and phi[-1] - phi[0] >= FULL_TURN):
+        if not periodic:
+            raise reader.fail(
+                f"{where}.angle: expected increasing travels of the driver, got steps of {min(np.diff(angles)):g} "
+                f"{reader.document.units.length} and more; sort them"
+            )
+        raise reader.fail(
+            f"{where}.angle: expected increasing angles that span less than one turn, since the law repeats with the "
+            f"turn, got {angles[0]:g} to {angles[-1]:g} in steps of "
+            f"{min(np.diff(angles)):g} and more; sort them, and leave out a last one that repeats the first"
+        )
+    return Law(table, phi, periodic)

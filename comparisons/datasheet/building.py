@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
-from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, PrescribedRegime, ThreadGuide
 from analytic.description.loading import parse
+from analytic.description.written import FileUnit, file_unit
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from analytic import signals
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
+from analytic.description.written import finite
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
-from analytic.written import finite
 from comparisons.datasheet.instants import Instants, refine_near_toggles
 from comparisons.reference.case import Case, Truth
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from analytic.description.changes import without
 from analytic.description.crank_motion import RPM
-from analytic.description.file_units import file_unit
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
+from analytic.description.written import file_unit
 from analytic.dynamics.reduced import drive_torque, load_forces
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import ReleasedRegime
+from analytic.description.written import finite
 from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equilibria
 from analytic.errors import LinkproofError
@@ -17,7 +18,6 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import FreeMotion, energy_imbalance
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.refine import grid, in_turn, periodic_mean
-from analytic.written import finite
 from comparisons.datasheet.instants import extreme_samples
 from comparisons.datasheet.sheet import Released
 

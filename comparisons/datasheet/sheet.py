@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM, CrankMotion
-from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
+from analytic.description.written import FileUnit, file_unit
 from analytic.numerics.refine import in_turn
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import TIME, SignalFigure

@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 from analytic.description.changes import SPEED, Kind, design_numbers, named_numbers, with_numbers
 from analytic.description.changes import numbers as numbers_of
 from analytic.description.crank_motion import RPM
-from analytic.description.file_units import FileUnit, file_unit
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.description.loading import parse
-from analytic.description.rewriting import DESIGN, rewritten
+from analytic.description.loading import DESIGN, parse, rewritten
 from analytic.description.units import factor
+from analytic.description.written import FileUnit, file_unit
 from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure, figures_named
 from analytic.designs.results import design_figures

@@ -29,11 +29,11 @@ from pydantic import Field
 from scipy.special import ndtri
 
 from analytic.description.changes import SPEED, numbers
-from analytic.description.file_units import FileUnit
 from analytic.description.linkage import Linkage
 from analytic.description.loading import read_document
 from analytic.description.schema import Finite, TomlTable
 from analytic.description.units import factor
+from analytic.description.written import FileUnit
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.written import signed
+from analytic.description.written import signed
 from comparisons.faults.fault import Correction, Fault, Kind
 from comparisons.faults.simulation import Predict, SignalTimes, Simulation, has_free_zero, holds_acceleration, is_rotary
 from comparisons.judging.deviations import near_jumps

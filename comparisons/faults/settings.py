@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
 from analytic.description.linkage import RotaryDamper, rotate
-from analytic.written import fixed, signed
+from analytic.description.written import fixed, signed
 from comparisons.faults.fault import Correction, Fault, Kind
 from comparisons.faults.simulation import ChangedMotion, Simulation, is_rotary
 from comparisons.reference.motion import Motion

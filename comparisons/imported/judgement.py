@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from analytic.description.file_units import file_unit
+from analytic.description.written import file_unit
 from analytic.signals import unit
 from comparisons.faults.columns import Evidence
 from comparisons.faults.simulation import ChangedMotion, SignalTimes, Simulation, holds_acceleration

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.file_units import file_unit
 from analytic.description.linkage import GROUND, CylinderDrive, Guide, Linkage, Spring
+from analytic.description.written import file_unit
 from comparisons.datasheet.sheet import Positions
 from reports.charts import symbols
 from reports.document.chart import Array

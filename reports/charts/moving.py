@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
 from analytic.description.linkage import Linkage
-from analytic.written import fixed
+from analytic.description.written import fixed
 from comparisons.datasheet.sheet import Positions
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from analytic.description.file_units import file_unit
 from analytic.description.linkage import GROUND, Linkage
+from analytic.description.written import file_unit
 from comparisons.datasheet.sheet import Positions, ThreadSheet
 from reports.charts import symbols
 from reports.charts.draw import Host, drawn, inches

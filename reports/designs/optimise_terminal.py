@@ -9,11 +9,10 @@ from typing import Any, Final
 import numpy as np
 
 from analytic import signals
-from analytic.description.file_units import file_unit
+from analytic.description.written import change, file_unit, finite
 from analytic.designs.derivatives import is_exact
 from analytic.errors import printable
 from analytic.signals import MAGNITUDE
-from analytic.written import change, finite
 from comparisons.designs.optimisation import Optimum
 from comparisons.designs.problem import Constraint
 from comparisons.designs.searches import Search

@@ -11,8 +11,8 @@ import ezdxf
 import numpy as np
 from ezdxf import units
 
-from analytic.description.file_units import file_unit
 from analytic.description.linkage import GROUND, Linkage
+from analytic.description.written import file_unit
 from analytic.errors import printable
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import positions_at

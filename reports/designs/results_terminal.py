@@ -14,8 +14,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.written import plain
 from analytic.signals import COMPONENTS, MAGNITUDE, THREAD_FEED
-from analytic.written import plain
 from comparisons.datasheet.curves import TIME
 from comparisons.datasheet.linkage_warnings import warnings
 from comparisons.datasheet.sheet import Sheet

@@ -9,8 +9,8 @@ import numpy as np
 from openpyxl import Workbook
 from openpyxl.cell import WriteOnlyCell
 
+from analytic.description.written import finite
 from analytic.errors import printable
-from analytic.written import finite
 from comparisons.datasheet.sheet import Sheet
 from reports.designs.results_terminal import columns
 

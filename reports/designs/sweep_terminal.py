@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytic.written import csv_text, finite
+from analytic.description.written import csv_text, finite
 from comparisons.designs.sweep import SweepRequest, SweepStudy
 from reports.document.numbers import figure, grouped, printed
 from reports.document.parts import Paragraph, Table

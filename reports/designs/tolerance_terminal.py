@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from analytic.description.written import csv_text, finite, plain
 from analytic.errors import printable
-from analytic.written import csv_text, finite, plain
 from comparisons.designs.tolerances import EXACT, SEED, ToleranceStudy
 from reports.document.chart import Chart, Curve, Mark, Panel, axis_label
 from reports.document.numbers import ABSENT, figure, printed

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from analytic.description.law import FULL_TURN
-from analytic.written import fixed
+from analytic.description.written import fixed
 from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judgement import NEAR_ZERO, SignalVerdict

@@ -9,9 +9,9 @@ from typing import Any, Final
 from analytic import signals
 from analytic.description.changes import SPEED, Number, named_numbers
 from analytic.description.crank_motion import RPM, CrankMotion
-from analytic.description.file_units import file_unit
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import Linkage
+from analytic.description.written import file_unit
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code.compiling import javascript_source
 from analytic.machine_code.tracing import ACCELERATION, PHI, LinkageTrace, is_traceable, linkage_trace

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 from analytic.description import loading
 from analytic.description.changes import Number, Place, named_numbers
 from analytic.description.linkage import GROUND, Linkage
-from analytic.description.rewriting import WrittenNumbers, with_variant_written, written_numbers
+from analytic.description.loading import WrittenNumbers, with_variant_written, written_numbers
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute

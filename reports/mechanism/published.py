@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from analytic.written import signed
+from analytic.description.written import signed
 from reports.document.numbers import ABSENT
 from reports.document.parts import PUBLISHED, Bullets, Section, Table, TableCell, Words
 from reports.document.templates import worded

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from analytic.description.file_units import FileUnit
 from analytic.description.law import FULL_TURN
-from analytic.written import fixed
+from analytic.description.written import FileUnit, fixed
 from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import MEAN, SHAKING
 from comparisons.datasheet.sheet import Sheet

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import without
-from analytic.description.file_units import file_unit
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
+from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import conditions

@@ -12,8 +12,8 @@ from urllib.parse import urlencode
 import numpy as np
 import pytest
 
-from analytic.description.file_units import file_unit
 from analytic.description.loading import load
+from analytic.description.written import file_unit
 from tests.commands import linkproof
 from tests.pages.browser import opened
 

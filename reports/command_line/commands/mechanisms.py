@@ -8,11 +8,10 @@ from typing import Any, Final
 import numpy as np
 
 from analytic.description.changes import SPEED
-from analytic.description.file_units import in_unit
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature, load
+from analytic.description.written import finite, in_unit
 from analytic.designs.figures import figure_names
-from analytic.written import finite
 from comparisons.designs.parameters import named_figures, parameters, speed_unit
 from reports.command_line.destination import Destination
 from reports.document.numbers import ABSENT, printed

@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic.description import changes, load_tables
-from analytic.description.loading import CATALOGUE, LITERATURE, parse
-from analytic.description.rewriting import MARK, rewritten
+from analytic.description import changes, conversion
+from analytic.description.loading import CATALOGUE, LITERATURE, MARK, parse, rewritten
 from analytic.errors import LinkproofError, UnknownNameError
 from tests.analytic.linkages import FOLDER
 from tests.analytic.mutations import mutated_files
@@ -33,7 +32,7 @@ def expected(text, variant, numbers):
     linkage = changes.changed(
         parse(text, "sample", "sample.toml", variant), lambda name, _, old: numbers.get(name, old)
     )
-    loads = {kind: tuple(sorted(getattr(linkage, kind), key=load_tables.sort_key)) for kind in changes.LOADS}
+    loads = {kind: tuple(sorted(getattr(linkage, kind), key=conversion.sort_key)) for kind in changes.LOADS}
     return changes.numbers(changes.replace(linkage, **loads))
 
 

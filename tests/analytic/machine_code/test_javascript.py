@@ -74,7 +74,7 @@ def test_signals_of_other_designs_are_numpy_s(name):
     designs, truths = [], []
     for _ in range(CHANGES):
         other = {number: float(value * chance.uniform(1.0 - SHARE, 1.0 + SHARE)) for number, value in free.items()}
-        motion = {"speed": SPEED, "acceleration": ACCELERATION, "path": "numpy"}
+        motion = {"speed": SPEED, "acceleration": ACCELERATION}
         with suppress(LinkproofError):  # a design that cannot turn as the file's does
             truths.append(evaluate(sample.redesigned(with_numbers(linkage, other)), places, chosen, **motion))
             designs.append([other[one] for one in given])

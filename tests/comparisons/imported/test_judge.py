@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import RPM, crank_motion
-from analytic.description.crank_motion.prescribed import table_motion
+from analytic.description.crank_motion import RPM, crank_motion, table_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism

@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import CrankMotion, Segment, crank_motion, swing
-from analytic.description.crank_motion.prescribed import table_motion
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion, swing, table_motion
 from analytic.description.law import FULL_TURN
 from engines.stepping.intervals import Pace, intervals
 

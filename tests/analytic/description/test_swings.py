@@ -6,8 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import LAWS, RPM, Move, sequence, swing
-from analytic.description.crank_motion.prescribed import table_motion
+from analytic.description.crank_motion import LAWS, RPM, Move, sequence, swing, table_motion
 from analytic.description.linkage import PrescribedRegime
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError, UnknownNameError

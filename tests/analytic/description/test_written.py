@@ -2,7 +2,7 @@
 
 import pytest
 
-from analytic.written import change, csv_text, fixed, signed
+from analytic.description.written import change, csv_text, fixed, signed
 
 
 @pytest.mark.parametrize(

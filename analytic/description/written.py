@@ -1,9 +1,15 @@
-"""Units for output: those of the linkage's file instead of SI."""
+"""Numbers and units as they are written: in the units of the linkage's file instead of SI, and as text.
+
+A number that is rounded to zero has no sign.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
@@ -59,3 +65,34 @@ def in_unit(value: float, size: float) -> float:
     near = value / size
     tried = (float(f"{near:.15g}"), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
     return next((number for number in tried if number * size == value), near)
+
+
+def finite(value: float) -> float | None:
+    """The number; None if it is not finite."""
+    return value if math.isfinite(value) else None
+
+
+def plain(values: NDArray[np.float64]) -> list[float | None]:
+    """Numbers as a list for JSON, None in place of nan and infinity."""
+    return [finite(value) for value in values.tolist()]
+
+
+def fixed(value: float, digits: int) -> str:
+    """A number as text, with so many decimals; never "-0"."""
+    return f"{value:z.{digits}f}"
+
+
+def signed(value: float, form: str) -> str:
+    """A difference with its sign, in a format such as ".2f"; without a sign where it is rounded to zero."""
+    text = f"{value:+{form}}"
+    return text if text.strip("+-0.e%") else text[1:]
+
+
+def change(share: float, form: str = ".2f") -> str:
+    """A relative change in per cent."""
+    return f"{signed(100.0 * share, form)} %"
+
+
+def csv_text(text: str) -> str:
+    """A name as a cell of a CSV table: an apostrophe precedes names that a spreadsheet would take for formulas."""
+    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
