@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Final
 
 from analytic.description.linkage import Linkage
-from analytic.description.written import change
 from analytic.designs.figures import STROKE, Figure
 from analytic.errors import LinkproofError
 from analytic.motion.thread_feed import contour_length

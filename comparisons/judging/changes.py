@@ -17,8 +17,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from analytic.description.written import change
 from analytic.errors import LinkproofError, shortened
-from analytic.written import change
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.files import write_text
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from analytic.written import change
+from analytic.description.written import change
 from comparisons.judging.changes import CLOSED_FORM, Change, Kind
 from comparisons.judging.limits import grouped
 from reports.document.numbers import ABSENT, error

@@ -1,4 +1,4 @@
-"""The closed form: a sweep of the crank by NumPy and compiled, and many designs at once."""
+"""The closed form: a sweep of the crank, and many designs at once."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ QUANTITIES = ("S", "v", "a", "Jeq", "Mkr")
 
 
 class Sweep:
-    """S, v, a, Jeq and Mkr over the crank angles, NumPy."""
+    """S, v, a, Jeq and Mkr over the crank angles."""
 
     params = ("juki-mf7923d", "rimoldi-164", "slotted-takeup")
     param_names = ("mechanism",)
@@ -24,20 +24,6 @@ class Sweep:
 
     def time_evaluate(self, _name):
         return self.evaluate(self.mechanism, self.angle, QUANTITIES, speed=100.0)
-
-
-class CompiledSweep(Sweep):
-    """The same on the compiled path."""
-
-    timeout = 300.0  # of the set-up, where the kernels may have to be compiled
-
-    def setup(self, name):
-        super().setup(name)
-        lacking.module("numba")
-        self.time_evaluate(name)
-
-    def time_evaluate(self, _name):
-        return self.evaluate(self.mechanism, self.angle, QUANTITIES, speed=100.0, path="compiled")
 
 
 class Designs:
