@@ -19,6 +19,7 @@ DRAKE      := .venv-drake
 .PHONY: report pages pictures docs pins browser test nightly nightly-drake lint baseline speed release-check clean
 
 report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
+	rm -rf build/report/bench build/report/stress  # --out alone, without --quick, would only write their pages again
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
 	$(BIN)/linkproof stress $(EXTENT) --out build/report
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report

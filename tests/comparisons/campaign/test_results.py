@@ -1,5 +1,6 @@
 """A saved campaign is read back whole, without an engine; a damaged document is refused by the key at fault."""
 
+import csv
 import shutil
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.results import document, save
+from comparisons.campaign.results import CURVE_COLUMNS, document, save, write_curves
 from comparisons.campaign.results import load as load_results
 from comparisons.datasheet.saved import described_linkage, linkage_row
 from engines.contract import Outcome, Run
@@ -55,6 +56,18 @@ def test_records_curves_linkages_and_motions_come_back_to_the_last_bit(saved):
     assert (results.linkages, results.motions) == ((JUKI,), (MOTION,))
     assert results.document["environment"]["numpy"] == np.__version__
     assert sorted(path.name for path in folder.iterdir()) == ["compare"]
+
+
+def test_curves_are_a_table_with_a_row_a_sample_and_every_digit(saved, tmp_path):
+    (run,) = load_results(saved[0]).runs
+    write_curves([run], tmp_path / "curves.csv")
+    with (tmp_path / "curves.csv").open(encoding="utf-8", newline="") as opened:
+        head, *rows = csv.reader(opened)
+    assert tuple(head) == CURVE_COLUMNS
+    assert len(rows) == sum(curve.shape[1] for curve in run.curves.values())
+    mine = [row for row in rows if row[5] == "Mkr"]
+    assert {tuple(row[:7]) for row in mine} == {(*run.run, "Mkr", "N m")}
+    np.testing.assert_array_equal(np.array([[float(value) for value in row[7:]] for row in mine]).T, run.curves["Mkr"])
 
 
 def test_a_judgement_takes_the_place_of_a_campaign(saved, copy):
