@@ -45,7 +45,7 @@ HELD = {
     "bench": ("outcome", "error_max", "error_rms", "peak", "steps"),
     "stress": ("verdict", "quantity", "deviation", "invariant"),
 }
-GONE = {"host"}  # names of a record that pins still have
+GONE = {"host", "baseline"}  # names of a record that pins still have
 ONLY: list[str] = []  # parts of names: mechanisms of the figures that are made, all if empty
 UNSTEADY = {"timed-out", "crashed"}  # what a slower machine may make of a run
 
