@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
-from comparisons.invariants.assur_groups import AssurGroups
-from comparisons.invariants.corrections import LEVELS, Findings, findings
+from comparisons.invariants.corrections import LEVELS, AssurGroups, Findings, findings
 from comparisons.observed_motion import POINTS, ObservedMotion, resample
 from engines.contract import Signal
 from engines.mechanics.driver import driven

@@ -24,8 +24,16 @@ from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.study import Announce, Journal, Study, Task
 from comparisons.runs.workers import ONE_BY_ONE, Bounds, Pool
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.measure import WORK, measure, point_record
-from comparisons.work_precision.points import FULL, Extent, Point, PointSweep, planned_sweeps
+from comparisons.work_precision.measure import (
+    FULL,
+    WORK,
+    Extent,
+    Point,
+    PointSweep,
+    measure,
+    planned_sweeps,
+    point_record,
+)
 from comparisons.work_precision.records import CALIBRATION, FIRST_USE, Bench, PointRecord
 from engines.contract import Method, Outcome, Setting, StudiedEngine
 from engines.registry import engine_names, why_unavailable

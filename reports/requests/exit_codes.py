@@ -9,8 +9,8 @@ from analytic.errors import LinkproofError
 from comparisons.judging.changes import Change
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.run_engine import Failure
-from comparisons.stress.cell_result import CellResult, StressVerdict
-from comparisons.work_precision.points import OUT_OF_TIME
+from comparisons.stress.verdict import CellResult, StressVerdict
+from comparisons.work_precision.measure import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord
 from engines.contract import Outcome, Setting
 from reports.requests import FAILED, PASSED, SUITE_ERROR

@@ -21,8 +21,8 @@ from comparisons.runs.files import claim, write_text
 from comparisons.runs.run_engine import Lost
 from comparisons.runs.study_folder import has_study
 from comparisons.runs.workers import run_jobs, usual_processes
-from comparisons.stress import saved as stress_test
-from comparisons.stress.saved import Stress
+from comparisons.stress import campaign as stress_test
+from comparisons.stress.campaign import Stress
 from comparisons.work_precision import records as work_precision
 from comparisons.work_precision.records import Bench
 from reports.campaign.index import FILE as INDEX

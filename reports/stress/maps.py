@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import QuantityRecord
-from comparisons.stress.border import Border
-from comparisons.stress.cell_result import CellResult, StressVerdict
+from comparisons.stress.campaign import Border, Line, Stress
 from comparisons.stress.cells import axes
-from comparisons.stress.saved import Line, Stress
+from comparisons.stress.verdict import CellResult, StressVerdict
 from reports.document.numbers import ABSENT, bound, error, printed, seconds
 from reports.document.parts import TABLES
 from reports.document.templates import plain, worded

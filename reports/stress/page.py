@@ -13,8 +13,8 @@ from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
 from comparisons.runs.record_file import RECORDS
-from comparisons.stress.cell_result import StressVerdict
-from comparisons.stress.saved import KIND, Stress
+from comparisons.stress.campaign import KIND, Stress
+from comparisons.stress.verdict import StressVerdict
 from reports.charts.draw import drawn
 from reports.charts.scales import FULL_WIDTH, LIMIT_COLOUR
 from reports.document import parts

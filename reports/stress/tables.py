@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 
 from comparisons.judging.limits import grouped
-from comparisons.stress.cell_result import CellResult, StressVerdict
-from comparisons.stress.saved import Stress
+from comparisons.stress.campaign import Stress
+from comparisons.stress.verdict import CellResult, StressVerdict
 from reports.document.parts import Facts, Mono, Paragraph, Table, TableCell, Words
 from reports.document.templates import sentence
 from reports.document.terminal import Printed, Printout

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from comparisons.judging.limits import grouped
-from comparisons.work_precision.analysis import EngineFacts, MethodSweep, Regimes, SettingComparison
+from comparisons.work_precision.analysis import SATURATED, EngineFacts, MethodSweep, Regimes, SettingComparison
 from comparisons.work_precision.records import Bench, BenchRecord
-from comparisons.work_precision.step_sweep import SATURATED
 from engines.contract import Setting
 from reports.document.numbers import bound, error, figure, seconds
 from reports.document.templates import plain, sentence

@@ -8,8 +8,7 @@ from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import reactions
 from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from comparisons.stress.cell_result import Cell, blank_result
-from comparisons.stress.verdict import judged
+from comparisons.stress.verdict import Cell, blank_result, judged
 from engines.contract import History, Outcome, Run, Signal
 from engines.scene import Channel, Free
 

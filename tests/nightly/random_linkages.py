@@ -20,8 +20,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
 from comparisons.runs.run_engine import Lost, run_engine
 from comparisons.runs.workers import Bounds, run_jobs
-from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
-from comparisons.stress.verdict import judged
+from comparisons.stress.verdict import Cell, StressVerdict, blank_result, judged
 from engines.contract import Setting
 from engines.registry import engine
 from engines.scene import Channel

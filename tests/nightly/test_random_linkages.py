@@ -2,7 +2,7 @@
 
 import pytest
 
-from comparisons.stress.cell_result import StressVerdict
+from comparisons.stress.verdict import StressVerdict
 from engines.registry import engine, engine_names
 from tests.nightly.random_linkages import draw, tallies
 

@@ -3,9 +3,9 @@
 from dataclasses import replace
 from itertools import pairwise
 
-from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
+from comparisons.stress.campaign import Stress
 from comparisons.stress.cells import axes
-from comparisons.stress.saved import Stress
+from comparisons.stress.verdict import Cell, StressVerdict, blank_result
 
 SETTINGS = ("naive", "tuned", "best")
 METHODS = {"alpha": ("generalised alpha", "trapezoidal"), "beta": ("centred", "defaults")}

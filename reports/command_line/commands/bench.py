@@ -12,8 +12,7 @@ from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
 from comparisons.runs.workers import LastingPool
-from comparisons.work_precision.measure import JOINTS, chosen_families
-from comparisons.work_precision.points import FULL, QUICK
+from comparisons.work_precision.measure import FULL, JOINTS, QUICK, chosen_families
 from comparisons.work_precision.records import KIND, load, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all

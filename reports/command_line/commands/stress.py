@@ -8,9 +8,8 @@ from dataclasses import replace
 
 from analytic.errors import LinkproofError
 from comparisons.runs.workers import LastingPool
-from comparisons.stress.campaign import StressRequest, make_cells, stress
+from comparisons.stress.campaign import KIND, StressRequest, load, make_cells, save, stress
 from comparisons.stress.cells import chosen_axes, find_cell
-from comparisons.stress.saved import KIND, load, save
 from reports.command_line.destination import Destination, journal, report_interruption
 from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
 from reports.requests.campaign_options import RunLimits, StressOptions

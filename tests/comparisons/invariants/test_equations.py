@@ -14,9 +14,9 @@ from analytic.dynamics.joint_forces import reactions
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants import corrections
-from comparisons.invariants.assur_groups import AssurGroups
 from comparisons.invariants.corrections import (
     LEVELS,
+    AssurGroups,
     Corrected,
     accumulate_errors,
     findings,

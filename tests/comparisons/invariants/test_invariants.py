@@ -11,14 +11,13 @@ from hypothesis import strategies as st
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.invariants.checks import _judge_signal, joint_gaps
-from comparisons.invariants.energy_account import energy_balance
+from comparisons.invariants.checks import _judge_signal, energy_balance, joint_gaps
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.records import Verdict, blank_record
 from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from comparisons.stress.cell_result import StressVerdict
-from comparisons.stress.scenes import Conditions, case, reversal
+from comparisons.stress.cells import Conditions, case, reversal
+from comparisons.stress.verdict import StressVerdict
 from engines.contract import Signal
 from engines.scene import Channel
 from tests.comparisons.invariants.checked_motions import JUKI, driven, mechanism, records

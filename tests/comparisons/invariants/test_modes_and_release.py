@@ -15,8 +15,8 @@ from comparisons.judging.limits import limit
 from comparisons.judging.records import Verdict, blank_record
 from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from comparisons.stress.cell_result import StressVerdict
-from comparisons.stress.scenes import Conditions, case
+from comparisons.stress.cells import Conditions, case
+from comparisons.stress.verdict import StressVerdict
 from engines.contract import Signal
 from engines.scene import Channel
 from tests.analytic.linkages import mechanism as sample

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from comparisons.stress.border import PRECISE, SMALLEST, bisect_borders, borders
-from comparisons.stress.cell_result import Cell, StressVerdict, blank_result
+from comparisons.stress.campaign import PRECISE, SMALLEST, bisect_borders, borders
+from comparisons.stress.verdict import Cell, StressVerdict, blank_result
 
 MASS = [10.0**power for power in range(-6, 7)]
 

@@ -15,9 +15,8 @@ from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress
 from comparisons.stress.campaign import StressRequest, make_cells
-from comparisons.stress.cell_result import Cell, CellResult, StressVerdict
-from comparisons.stress.cells import axes, find_cell, lost, run_cell, usages
-from comparisons.stress.scenes import case
+from comparisons.stress.cells import axes, case, find_cell, lost, run_cell, usages
+from comparisons.stress.verdict import Cell, CellResult, StressVerdict
 from engines.contract import Abilities, Method, Outcome, Run
 from tests.comparisons.true_motions import true_history, with_signal
 

@@ -13,11 +13,12 @@ from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import reactions
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.stress.cells import axes, chosen_axes
-from comparisons.stress.scenes import (
+from comparisons.stress.cells import (
     RELEASED,
     Conditions,
+    axes,
     case,
+    chosen_axes,
     linkage,
     motion,
     reversal,

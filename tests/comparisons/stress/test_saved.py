@@ -4,9 +4,9 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.runs.study_folder import save_study
-from comparisons.stress.cell_result import StressVerdict
+from comparisons.stress.campaign import KIND, Stress, load, save
 from comparisons.stress.cells import axes
-from comparisons.stress.saved import KIND, Stress, load, save
+from comparisons.stress.verdict import StressVerdict
 from tests.reports.made_up_stress import made_up_cell, made_up_stress
 
 STRESS = made_up_stress()

@@ -14,10 +14,9 @@ from comparisons.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, case_of_file_regime
 from comparisons.reference.motion import start_state
 from comparisons.stress import verdict
-from comparisons.stress.cell_result import StressVerdict, blank_result
-from comparisons.stress.scenes import Conditions
-from comparisons.stress.scenes import case as stress_case
-from comparisons.stress.verdict import WRONG, judged, true_states, wrong_signals
+from comparisons.stress.cells import Conditions
+from comparisons.stress.cells import case as stress_case
+from comparisons.stress.verdict import WRONG, StressVerdict, blank_result, judged, true_states, wrong_signals
 from engines.contract import Outcome, Run, Signal
 from tests.comparisons.true_motions import CELL, EVERYTHING, cut, judgement, true_history, with_signal
 

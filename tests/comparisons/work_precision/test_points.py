@@ -6,7 +6,7 @@ import math
 import pytest
 
 from comparisons.judging.records import QuantityRecord
-from comparisons.work_precision.points import FEWEST, FULL, QUICK, Point, PointSweep, planned_sweeps
+from comparisons.work_precision.measure import FEWEST, FULL, QUICK, Point, PointSweep, planned_sweeps
 from engines.contract import Method, Setting
 from tests.comparisons.bench_rows import row
 

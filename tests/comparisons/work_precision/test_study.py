@@ -16,7 +16,7 @@ from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import method_sweeps
-from comparisons.work_precision.points import OUT_OF_TIME, Extent, planned_sweeps
+from comparisons.work_precision.measure import OUT_OF_TIME, Extent, planned_sweeps
 from comparisons.work_precision.records import SETTING
 from comparisons.work_precision.study import BenchRequest, bench
 from engines.contract import Setting

@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.stats import theilslopes
 
-from comparisons.work_precision.step_sweep import (
+from comparisons.work_precision.analysis import (
     is_falling,
     observed_order,
     pareto,

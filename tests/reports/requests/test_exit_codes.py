@@ -7,8 +7,8 @@ import pytest
 from analytic.errors import LinkproofError
 from comparisons.judging.changes import Change, Kind
 from comparisons.judging.records import Record, run_record
-from comparisons.stress.cell_result import StressVerdict, blank_result
 from comparisons.stress.cells import find_cell
+from comparisons.stress.verdict import StressVerdict, blank_result
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code

@@ -15,8 +15,8 @@ from comparisons.datasheet.building import usual_case
 from comparisons.datasheet.saved import RESULTS, save_case
 from comparisons.runs.files import write_text
 from comparisons.runs.workers import run_jobs
-from comparisons.stress.saved import KIND as STRESS
-from comparisons.stress.saved import save as save_stress
+from comparisons.stress.campaign import KIND as STRESS
+from comparisons.stress.campaign import save as save_stress
 from comparisons.work_precision.records import KIND as BENCH
 from comparisons.work_precision.records import save as save_bench
 from engines.contract import Setting

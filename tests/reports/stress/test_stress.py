@@ -7,9 +7,9 @@ import re
 import pytest
 
 from comparisons.judging.records import QuantityRecord
-from comparisons.stress.border import Border
-from comparisons.stress.cell_result import Cell, StressVerdict
+from comparisons.stress.campaign import Border
 from comparisons.stress.cells import axes
+from comparisons.stress.verdict import Cell, StressVerdict
 from reports.document import html
 from reports.document.parts import as_text
 from reports.document.terminal import rendered

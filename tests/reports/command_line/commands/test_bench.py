@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.work_precision.points import Extent
+from comparisons.work_precision.measure import Extent
 from comparisons.work_precision.records import load
 from reports.command_line.commands import bench as bench_command
 from reports.command_line.commands.bench import bench

@@ -7,7 +7,7 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.stress import campaign
-from comparisons.stress.cell_result import StressVerdict, blank_result
+from comparisons.stress.verdict import StressVerdict, blank_result
 from reports.command_line.commands import stress
 from reports.command_line.commands.stress import run
 from reports.command_line.destination import Destination
