@@ -9,11 +9,11 @@ import numpy as np
 
 from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError
+from comparisons.case import Case
 from comparisons.faults.misreadings import ANGLE, LEVELS, NUMBER, Reading, readings, true_history
 from comparisons.invariants.inspection import FAINT_FORCE
-from comparisons.judging.deviations import near_jumps
 from comparisons.judging.limits import grouped
-from comparisons.reference.case import Case
+from comparisons.judging.quantities import near_jumps
 from comparisons.runs.run_engine import blamed_on
 from engines.contract import Engine, History, Setting
 from engines.exported_script import ScriptFigure, script

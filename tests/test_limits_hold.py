@@ -9,10 +9,10 @@ from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.standard import JudgedCampaign
+from comparisons.case import Case
 from comparisons.judging.changes import CLOSED_FORM, changes, error_row, read_rows
 from comparisons.judging.limits import shipped_standard
 from comparisons.judging.quantities import all_quantities
-from comparisons.reference.case import Case
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Setting
 from engines.registry import engine, engine_names

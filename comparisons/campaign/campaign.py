@@ -10,15 +10,14 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case, case_of_file_regime, unpickle_case
 from comparisons.datasheet.building import bare_sheet, usual_sheet
 from comparisons.datasheet.sheet import Sheet
 from comparisons.invariants.checks import checks
-from comparisons.judging.deviations import Deviation
 from comparisons.judging.limits import judged_deviation
-from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
+from comparisons.judging.quantities import JOINT_FORCE, Deviation, Quantity, check_defined, chosen_quantities
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, run_record
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, case_of_file_regime, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost, blamed_on, run_engine
 from comparisons.runs.study import Announce, Journal, Study, Task

@@ -13,10 +13,10 @@ from analytic.designs.figures import STROKE, Figure
 from analytic.errors import LinkproofError
 from analytic.motion.thread_feed import contour_length
 from analytic.signals import moving_points
+from comparisons.case import Case
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import MechanismFigure, case_figures, figure_unit, figures_by_name
 from comparisons.judging.changes import CLOSED_FORM, Place, Row
-from comparisons.reference.case import Case
 
 USUAL_FIGURES: Final = (
     *("Mkr.peak", "Mkr.rms", "Peq.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min", STROKE),

@@ -12,10 +12,10 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases, each_case
 from comparisons.campaign.key_figures import KeyFigure, figures_of_case
+from comparisons.case import Case
 from comparisons.judging.changes import Change, Row, changes, error_row
 from comparisons.judging.limits import Standard
 from comparisons.judging.records import Record, RunRecord
-from comparisons.reference.case import Case
 from engines.contract import Setting
 
 

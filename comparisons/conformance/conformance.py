@@ -9,7 +9,7 @@ from functools import lru_cache
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final
 
-from comparisons.conformance import channels, conduct, mutants
+from comparisons.conformance import conduct, mutants
 from comparisons.conformance.mutants import MUTANT
 from comparisons.conformance.trial import Check, CheckResult, EngineTrial, Finding
 from comparisons.runs.run_engine import Failure, Lost
@@ -25,7 +25,7 @@ FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no
 DANGEROUS: Final = "bad data"  # may bring a process down
 BOUNDS = Bounds(seconds=120.0)
 CHECKS: Final[Mapping[str, Check]] = {
-    check.name: check for check in (*conduct.CHECKS, *channels.CHANNEL_CHECKS, *mutants.CHECKS)
+    check.name: check for check in (*conduct.CHECKS, *conduct.CHANNEL_CHECKS, *mutants.CHECKS)
 }
 
 

@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.conformance.samples import PLAIN, case
-from comparisons.conformance.trial import Check, EngineTrial, NotTestedError, judged_rows, scene_of
+from comparisons.case import Case
+from comparisons.conformance.trial import PLAIN, Check, EngineTrial, NotTestedError, case, judged_rows, scene_of
+from comparisons.faults.fault import ChangedMotion, Simulation
 from comparisons.faults.misreadings import MISREADINGS, Misreading, plant_misreading
 from comparisons.faults.ranking import model_faults
 from comparisons.faults.settings import motion_settings
-from comparisons.faults.simulation import ChangedMotion, Simulation
-from comparisons.reference.case import Case
 from comparisons.runs.run_engine import run_engine
 from engines.contract import Origin, Setting
 from engines.scene import Channel, Free

@@ -12,29 +12,35 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Linkage, PrescribedRegime, ThreadGuide
+from analytic.description.linkage import Linkage, PrescribedRegime, ReleasedRegime, ThreadGuide
 from analytic.description.loading import parse
-from analytic.description.written import FileUnit, file_unit
+from analytic.description.written import FileUnit, file_unit, finite
 from analytic.dynamics import reduced
+from analytic.dynamics.equation_of_motion import equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.dead_centres import top_of_turn
+from analytic.motion.released import FreeMotion, energy_imbalance
+from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.motion.thread_feed import reference_angle, reference_length, stop_position
+from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.signals import THREAD_FEED
-from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import figure_tables, required_feed
-from comparisons.datasheet.instants import Instants, choose_samples
+from comparisons.case import Case, motion_of_file_regime
+from comparisons.datasheet.curves import Curves, Instants, choose_samples, extreme_samples
+from comparisons.datasheet.figures import compare_published, figure_tables, required_feed
 from comparisons.datasheet.linkage_check import INSET, file_facts, mechanism_facts
-from comparisons.datasheet.published import compare_published
-from comparisons.datasheet.released import describe_release
-from comparisons.datasheet.sheet import Positions, Sheet, ThreadSheet
-from comparisons.reference.case import Case, motion_of_file_regime
+from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
 
 Array = NDArray[np.float64]
 
 POSITIONS_SHOWN: Final = 121  # of a turn, a range or a motion
 TURN_ROUNDING: Final = 1e-9  # of a turn: what is missing of a whole one for rounding
+
+STRETCHES: Final = 70  # of a long curve that is shown by the extremes of each
+EVEN_SAMPLES: Final = 121  # instants that are shown besides
+PER_TURN, FEWEST_INSTANTS, MOST_INSTANTS = 60, 2000, 100_000  # instants at which a motion is looked at
+LAST_TURN_SAMPLES: Final = 361
 
 
 def positions_over_range(mechanism: Mechanism) -> Positions:
@@ -308,3 +314,70 @@ def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallbac
     except LinkproofError as error:
         missing[name] = str(error)
         return fallback
+
+
+def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> Released:
+    """Facts and curves of a regime of the linkage's file in which the crank is released.
+
+    The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
+    angles, rad, at which it can rest; the mean reduced ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and
+    ``balance`` of energy of the closed form; speeds, rad/s, and coefficient of fluctuation of its last whole turn
+    (``ending``) and of the rotation that would repeat itself (``settled``), where there are such; φ at the ``end``
+    within a turn.
+    """
+    ending = _attempt(lambda: last_turns(motion)) if regime.torque else None
+    settled = _attempt(lambda: steady_state(mechanism, regime.torque)) if regime.torque else None
+    facts: dict[str, Any] = {
+        "torque": regime.torque,
+        "over": "angle" if regime.over_angle is not None else "time" if regime.over_time is not None else "",
+        "rests": [{"angle": rest.angle, "stable": bool(rest.stable)} for rest in equilibria(mechanism, regime.torque)],
+        "damping": periodic_mean(reduced.damping_coefficient(mechanism.sweep(grid()))),
+        "error_bound": finite(motion.error_bound),
+        "balance": finite(energy_imbalance(motion)),
+        "ending": _rotation_speeds(ending),
+        "settled": _rotation_speeds(settled),
+        "end": float(in_turn(float(motion.angle(motion.duration)))),
+    }
+    time = _dense_times(motion)
+    curves = (time, motion.angle(time), motion.speed(time), motion.acceleration(time))
+    return Released(facts, _thin_curves(("time", "phi", "omega", "epsilon"), curves), _last_turn(motion, ending))
+
+
+def _thin_curves(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
+    """Curves (n,) by name, the first their axis, at the instants that show them: extremes, and others evenly."""
+    even = np.linspace(0, len(curves[0]) - 1, EVEN_SAMPLES).astype(int)
+    places = np.unique(
+        np.concatenate([even, *(extreme_samples(np.nan_to_num(curve), STRETCHES) for curve in curves[1:])])
+    )
+    return {name: curve[places] for name, curve in zip(names, curves, strict=True)}
+
+
+def _attempt(make: Callable[[], T]) -> T | None:
+    """The result, or None on LinkproofError: there may be no whole turn, or no periodic rotation."""
+    try:
+        return make()
+    except LinkproofError:
+        return None
+
+
+def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:
+    names = ("mean_speed", "mean_speed_over_angle", "fluctuation")
+    return None if rotation is None else {name: getattr(rotation, name) for name in names}
+
+
+def _dense_times(motion: FreeMotion) -> Array:
+    """Instants, s, so close that every turn is seen."""
+    turns = abs(float(motion.angle(motion.duration)) - motion.start[0]) / FULL_TURN
+    return np.linspace(0.0, motion.duration, int(np.clip(PER_TURN * turns, FEWEST_INSTANTS, MOST_INSTANTS)))
+
+
+def _last_turn(motion: FreeMotion, ending: Rotation | None) -> dict[str, Array]:
+    """Speed and acceleration over the last whole turn, φ ascending within a turn; {} without one."""
+    if ending is None:
+        return {}
+    start = motion.duration - FULL_TURN / abs(ending.mean_speed)
+    time = np.linspace(start, motion.duration, LAST_TURN_SAMPLES)[1:]
+    angle = motion.angle(time) % FULL_TURN
+    order = np.argsort(angle)
+    curves = (angle, motion.speed(time), motion.acceleration(time))
+    return {name: curve[order] for name, curve in zip(("phi", "omega", "epsilon"), curves, strict=True)}

@@ -1,25 +1,46 @@
-"""Every signal of a case over its motion, and their peaks, refined beyond the instants of the grid; SI."""
+"""The instants at which a motion is looked at, every signal of a case at them, and their refined peaks; SI."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, TypeVar
+from itertools import pairwise
+from typing import Final, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import signals
+from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.written import finite
+from analytic.errors import LinkproofError
+from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
-from comparisons.datasheet.instants import Instants, refine_near_toggles
-from comparisons.reference.case import Case, Truth
+from analytic.numerics.roots import root
+from comparisons.case import Case, Motion, Truth
 
 Array = NDArray[np.float64]
+
+STEP: Final = math.radians(0.5)  # of the crank, between two instants
+LINEAR_STEPS: Final = 720  # over the travel of a drive along a line
+FEWEST, MOST = 180, 20_000  # intervals of the whole motion
+FEWEST_OF_PIECE: Final = 24
+MOTION_SAMPLES, FEWEST_PIECE_SAMPLES = (
+    1801,
+    65,
+)  # instants at which the way of the crank is measured: of a motion, and of a piece of it
+ROUNDING: Final = 1e-12  # of a turn, or of the motion's length: what is nearer than this to an instant is there
+# Between two instants the sine of a transmission angle changes by no more than this share of itself: the forces go as
+# its inverse. Next to such a change, too, for its least value may lie between two that are equal.
+CHANGE: Final = 0.2
+HALVINGS: Final = 14
+MOST_ADDED: Final = 4000  # instants added
+
 Measure = Callable[[Truth], Array]
 Key = TypeVar("Key", bound=Hashable)
 
@@ -28,6 +49,176 @@ TRANSMISSION: Final = "transmission_angle:"
 DIRECTION: Final = ":direction"  # of a force in place of its magnitude
 BATCH: Final = 48  # curves whose peaks are refined together: more would compute much that none of them needs
 CELL: Final = 16  # steps of the grid to a cell of a mean
+
+
+@dataclass(frozen=True)
+class Instants:
+    """A motion seen over time, or over φ where the crank turns at constant speed.
+
+    ``turns`` marks an angle, of which whole turns do not count, not a travel.
+    """
+
+    motion: Motion
+    turns: bool = True
+
+    @cached_property
+    def is_steady(self) -> bool:
+        """Whether the crank turns at one speed all the time, so that φ is the axis."""
+        time = np.linspace(0.0, self.motion.duration, FEWEST)
+        speed = self.motion.speed(time)
+        return bool(speed[0] and not np.any(self.motion.acceleration(time)) and np.all(speed == speed[0]))
+
+    @property
+    def axis(self) -> Literal["phi", "time"]:
+        """Name of the axis: "phi" or "time"."""
+        return "phi" if self.is_steady else "time"
+
+    @cached_property
+    def grid(self) -> Array:
+        """Instants over the whole motion, s, ascending; both sides of a jump of the acceleration, a rounding apart.
+
+        Every piece of the motion has its own, evenly spaced: a short stroke after a long dwell is seen as well.
+        """
+        jumps = [jump for jump in self.motion.jumps if 0.0 < jump < self.motion.duration]
+        edges = self._edges(jumps)
+        counts = self._intervals(edges)
+        ends = zip(pairwise(edges), counts, strict=True)
+        pieces = [np.linspace(start, end, count + 1) for (start, end), count in ends]
+        return np.unique(np.concatenate([*pieces, np.nextafter(jumps, 0.0)]))
+
+    def _edges(self, jumps: list[float]) -> list[float]:
+        """The ends of the pieces of the motion, s."""
+        segments = self.motion.segments if isinstance(self.motion, CrankMotion) else ()
+        return sorted({0.0, self.motion.duration, *jumps, *(segment.start for segment in segments)})
+
+    def _intervals(self, edges: list[float]) -> list[int]:
+        """Number of intervals of each piece of the motion, by the crank's way in it; in all not too few or too many."""
+        looks = max(MOTION_SAMPLES // len(edges), FEWEST_PIECE_SAMPLES)
+        angles = [self.motion.angle(np.linspace(start, end, looks)) for start, end in pairwise(edges)]
+        step = STEP if self.turns else float(np.ptp(np.concatenate(angles))) / LINEAR_STEPS or 1.0
+        ways = [float(np.sum(np.abs(np.diff(angle)))) / step for angle in angles]
+        counts = [max(math.ceil(way * (1.0 - ROUNDING)), FEWEST_OF_PIECE) if way else 2 for way in ways]
+        total = sum(counts)
+        scale = max(1.0, FEWEST / total) * min(1.0, MOST / total)
+        return [max(math.ceil(count * scale * (1.0 - ROUNDING)), 2) for count in counts]
+
+    def checked_times(self, times: Array) -> Array:
+        """Instants (n,), s, that a user asks for; raises LinkproofError for one that the motion does not have."""
+        duration = self.motion.duration
+        for time in times:
+            if not -ROUNDING * duration <= time <= duration * (1.0 + ROUNDING):
+                raise LinkproofError(
+                    f"--time: expected instants from 0 to {duration:g} s, the motion's, got {time:g}; choose others"
+                )
+        return np.clip(times, 0.0, duration)
+
+    def times_of_angles(self, angles: Array, unit: str, size: float) -> Array:
+        """The instants at which the crank first passes these angles, in ``unit`` of ``size``.
+
+        Raises LinkproofError for an angle that it does not pass.
+        """
+        return np.array([self._first_passing(float(angle), unit, size) for angle in angles])
+
+    def _first_passing(self, angle: float, unit: str, size: float) -> float:
+        """The first instant at which the crank is at an angle, whole turns aside."""
+        time, target = self.grid, angle * size
+        away = self._periods_from(time, target)
+        hits = np.flatnonzero(np.abs(away - np.round(away)) <= ROUNDING)
+        passed = np.flatnonzero(np.floor(away[1:]) != np.floor(away[:-1]))
+        low, high = (float(end(self.motion.angle(time))) for end in (np.min, np.max))
+        is_outside = not self.turns and not low - self._slack <= target <= high + self._slack
+        if is_outside or not (len(hits) or len(passed)):
+            turns = " and whole turns more or less" if self.turns else ""
+            raise LinkproofError(
+                f"--at: expected what the motion passes, from {low / size:.6g}{unit} to {high / size:.6g}{unit}{turns}"
+                f", got {angle:.6g}{unit}; choose others, or another motion"
+            )
+        first = float(time[hits[0]]) if len(hits) else math.inf
+        if len(passed) and time[passed[0]] < first:
+            step = slice(passed[0], passed[0] + 2)
+            level = np.max(np.floor(away[step]))  # the whole number that it passes
+            return root(lambda t: float(self._periods_from(np.array([t]), target)[0] - level), *time[step].tolist())
+        return first
+
+    @property
+    def _slack(self) -> float:
+        return ROUNDING * self._period
+
+    @cached_property
+    def _period(self) -> float:
+        """A turn; of a travel, which has none, more than it can be away from any place on its way."""
+        return FULL_TURN if self.turns else 4.0 * (float(np.ptp(self.motion.angle(self.grid))) or 1.0)
+
+    def _periods_from(self, time: Array, target: float) -> Array:
+        """How far the crank is from an angle, in periods."""
+        return np.asarray((self.motion.angle(time) - target) / self._period)
+
+
+def refine_near_toggles(case: Case, grid: Array) -> Array:
+    """A grid of instants, s, with more of them where a transmission angle changes fast: near toggles forces grow."""
+    added = grid
+    for _ in range(HALVINGS):
+        halves = _missing_middles(case, added)
+        if not len(halves) or len(added) + len(halves) > len(grid) + MOST_ADDED:
+            break
+        added = np.union1d(added, halves)
+    return added
+
+
+def _missing_middles(case: Case, time: Array) -> Array:
+    """Middles, s, of the steps of a grid in which, or next to which, a transmission angle's sine changes too much."""
+    sweep = case.mechanism.sweep(case.motion.angle(time))
+    coarse = np.zeros(len(time) - 1, dtype=bool)
+    for dyad in case.mechanism.structure.dyads:
+        sine = np.sin(transmission_angle(sweep, dyad))
+        coarse |= np.abs(np.diff(sine)) > CHANGE * np.minimum(sine[1:], sine[:-1])
+    wide = np.convolve(coarse, [True, True, True], mode="same").astype(bool)
+    middles = 0.5 * (time[1:] + time[:-1])
+    return np.asarray(middles[wide & (middles > time[:-1]) & (middles < time[1:])])
+
+
+# Which samples show long curves.
+
+MOST_MISSED: Final = 1e-3  # of a signal's largest magnitude, by which a straight line between two instants may miss it
+ROUNDS: Final = 6
+
+
+def choose_samples(axis: Array, curves: Array, few: int, most: int) -> NDArray[np.intp]:
+    """Indices of the samples at which curves (k, n) over ``axis`` (n,) need for lines to show everything.
+
+    ``few`` are evenly spaced; of the others, up to ``most`` in all, those that the lines miss by most.
+    """
+    even = np.linspace(axis[0], axis[-1], min(few, len(axis)))
+    places = np.unique(np.append(np.abs(np.searchsorted(0.5 * (axis[1:] + axis[:-1]), even)), len(axis) - 1))
+    shown = np.nan_to_num(curves, nan=0.0, posinf=0.0, neginf=0.0)
+    shown = shown / np.maximum(np.max(np.abs(shown), axis=1, keepdims=True), np.finfo(float).tiny)
+    for _ in range(ROUNDS):
+        lines = np.array([np.interp(axis, axis[places], curve[places]) for curve in shown])
+        missed = np.max(np.abs(lines - shown), axis=0)
+        worst = np.array([low + int(np.argmax(missed[low : high + 1])) for low, high in pairwise(places)])
+        worst = worst[missed[worst] > MOST_MISSED]
+        worst = worst[np.argsort(-missed[worst])][: most - len(places)]
+        if not len(worst):
+            break
+        places = np.union1d(places, worst)
+    return places
+
+
+def extreme_samples(values: Array, stretches: int) -> NDArray[np.intp]:
+    """Indices of the samples that show a long curve: extremes of every stretch and both ends; all if it is short."""
+    if len(values) <= 2 * stretches:
+        return np.arange(len(values))
+    ends = np.array([0, len(values) - 1])
+    return np.unique(np.concatenate([ends, highest_samples(values, stretches), highest_samples(-values, stretches)]))
+
+
+def highest_samples(values: Array, stretches: int) -> NDArray[np.intp]:
+    """Index of the highest sample of each of a curve's stretches, which are equally long but for the last."""
+    size = -(-len(values) // stretches) or 1
+    starts = np.arange(0, len(values), size)
+    padded = np.full(len(starts) * size, -np.inf)
+    padded[: len(values)] = values
+    return np.asarray(starts + np.argmax(padded.reshape(-1, size), axis=1), dtype=np.intp)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case, case_of_file_regime
+from comparisons.case import Case, case_of_file_regime
 from comparisons.runs.study_folder import has_study, load_study, save_study
 
 RESULTS: Final = "results"

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import AssemblyError
-from comparisons.designs.local_maxima import Window
-from comparisons.designs.problem import ALLOWED_EXCESS, DesignProblem, Linearised
+from comparisons.designs.problem import ALLOWED_EXCESS, DesignProblem, Linearised, Window
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.written import signed
-from comparisons.faults.fault import Correction, Fault, Kind
-from comparisons.faults.simulation import Predict, SignalTimes, Simulation, has_free_zero, holds_acceleration, is_rotary
-from comparisons.judging.deviations import near_jumps
+from comparisons.faults.fault import (
+    Correction,
+    Fault,
+    Kind,
+    Predict,
+    SignalTimes,
+    Simulation,
+    has_free_zero,
+    holds_acceleration,
+    is_rotary,
+)
+from comparisons.judging.quantities import near_jumps
 
 Array = NDArray[np.float64]
 

@@ -1,18 +1,177 @@
-"""A fault: one thing that may be wrong with a simulation, what it does, its sentence and its cure."""
+"""A fault of a simulation, what it does, its sentence and its cure; and the model of the simulation that it changes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
+from functools import cached_property, partial
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from comparisons.faults.simulation import Simulation
+from analytic.description.linkage import Linkage
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import signal
+from comparisons.case import Motion, Truth
 
 Array = NDArray[np.float64]
+Predict = Callable[[str, Array], Array]  # a signal's name, times (n,), s
+Change = Callable[[Predict, str, Array], Array]
+
+MOTION_PARTS: Final = (
+    "ground",
+    "sliders",
+    "slots",
+    "pins",
+    "output",
+    "crank",
+)  # of a linkage, besides its links' points
+
 Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class SignalTimes:
+    """A signal by its ``name`` at ``time`` (n,), s."""
+
+    name: str
+    time: Array
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A linkage under a motion, as the closed form has it; ``modes`` are its assembly modes if others.
+
+    ``after`` are changes of single curves, in their order: each has what stands before it, a signal's name and times.
+    """
+
+    linkage: Linkage
+    motion: Motion
+    modes: tuple[int, ...] | None = None
+    after: tuple[Change, ...] = ()
+    _seen: dict[tuple[str, bytes], Array] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The closed form of the linkage, in its modes."""
+        mechanism = Mechanism(self.linkage)
+        if self.modes is not None:
+            mechanism.structure = mechanism.structure.with_signs(self.modes)
+        return mechanism
+
+    def with_motion(self, motion: Motion) -> Simulation:
+        """The simulation under another motion; what is known of its linkage stays known."""
+        other = replace(self, motion=motion, _seen={})
+        other.__dict__["mechanism"] = self.mechanism
+        return other
+
+    def with_linkage(self, linkage: Linkage) -> Simulation:
+        """The simulation of another linkage; if only masses and loads differ, its known motion stays."""
+        other = replace(self, linkage=linkage, _seen={})
+        if _motion_parts(linkage) == _motion_parts(self.linkage):
+            other.__dict__["mechanism"] = self.mechanism.with_loads_of(linkage)
+        return other
+
+    def with_modes(self, modes: tuple[int, ...]) -> Simulation:
+        """The simulation in other assembly modes, a sign for each dyad."""
+        return replace(self, modes=modes, _seen={})
+
+    def with_change(self, change: Change) -> Simulation:
+        """The simulation with one more change of its curves; what they were before is computed once."""
+        other = replace(self, after=(*self.after, change))
+        other.__dict__["mechanism"] = self.mechanism
+        return other
+
+    def predict(self, curves: Iterable[SignalTimes]) -> list[Array]:
+        """Values (n,), SI, of each signal at its times; signals on one clock share the work."""
+        truths: dict[bytes, Truth] = {}
+
+        def closed_form(name: str, time: Array) -> Array:
+            clock = time.tobytes()
+            if (name, clock) not in self._seen:
+                truth = truths.setdefault(clock, Truth(self.mechanism, self.motion, time))
+                self._seen[name, clock] = signal(truth, name)
+            return self._seen[name, clock]
+
+        predict: Predict = closed_form
+        for change in self.after:
+            predict = partial(change, predict)
+        return [predict(curve.name, curve.time) for curve in curves]
+
+
+def _motion_parts(linkage: Linkage) -> list[Any]:
+    """The parts of a linkage that decide its motion."""
+    points = {name: link.points for name, link in linkage.links.items()}
+    return [points, *(getattr(linkage, part) for part in MOTION_PARTS)]
+
+
+@dataclass(frozen=True)
+class ChangedMotion:
+    """``pace`` φ(t + ``shift``) + ``offset``; derivatives above ``order`` are left out: 0 of them leave rest."""
+
+    motion: Motion
+    pace: float = 1.0
+    offset: float = 0.0
+    shift: float = 0.0
+    order: int = 2
+
+    @property
+    def regime(self) -> str:
+        """Name of the regime."""
+        return self.motion.regime
+
+    @property
+    def duration(self) -> float:
+        """Time at which it ends, s."""
+        return self.motion.duration
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        return self.motion.peak_speed * abs(self.pace)
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps, s."""
+        return tuple(jump - self.shift for jump in self.motion.jumps)
+
+    def _clock(self, time: ArrayLike) -> Array:
+        return np.asarray(np.asarray(time, dtype=float) + self.shift)
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return np.asarray(self.pace * self.motion.angle(self._clock(time)) + self.offset)
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return np.asarray((self.order > 0) * self.pace * self.motion.speed(self._clock(time)))
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """ε(t), rad/s²."""
+        return np.asarray((self.order > 1) * self.pace * self.motion.acceleration(self._clock(time)))
+
+
+def holds_acceleration(name: str) -> bool:
+    """Whether a signal jumps with the crank's acceleration."""
+    of_loads = name in ("Mkr", "Peq") or name.startswith(("joint_force", "shaking"))
+    return of_loads or name in ("epsilon", "a") or name.endswith((":ax", ":ay", ":alpha"))
+
+
+def is_angle(name: str) -> bool:
+    """Whether a signal is an angle, so that whole turns do not count."""
+    return name == "phi" or name.endswith(":angle") or name.startswith("transmission_angle")
+
+
+def has_free_zero(name: str) -> bool:
+    """Whether a signal is an angle or a length that counts from a zero of choice."""
+    return is_angle(name) or name == "S" or (name.startswith("point:") and name.endswith((":x", ":y")))
+
+
+def is_rotary(name: str) -> bool:
+    """Whether a signal changes its sign where the drawing is looked at from behind."""
+    return name in ("phi", "omega", "epsilon", "Mkr", "shaking_moment") or name.startswith("link:")
 
 
 class Kind(IntEnum):

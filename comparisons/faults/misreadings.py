@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND, DriverKind
+from comparisons.case import Case, channel_truth
 from comparisons.observed_motion import resample
-from comparisons.reference.case import Case, channel_truth
 from engines.contract import History, Signal
 from engines.mechanics.states import point_acceleration, point_velocity
 from engines.scene import Channel, Scene

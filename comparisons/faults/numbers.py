@@ -18,8 +18,7 @@ from analytic.description.linkage import GROUND, Link, Linkage
 from analytic.description.units import SI, factor
 from analytic.errors import LinkproofError
 from comparisons.faults import fault
-from comparisons.faults.fault import Fault, Numbers
-from comparisons.faults.simulation import Simulation
+from comparisons.faults.fault import Fault, Numbers, Simulation
 
 Array = NDArray[np.float64]
 Words = Callable[[Array], str]

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
 from analytic.description.linkage import RotaryDamper, rotate
 from analytic.description.written import fixed, signed
-from comparisons.faults.fault import Correction, Fault, Kind
-from comparisons.faults.simulation import ChangedMotion, Simulation, is_rotary
-from comparisons.reference.motion import Motion
+from comparisons.case import Motion
+from comparisons.faults.fault import ChangedMotion, Correction, Fault, Kind, Simulation, is_rotary
 
 Array = NDArray[np.float64]
 

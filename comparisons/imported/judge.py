@@ -8,31 +8,274 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from analytic.description.linkage import Linkage
+from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
-from analytic.signals import names, table
-from comparisons.faults.fault import Correction
+from analytic.signals import names, table, unit
+from comparisons.case import Motion
+from comparisons.faults.columns import Evidence
+from comparisons.faults.fault import ChangedMotion, Correction, SignalTimes, Simulation, holds_acceleration, is_angle
 from comparisons.faults.ranking import Explanation, explain, proposals
 from comparisons.faults.settings import CrankColumn
-from comparisons.faults.simulation import Simulation, is_angle
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
 from comparisons.imported.crank_column import (
+    SPREAD,
     ColumnMotion,
     even_instants,
     motion_of_angles,
     motion_of_speeds,
     unwrap_angles,
 )
-from comparisons.imported.judgement import DEFAULT_LIMIT, Samples, SignalVerdict, judge_signals, rounding_floors
-from comparisons.judging.records import Verdict
-from comparisons.reference.motion import Motion
+from comparisons.judging.quantities import Deviation, near_jump, near_jumps
+from comparisons.judging.records import IMPORTED, Record, Verdict
 
 Array = NDArray[np.float64]
+
+NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 
 FEWEST: Final = 2  # samples of a signal that can be judged
 FINE: Final = 2000  # instants by which a curve is looked at between few samples
 SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
+
+
+@dataclass(frozen=True)
+class Samples(SignalTimes):
+    """A signal as judged: ``values`` (n,), SI, at its times, each within its ``rounding``, from ``imported``."""
+
+    values: Array
+    rounding: Array
+    time_rounding: Array
+    imported: ImportedSignal
+
+
+def rounding_floors(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
+    """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles."""
+    floors = []
+    likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
+    others = [model.with_motion(motion).predict(samples) for motion in likewise]
+    early, late = (model.predict([_shift_times(sample, sign) for sample in samples]) for sign in (-1.0, 1.0))
+    for number, signal in enumerate(samples):
+        by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
+        apart = [
+            np.where(near_jumps(signal.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others
+        ]
+        by_angle = _largest_nearby(apart, model.motion) if apart else 0.0
+        floors.append(signal.rounding + np.where(signal.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
+    return floors
+
+
+def _largest_nearby(differences: Sequence[Array], motion: Motion) -> Array:
+    """The largest of a few trials' differences near each sample; anywhere, where the motion may be any at all."""
+    largest = np.max(differences, axis=0)
+    if not (isinstance(motion, ColumnMotion) and motion.is_known):
+        return np.full(len(largest), np.max(largest))
+    size = max(1, len(largest) // NEIGHBOURS)
+    return np.asarray(maximum_filter1d(largest, size, mode="nearest"))
+
+
+def _shift_times(signal: Samples, sign: float) -> Samples:
+    """A signal at its earliest (-1) or latest (1) times within their rounding."""
+    return replace(signal, time=signal.time + sign * signal.time_rounding)
+
+
+def jump_sizes(model: Simulation, signal: Samples) -> Array:
+    """By how much the closed form of a signal changes at the jump near each sample, (n,); 0 away from jumps."""
+    sizes = np.zeros(len(signal.time))
+    if not holds_acceleration(signal.name):
+        return sizes
+    for jump in model.motion.jumps:
+        at_rest = model.with_motion(ChangedMotion(model.motion, order=0))  # as the crank is before the start
+        earlier = model if jump > 0.0 else at_rest
+        (after,) = model.predict([replace(signal, time=np.array([jump]))])
+        (before,) = earlier.predict([replace(signal, time=np.array([np.nextafter(jump, 0.0)]))])
+        size = float((after - before)[0]) or np.finfo(float).tiny
+        larger = near_jump(signal.time, model.motion, jump) & (np.abs(size) > np.abs(sizes))
+        sizes = np.where(larger, np.where(signal.time < jump, size, -size), sizes)
+    return sizes
+
+
+DEFAULT_LIMIT: Final = 0.01
+# A signal whose peak is below this share of its natural scale is judged by that share: a reaction that symmetry makes
+# zero has no peak of its own.
+NEAR_ZERO: Final = 0.01
+SETTING: Final = IMPORTED
+
+
+@dataclass(frozen=True)
+class SignalVerdict:
+    """One signal beside the closed form; ``error_max`` and ``error_rms`` are over ``scale``, in ``unit``.
+
+    ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``floor``
+    is the largest that the file's rounding leaves open; ``worst`` is the sample with the largest error. Samples at a
+    jump of the crank's acceleration are not ``counted``: their errors count beyond the jump's size, those that are
+    still over the limit are ``over``, and ``truth_there`` is the side of the jump that is nearer to the file. ``shown``
+    is the unit of the linkage's file and its SI value.
+    """
+
+    samples: Samples
+    truth: Array
+    open: Array
+    counted: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    unit: str
+    scale: float
+    near_zero: bool
+    limit: float
+    error_max: float
+    error_rms: float
+    worst: int
+    worst_angle: float
+    truth_there: float
+    outcome: Verdict
+    shown: tuple[str, float]
+
+    @property
+    def name(self) -> str:
+        """The signal's name."""
+        return self.samples.name
+
+    @property
+    def floor(self) -> float:
+        """The rounding over the scale."""
+        return float(np.max(self.open[self.counted], initial=0.0)) / self.scale
+
+    @property
+    def evidence(self) -> Evidence:
+        """The signal as evidence, to which causes of its difference are fitted."""
+        own, over = self.samples, np.abs(self.samples.values - self.truth) > self.limit * self.scale
+        alone = self.over & ~np.any(over & self.counted)  # nothing but samples at a jump is off
+        return Evidence(
+            own.name, own.time, own.values, self.truth, self.open, self.counted | alone, alone, self.scale, *self.shown
+        )
+
+    @property
+    def worst_time(self) -> float:
+        """Instant of the largest error, s."""
+        return float(self.samples.time[self.worst])
+
+    @property
+    def value_there(self) -> float:
+        """The file's value, SI, at the largest error."""
+        return float(self.samples.values[self.worst])
+
+    @property
+    def left_out(self) -> int:
+        """Samples at a jump, whose errors count beyond its size."""
+        return int(np.sum(~self.counted))
+
+    @property
+    def detail(self) -> str:
+        """Why the signal did not pass; "" where it did."""
+        if self.outcome is Verdict.PASSED:
+            return ""
+        if self.outcome is Verdict.UNDEFINED:
+            if not self.counted.any():
+                return "every sample lies at a jump of the crank's acceleration: export a longer run"
+            return (
+                "the rounding of the crank's motion causes an uncertainty over the limit: export its angle with more "
+                "digits, or say how it moves with --regime"
+            )
+        return f"error {self.error_max:.2g} of peak is over its limit {self.limit:.2g}"
+
+    def deviation(self, motion: Motion) -> Deviation:
+        """The curves of the signal, which a campaign keeps beside its record."""
+        time = self.samples.time
+        return Deviation(
+            time, motion.angle(time), self.samples.values, self.truth, self.scale, self.error_max, self.error_rms,
+            self.worst_time, int(np.sum(self.counted)), self.left_out,
+        )  # fmt: skip
+
+    def record(self, blank: Record) -> Record:
+        """The signal's record in a campaign's tables; ``blank`` has what all signals share."""
+        judged = self.outcome is not Verdict.UNDEFINED
+        return replace(
+            blank,
+            quantity=self.name,
+            unit=self.unit,
+            error_max=self.error_max if judged else None,
+            error_rms=self.error_rms if judged else None,
+            limit=self.limit,
+            outcome=self.outcome.value,
+            detail=self.detail,
+            peak=self.scale,
+            worst_time=self.worst_time,
+            samples=int(np.sum(self.counted)),
+            left_out=self.left_out,
+            origin=IMPORTED,
+            runs=1,
+        )
+
+
+def judge_signals(
+    model: Simulation, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
+) -> list[SignalVerdict]:
+    """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
+    scales = natural_scales(model, samples, truth)
+    return [
+        _judge_signal(model, signal, values, open_, limit=limit, natural=natural)
+        for signal, values, open_, natural in zip(samples, truth, floors, scales, strict=True)
+    ]
+
+
+def _judge_signal(
+    model: Simulation, signal: Samples, truth: Array, open_: Array, *, limit: float, natural: float
+) -> SignalVerdict:
+    """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``."""
+    jump, in_file = jump_sizes(model, signal), file_unit(unit(signal.name, model.linkage), model.linkage)
+    counted, size = jump == 0.0, np.abs(jump)
+    peak = float(np.max(np.abs(truth[counted] if counted.any() else truth)))
+    least = NEAR_ZERO * natural
+    near_zero = peak < least
+    scale = (least if near_zero else peak) or 1.0
+    error = np.maximum(np.abs(signal.values - truth) - size, 0.0)
+    worst = int(np.argmax(error))
+    over = error > limit * scale
+    sides = (float(truth[worst]), float(truth[worst] + jump[worst]))
+    outcome = Verdict.PASSED
+    if np.any(over & (error > open_)):
+        outcome = Verdict.OVER_LIMIT
+    elif np.any(over & (error > signal.rounding)) or not counted.any():
+        outcome = Verdict.UNDEFINED  # the uncertainty of the crank's motion is over the limit
+    return SignalVerdict(
+        samples=signal,
+        truth=truth,
+        open=open_,
+        counted=counted,
+        over=over & ~counted,
+        unit=unit(signal.name, model.linkage),
+        scale=scale,
+        near_zero=near_zero,
+        limit=limit,
+        error_max=float(error[worst]) / scale,
+        error_rms=float(np.sqrt(np.sum(error**2) / max(1, np.sum(counted)))) / scale,
+        worst=worst,
+        worst_angle=float(model.motion.angle(signal.time[worst])),
+        truth_there=min(sides, key=lambda side: abs(side - signal.values[worst])),
+        outcome=outcome,
+        shown=(in_file.on_page, in_file.size),
+    )
+
+
+def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
+    """The natural scale, SI, of each signal in this linkage and motion: what is large for its kind.
+
+    A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals
+    that are forces, and of the weights.
+    """
+    linkage, motion = model.linkage, model.motion
+    length, speed = linkage.extent(), motion.peak_speed
+    hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, 101))))) + speed**2
+    mass = sum(link.mass for link in linkage.links.values())
+    forces = [
+        float(np.max(np.abs(curve))) for signal, curve in zip(samples, truth, strict=True) if "force" in signal.name
+    ]
+    force = max(mass * float(np.hypot(*linkage.gravity)), mass * length * hardest * 0.1, *forces, 0.0)
+    torque = force * length * 0.1
+    turning = {"rad": 1.0, "rad/s": speed, "rad/s²": hardest, "J": torque, "N m": torque, "W": torque * speed}
+    scales = {**turning, "m": length, "m/s": length * speed, "m/s²": length * hardest, "N": force}
+    return [scales.get(unit(sample.name, model.linkage), 0.0) for sample in samples]
 
 
 @dataclass(frozen=True)

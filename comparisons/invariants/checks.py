@@ -31,13 +31,13 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
+from comparisons.case import Case
 from comparisons.invariants.corrections import LEVELS, speed_errors, undissipated_error
 from comparisons.invariants.inspection import Inspection
-from comparisons.judging.deviations import UNBOUNDED, near_jumps
 from comparisons.judging.limits import judge
+from comparisons.judging.quantities import UNBOUNDED, near_jumps
 from comparisons.judging.records import Record, Verdict
 from comparisons.observed_motion import ObservedMotion, error_bound, error_estimate, integral
-from comparisons.reference.case import Case
 from engines.contract import History, Signal
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed

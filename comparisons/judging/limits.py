@@ -15,11 +15,10 @@ from analytic.description.crank_motion import LAWS, REGIMES
 from analytic.description.loading import read_document
 from analytic.description.schema import Positive, Tables, TomlTable
 from analytic.errors import UnknownNameError
-from comparisons.judging.deviations import Deviation, NoSampleError, deviation
-from comparisons.judging.quantities import Quantity
+from comparisons.case import Case
+from comparisons.judging.quantities import Deviation, NoSampleError, Quantity, deviation
 from comparisons.judging.records import Record, Verdict
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
 from engines.contract import Origin, Setting
 
 OWN = "own"  # stands in the table for every regime of a linkage's own

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydantic import InstanceOf, TypeAdapter
 
 if TYPE_CHECKING:
-    from comparisons.reference.case import Case
+    from comparisons.case import Case
 
 
 Array = NDArray[np.float64]

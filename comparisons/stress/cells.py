@@ -23,7 +23,7 @@ from analytic.description.loading import catalogue, load
 from analytic.dynamics.reduced import damping_coefficient, reduced_inertia
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case, case_of_file_regime
+from comparisons.case import Case, case_of_file_regime
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Lost, blamed_on, run_engine
 from comparisons.stress.verdict import Cell, CellResult, StressVerdict, blank_result, judged

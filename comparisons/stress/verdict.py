@@ -17,15 +17,14 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
+from comparisons.case import Case, channel_truth
 from comparisons.invariants.checks import HALF_TURN, checks
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.inspection import FAINT_FORCE
-from comparisons.judging.deviations import NoSampleError, deviation, near_jumps
 from comparisons.judging.limits import OWN, limit
-from comparisons.judging.quantities import all_quantities
+from comparisons.judging.quantities import NoSampleError, all_quantities, deviation, near_jumps
 from comparisons.judging.records import QuantityRecord, Record, RunRecord, Verdict, blank_record, run_record
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, channel_truth
 from engines.contract import Origin, Outcome, Run, Signal
 from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Scene

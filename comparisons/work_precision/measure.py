@@ -12,11 +12,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from comparisons.judging.deviations import NoSampleError, deviation
-from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
+from comparisons.case import Case, unpickle_case
+from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, NoSampleError, Quantity, all_quantities, deviation
 from comparisons.judging.records import QuantityRecord, Verdict
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, unpickle_case
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, blamed_on, checked, started
 from comparisons.work_precision.analysis import still_improves

@@ -17,7 +17,7 @@ from itertools import groupby
 from typing import Any
 
 from analytic.errors import UnknownNameError
-from comparisons.reference.case import Case, unpickle_case
+from comparisons.case import Case, unpickle_case
 from comparisons.runs.environment import environment
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from analytic.description.loading import catalogue, literature
-from comparisons.datasheet.published import all_variants, compare_published
+from comparisons.datasheet.figures import all_variants, compare_published
 from engines.registry import engine, engine_names
 from reports.document.markdown import table, written
 from reports.document.parts import Bullets, Section

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analytic.description.written import plain
 from analytic.signals import COMPONENTS, MAGNITUDE, THREAD_FEED
 from comparisons.datasheet.curves import TIME
-from comparisons.datasheet.linkage_warnings import warnings
+from comparisons.datasheet.linkage_check import warnings
 from comparisons.datasheet.sheet import Sheet
 from reports.document.numbers import figure
 from reports.document.parts import Paragraph, Table

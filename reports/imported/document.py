@@ -8,10 +8,9 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from comparisons.datasheet.instants import extreme_samples
+from comparisons.datasheet.curves import extreme_samples
 from comparisons.faults.ranking import FaultFinding
-from comparisons.imported.judge import ImportedJudgement
-from comparisons.imported.judgement import SETTING, SignalVerdict
+from comparisons.imported.judge import SETTING, ImportedJudgement, SignalVerdict
 from comparisons.judging.records import Record, Verdict
 from reports.charts import draw
 from reports.charts.judged import MOST, JudgedCurve, judged_chart

@@ -10,8 +10,7 @@ import numpy as np
 from analytic.description.law import FULL_TURN
 from analytic.description.written import fixed
 from comparisons.faults.ranking import FaultFinding
-from comparisons.imported.judge import ImportedJudgement
-from comparisons.imported.judgement import NEAR_ZERO, SignalVerdict
+from comparisons.imported.judge import NEAR_ZERO, ImportedJudgement, SignalVerdict
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import Verdict
 from reports.document.numbers import figure, within_turn

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from comparisons.datasheet.instants import extreme_samples, highest_samples
+from comparisons.datasheet.curves import extreme_samples, highest_samples
 from comparisons.judging.quantities import JOINT_FORCE
 from reports.charts.judged import LEAST_ERROR
 from reports.document.chart import Array

@@ -13,9 +13,8 @@ import numpy as np
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
 from comparisons.campaign.results import Results
-from comparisons.judging.deviations import near_jumps
 from comparisons.judging.limits import LimitTable, grouped
-from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
+from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
 from comparisons.judging.records import CONTROL, IMPORTED, Record
 from engines.contract import Setting
 from reports.document.chart import Array

@@ -15,11 +15,11 @@ from analytic.description.linkage import Linkage
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case
 from comparisons.datasheet.building import conditions
+from comparisons.datasheet.curves import Instants
 from comparisons.datasheet.figures import NEGLIGIBLE
-from comparisons.datasheet.instants import Instants
 from comparisons.designs.parameters import SAMPLES, SteadyMotion, steady_motion
-from comparisons.reference.case import Case
 from reports.requests.designs_options import SteadyOptions
 from reports.requests.motion_options import ResultsOptions
 from reports.requests.motions import requested_case

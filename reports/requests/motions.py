@@ -29,9 +29,8 @@ from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case, Motion, case_of_file_regime
 from comparisons.datasheet.building import STEADY, inset_ends, range_motion
-from comparisons.reference.case import Case, case_of_file_regime
-from comparisons.reference.motion import Motion
 from reports.requests.motion_options import TIMED, MotionOptions
 
 EVERYTHING = "all"

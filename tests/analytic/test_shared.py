@@ -15,8 +15,8 @@ from analytic.description import units
 from analytic.description.law import Law
 from analytic.dynamics import reduced
 from analytic.motion import dead_centres, thread_feed
+from comparisons.case import Case
 from comparisons.judging import quantities
-from comparisons.reference.case import Case
 from engines.scene import Channel
 from engines.stepping.loop_engine import plain_law
 from tests.analytic.linkages import file_text, from_text

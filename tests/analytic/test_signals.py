@@ -12,7 +12,7 @@ from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.dynamics.joint_forces import shaking
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names, signal, unit
-from comparisons.reference.case import Case
+from comparisons.case import Case
 from tests.analytic.linkages import EVERY, IN_LINE, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.analytic.tolerances import FIFTY_DIGITS, SAME_FIGURES

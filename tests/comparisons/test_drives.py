@@ -12,11 +12,11 @@ from analytic.dynamics.joint_forces import reactions
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError
 from analytic.evaluation import evaluate
+from comparisons.case import Case, channel_truth
 from comparisons.invariants.checks import checks
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, channel_truth
 from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle

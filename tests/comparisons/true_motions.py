@@ -6,8 +6,8 @@ import numpy as np
 
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import reactions
+from comparisons.case import Case
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
 from comparisons.stress.verdict import Cell, blank_result, judged
 from engines.contract import History, Outcome, Run, Signal
 from engines.scene import Channel, Free

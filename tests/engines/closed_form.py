@@ -10,9 +10,8 @@ import pytest
 from analytic.description.crank_motion import CrankMotion
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
-from comparisons.judging.deviations import near_jumps
-from comparisons.reference.case import Truth
-from comparisons.reference.motion import scene
+from comparisons.case import Truth, scene
+from comparisons.judging.quantities import near_jumps
 from engines.contract import Engine, History, Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel, Free, Prescribed, Scene

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.reference.case import Truth
-from comparisons.reference.motion import scene
+from comparisons.case import Truth, scene
 from engines.contract import Origin, Outcome, Setting
 from engines.drake_adapter import DrakeEngine
 from engines.scene import Channel, PinJoint, Prescribed

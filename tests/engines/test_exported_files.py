@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.reference.motion import scene
+from comparisons.case import scene
 from engines.contract import Outcome, Setting
 from engines.exported_script import script, written
 from engines.mujoco_adapter import EXPERT, MujocoEngine

@@ -14,9 +14,9 @@ import tomlkit
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.conformance.samples import case as sample_case
+from comparisons.case import Case, case_of_file_regime
+from comparisons.conformance.trial import case as sample_case
 from comparisons.exported_run import exported
-from comparisons.reference.case import Case, case_of_file_regime
 from engines.contract import Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel

@@ -14,7 +14,7 @@ from analytic.description.law import TimeLaw
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
 from comparisons.campaign.campaign import judged
-from comparisons.reference.case import Case, channel_truth
+from comparisons.case import Case, channel_truth
 from engines.contract import Outcome, Setting
 from engines.mechanics.driver import driven as travelled
 from engines.mechanics.states import with_ground

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.reference.motion import scene
+from comparisons.case import scene
 from comparisons.runs.workers import run_jobs
 from engines.registry import engine, engine_names
 from engines.scene import Channel, Prescribed

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.reference.motion import scene
+from comparisons.case import scene
 from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel, Prescribed
 from engines.scene_builder import is_pin_mass

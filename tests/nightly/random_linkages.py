@@ -17,7 +17,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case
+from comparisons.case import Case
 from comparisons.runs.run_engine import Lost, run_engine
 from comparisons.runs.workers import Bounds, run_jobs
 from comparisons.stress.verdict import Cell, StressVerdict, blank_result, judged

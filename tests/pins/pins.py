@@ -21,7 +21,7 @@ from typing import Any
 
 from analytic.description.changes import design_numbers
 from analytic.description.loading import catalogue, load
-from comparisons.datasheet.published import all_variants, compare_published
+from comparisons.datasheet.figures import all_variants, compare_published
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -13,11 +13,10 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import Results, document
-from comparisons.judging.deviations import Deviation, near_jumps
+from comparisons.case import Case
 from comparisons.judging.limits import judge
-from comparisons.judging.quantities import QUANTITIES
+from comparisons.judging.quantities import QUANTITIES, Deviation, near_jumps
 from comparisons.judging.records import Record, RunRecord, Verdict, run_record
-from comparisons.reference.case import Case
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import ReadOut, Setting
 

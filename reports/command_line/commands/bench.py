@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import CampaignRequest, cases
+from comparisons.case import Case
 from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
-from comparisons.reference.case import Case
 from comparisons.runs.workers import LastingPool
 from comparisons.work_precision.measure import FULL, JOINTS, QUICK, chosen_families
 from comparisons.work_precision.records import KIND, load, save

@@ -13,7 +13,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError, is_safe
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
-from comparisons.datasheet.linkage_warnings import check_slips
+from comparisons.datasheet.linkage_check import check_slips
 from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers

@@ -15,7 +15,7 @@ from comparisons.campaign.results import document as saved_document
 from comparisons.campaign.results import save
 from comparisons.imported.columns import MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
-from comparisons.imported.mapping import with_proposals
+from comparisons.imported.reading import with_proposals
 from comparisons.judging.records import Verdict, run_record
 from comparisons.runs.study_folder import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers

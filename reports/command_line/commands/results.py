@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Final
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from comparisons.case import Case
 from comparisons.datasheet.building import page_sheet, sheet
-from comparisons.datasheet.linkage_warnings import check_slips
+from comparisons.datasheet.linkage_check import check_slips
 from comparisons.datasheet.saved import save_case
 from comparisons.datasheet.sheet import Sheet
-from comparisons.reference.case import Case
 from comparisons.runs.files import claim
 from reports.command_line.destination import PICTURES, Destination, Writers, picture_writers, write_to_stdout
 from reports.designs.results_terminal import csv_table, json_text, printed

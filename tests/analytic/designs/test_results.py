@@ -17,8 +17,8 @@ from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.moving import MovingSweep
+from comparisons.case import Case
 from comparisons.datasheet.curves import Curves
-from comparisons.reference.case import Case
 from tests.analytic.designs.one_by_one import PATHS, built, signals_of, varied
 from tests.analytic.drives import driven
 from tests.analytic.linkages import FOLDER, MADE_UP, from_text, mechanism

@@ -12,7 +12,7 @@ from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.judging import deviations
+from comparisons.judging import quantities
 from comparisons.judging.records import Verdict
 from comparisons.runs.workers import LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Signal
@@ -173,7 +173,7 @@ def test_an_adapters_exception_costs_its_own_row_and_its_traceback_can_be_shown(
 
 def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
     with_engine(_finished())
-    monkeypatch.setattr(deviations, "near_jumps", lambda time, motion: np.ones(len(time), dtype=bool))
+    monkeypatch.setattr(quantities, "near_jumps", lambda time, motion: np.ones(len(time), dtype=bool))
     (result,) = compare(_request(quantities=("Mkr", "S"), with_invariants=False))
     assert _outcomes(result) == {"Mkr": "undefined", "S": "passed"}
     assert "every sample of Mkr" in result.records[0].detail

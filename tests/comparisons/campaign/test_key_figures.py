@@ -13,9 +13,9 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.key_figures import key_figures
 from comparisons.campaign.standard import JudgedCampaign
+from comparisons.case import Case
 from comparisons.judging.changes import CLOSED_FORM, Place, Row
 from comparisons.judging.limits import shipped_standard
-from comparisons.reference.case import Case
 from engines.contract import Setting
 
 LINKAGE = load("juki-mf7923d")

@@ -11,10 +11,9 @@ from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
 from analytic.kinematics import frames
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case
 from comparisons.datasheet.building import positions_over_motion, positions_over_range, usual_case, usual_sheet
-from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.instants import choose_samples
-from comparisons.reference.case import Case
+from comparisons.datasheet.curves import Curves, choose_samples
 from tests.analytic.linkages import FOLDER, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
 from tests.reports.designs.samples import results

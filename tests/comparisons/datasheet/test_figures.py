@@ -8,8 +8,8 @@ import pytest
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion, swing
 from analytic.signals import signal
+from comparisons.case import Case, case_of_file_regime
 from comparisons.datasheet.figures import BRAKING, MEAN, drive_figures
-from comparisons.reference.case import Case, case_of_file_regime
 from reports.command_line.commands.files import TEMPLATE
 from tests.analytic.linkages import FULL_TURN, from_text, mechanism
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, curves, engine, piston, piston_text, results

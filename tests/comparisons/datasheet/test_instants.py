@@ -7,7 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion, swing
 from analytic.errors import LinkproofError
-from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.curves import Instants
 from tests.reports.designs.samples import SPEED, TURN
 
 RUN_UP = crank_motion("run-up", speed=600 * RPM, ramp_time=0.1, hold_time=0.1, start_angle=math.radians(20))

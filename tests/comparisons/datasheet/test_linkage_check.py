@@ -8,8 +8,7 @@ import pytest
 from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics.dyad_solver import DyadSolver
-from comparisons.datasheet.linkage_check import check
-from comparisons.datasheet.linkage_warnings import warnings
+from comparisons.datasheet.linkage_check import check, warnings
 from reports.document.terminal import rendered
 from reports.mechanism.terminal import printed
 from tests.analytic.chains import chain_of_dyads

@@ -16,8 +16,8 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.dead_centres import stroke, top_dead_centre
 from analytic.numerics.refine import extremes, grid, periodic_mean
 from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.datasheet.published import all_variants, compare_published, published_figure, verdict
-from comparisons.reference.case import motion_of_file_regime
+from comparisons.case import motion_of_file_regime
+from comparisons.datasheet.figures import all_variants, compare_published, published_figure, verdict
 from comparisons.runs.workers import LocalPool
 from docs.making.tables import figures_of
 from tests import printed

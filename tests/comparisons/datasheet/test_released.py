@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from analytic.description.loading import load
-from comparisons.datasheet.building import usual_sheet
-from comparisons.datasheet.released import describe_release
-from comparisons.reference.case import motion_of_file_regime
+from comparisons.case import motion_of_file_regime
+from comparisons.datasheet.building import describe_release, usual_sheet
 from tests.analytic.linkages import from_text
 from tests.analytic.textbook import PENDULUM, ROTOR
 

@@ -8,8 +8,8 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case, case_of_file_regime
 from comparisons.datasheet.saved import load_cases, save_case
-from comparisons.reference.case import Case, case_of_file_regime
 
 
 def test_cases_come_back_and_a_later_one_of_a_linkage_replaces_the_first(tmp_path):

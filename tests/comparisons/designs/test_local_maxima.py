@@ -8,8 +8,8 @@ import pytest
 from analytic.description.loading import load
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.local_maxima import LocalMaxima, sides
 from comparisons.designs.parameters import named_figures, steady_motion
+from comparisons.designs.problem import LocalMaxima, sides
 
 NUMBERS = {"rod.B.x": 0.1743, "rocker.mass": 0.6}
 

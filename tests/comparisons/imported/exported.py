@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from comparisons.faults.simulation import Simulation
+from comparisons.faults.fault import Simulation
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
-from comparisons.imported.judgement import Samples
+from comparisons.imported.judge import Samples
 
 
 def samples(name, time):

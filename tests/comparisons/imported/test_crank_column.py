@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import LAWS, crank_motion, swing
-from comparisons.imported.crank_column import even_instants, motion_of_angles, motion_of_speeds, unwrap_angles
-from comparisons.imported.known_motions import known_fit
+from comparisons.imported.crank_column import (
+    even_instants,
+    known_fit,
+    motion_of_angles,
+    motion_of_speeds,
+    unwrap_angles,
+)
 
 DEGREE = math.pi / 180.0
 AT_REST = [name for name, law in LAWS.items() if law.at_rest and name != "cycloidal"]

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
 from comparisons.imported.columns import Column
-from comparisons.imported.header_meaning import HeaderParser, NotJudgedError
-from comparisons.imported.header_words import parse_unit
+from comparisons.imported.headers import HeaderParser, NotJudgedError, parse_unit
 from tests.analytic.drives import driven
 
 READ = HeaderParser(load("juki-mf7923d"))

@@ -10,12 +10,11 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names as signal_names
+from comparisons.case import case_of_file_regime
 from comparisons.faults.columns import column_faults
-from comparisons.faults.fault import Correction
-from comparisons.faults.simulation import Simulation
+from comparisons.faults.fault import Correction, Simulation
 from comparisons.imported.judge import judge
 from comparisons.judging.records import Verdict
-from comparisons.reference.case import case_of_file_regime
 from tests.comparisons.imported.exported import exported, samples, with_link
 
 JUKI = load("juki-mf7923d")

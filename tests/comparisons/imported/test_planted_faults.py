@@ -5,10 +5,10 @@ import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
-from comparisons.conformance.samples import case
+from comparisons.conformance.trial import case
+from comparisons.faults.fault import Simulation
 from comparisons.faults.ranking import differs, model_faults
 from comparisons.faults.settings import motion_settings
-from comparisons.faults.simulation import Simulation
 from comparisons.imported.judge import judge
 from tests.comparisons.imported.exported import exported
 

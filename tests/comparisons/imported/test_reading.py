@@ -9,8 +9,7 @@ import pytest
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.imported.columns import Correction, MappingNeededError
-from comparisons.imported.mapping import with_proposals
-from comparisons.imported.reading import read_results
+from comparisons.imported.reading import read_results, with_proposals
 from tests.comparisons.imported.layouts import Channel, solidworks
 
 JUKI = load("juki-mf7923d")

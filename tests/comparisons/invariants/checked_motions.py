@@ -9,10 +9,10 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import ReleasedRegime, RotaryDamper
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case, case_of_file_regime
 from comparisons.invariants.checks import checks
 from comparisons.judging.records import blank_record
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, case_of_file_regime
 from tests.comparisons.true_motions import EVERYTHING
 
 JUKI = "juki-mf7923d"

@@ -13,6 +13,7 @@ from analytic.description.loading import catalogue, load
 from analytic.dynamics.joint_forces import reactions
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case
 from comparisons.invariants import corrections
 from comparisons.invariants.corrections import (
     LEVELS,
@@ -25,7 +26,6 @@ from comparisons.invariants.corrections import (
 )
 from comparisons.judging.limits import limit
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
 from engines.contract import Signal
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import pose_of, with_ground

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case
 from comparisons.invariants.checks import _judge_signal, energy_balance, joint_gaps
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.records import Verdict, blank_record
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
 from comparisons.stress.cells import Conditions, case, reversal
 from comparisons.stress.verdict import StressVerdict
 from engines.contract import Signal

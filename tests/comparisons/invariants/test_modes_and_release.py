@@ -9,12 +9,12 @@ import pytest
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case
 from comparisons.invariants.checks import checks, closure, crank_phase, joint_gaps
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import limit
 from comparisons.judging.records import Verdict, blank_record
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
 from comparisons.stress.cells import Conditions, case
 from comparisons.stress.verdict import StressVerdict
 from engines.contract import Signal

@@ -11,13 +11,12 @@ from analytic.description.loading import load
 from analytic.description.schema import EyeReference
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case
 from comparisons.invariants.checks import checks
-from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.limits import judge
-from comparisons.judging.quantities import QUANTITIES, all_quantities, chosen_quantities
+from comparisons.judging.quantities import QUANTITIES, NoSampleError, all_quantities, chosen_quantities, deviation
 from comparisons.judging.records import Verdict, blank_record
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
 from engines.contract import Signal
 from tests.comparisons.true_motions import perfect_motion
 

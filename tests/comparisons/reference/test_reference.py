@@ -11,9 +11,8 @@ from analytic.description.loading import load
 from analytic.dynamics import joint_forces, reduced
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.dead_centres import top_dead_centre, top_of_turn
+from comparisons.case import MOST_CLOCKS, Case, zero_of_output
 from comparisons.datasheet.building import usual_case
-from comparisons.reference.case import MOST_CLOCKS, Case
-from comparisons.reference.motion import zero_of_output
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.swinging import double_rocker
 

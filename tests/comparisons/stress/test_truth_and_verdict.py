@@ -9,10 +9,9 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.case import Case, case_of_file_regime, start_state
 from comparisons.judging.records import Verdict
 from comparisons.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, case_of_file_regime
-from comparisons.reference.motion import start_state
 from comparisons.stress import verdict
 from comparisons.stress.cells import Conditions
 from comparisons.stress.cells import case as stress_case

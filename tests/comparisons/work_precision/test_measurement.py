@@ -9,7 +9,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case, case_of_file_regime
+from comparisons.case import Case, case_of_file_regime
 from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import measure as point
 from comparisons.work_precision.measure import calibrate, chosen_families, measure, no_collection, timed

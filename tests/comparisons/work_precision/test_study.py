@@ -9,7 +9,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case
+from comparisons.case import Case
 from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool, run_jobs

@@ -9,7 +9,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case
+from comparisons.case import Case
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import pose_of, with_ground
 from tests.comparisons.true_motions import EVERYTHING, true_history

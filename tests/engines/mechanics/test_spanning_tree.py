@@ -6,7 +6,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
-from comparisons.reference.motion import scene
+from comparisons.case import scene
 from engines.mechanics.spanning_tree import slots_as_blocks, spanning_tree
 from engines.mechanics.start_check import start_misfit
 from engines.scene import Body, PinJoint, Prescribed, Scene, SliderJoint

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
-from comparisons.reference.motion import scene
+from comparisons.case import scene
 from engines.mechanics.states import with_ground
 from engines.pymunk_adapter.layout import BodyPart, exact_layout, plain_layout, split_point_mass, split_rail
 from engines.scene import Prescribed

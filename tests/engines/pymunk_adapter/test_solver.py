@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.reference.motion import scene
+from comparisons.case import scene
 from engines.mechanics.states import pose_of, with_ground
 from engines.pymunk_adapter.adapter import TUNED, PymunkEngine, contraction, poses_of
 from engines.pymunk_adapter.layout import exact_layout

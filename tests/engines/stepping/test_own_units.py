@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.reference.motion import scene
+from comparisons.case import scene
 from engines.contract import History, Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.joints import scene_size

@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.reference.motion import scene
+from comparisons.case import scene
 from engines.contract import Abilities, History, Origin, Outcome, ReadOut, Setting, Signal
 from engines.scene import Channel, Free, Prescribed, SliderJoint
 from engines.stepping.stepped_engine import Recipe, SteppedEngine

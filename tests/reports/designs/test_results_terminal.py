@@ -10,7 +10,7 @@ import pandas
 import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion
-from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.curves import Instants
 from comparisons.imported.reading import read_results
 from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.designs.results_workbook import workbook

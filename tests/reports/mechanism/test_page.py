@@ -6,8 +6,8 @@ from functools import cache
 import pytest
 
 from analytic.description.loading import catalogue, load
+from comparisons.case import Case
 from comparisons.datasheet.building import page_sheet, usual_sheet
-from comparisons.reference.case import Case
 from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table, Widget
 from reports.mechanism.page import file_of, page
 from tests.analytic.linkages import MADE_UP, from_text, mechanism

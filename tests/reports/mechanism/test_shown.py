@@ -7,9 +7,9 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.loading import load
+from comparisons.case import Case
 from comparisons.datasheet.building import page_sheet, usual_sheet
 from comparisons.datasheet.curves import SignalFigure
-from comparisons.reference.case import Case
 from reports.mechanism.page import SAMPLES, player_data
 from reports.mechanism.shown import words
 from tests.analytic.linkages import FOLDER, from_text

@@ -9,7 +9,7 @@ from . import lacking
 
 def _case():
     motion = lacking.module("analytic.description.crank_motion").crank_motion("run-up")
-    return lacking.module("comparisons.reference.case").Case(lacking.mechanism("juki-mf7923d"), motion)
+    return lacking.module("comparisons.case").Case(lacking.mechanism("juki-mf7923d"), motion)
 
 
 def _run(engine):
@@ -44,7 +44,7 @@ class Judging:
     def setup(self, engine):
         adapter, setting, self.scene = _run(engine)
         self.observed = lacking.module("comparisons.observed_motion").ObservedMotion
-        self.deviation = lacking.module("comparisons.judging.deviations").deviation
+        self.deviation = lacking.module("comparisons.judging.quantities").deviation
         self.quantities = lacking.module("comparisons.judging.quantities").chosen_quantities
         self.checks = lacking.module("comparisons.invariants.checks").checks
         record = lacking.module("comparisons.judging.records").Record

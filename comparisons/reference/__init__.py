@@ -1,1 +1,0 @@
-"""The truth an engine is compared with: cases and their start states."""
