@@ -19,7 +19,7 @@ from typing_extensions import TypedDict
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.key_figures import KeyFigure
+from comparisons.campaign.standard import KeyFigure
 from comparisons.datasheet.saved import (
     RESULTS,
     LinkageRow,
@@ -33,7 +33,7 @@ from comparisons.judging.changes import Change, Row, error_row
 from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
 from comparisons.judging.records import CURVE, Record, RunRecord
 from comparisons.runs.environment import environment
-from comparisons.runs.study_folder import has_study, load_study, save_study
+from comparisons.runs.study import has_study, load_study, save_study
 from engines.contract import ReadOut
 
 Array = NDArray[np.float64]

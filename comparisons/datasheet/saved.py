@@ -15,7 +15,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case, case_of_file_regime
-from comparisons.runs.study_folder import has_study, load_study, save_study
+from comparisons.runs.study import has_study, load_study, save_study
 
 RESULTS: Final = "results"
 

@@ -128,7 +128,7 @@ def _unit_of_kind(linkage: Linkage, kind: Kind) -> FileUnit:
 # The linkage file of a design: other numbers, the same assembly modes as the original.
 
 
-def design_file(mechanism: Mechanism, numbers: Mapping[str, float], new_variant: str = DESIGN) -> str:
+def design_file(mechanism: Mechanism, numbers: Mapping[str, float]) -> str:
     """The text of the file with these numbers, SI, by name; its sketch moves where it would pick other modes.
 
     A speed among them is left out, for files have none. Raises LinkproofError for numbers that describe no linkage,
@@ -140,7 +140,7 @@ def design_file(mechanism: Mechanism, numbers: Mapping[str, float], new_variant:
         before, after = numbers_of(original), numbers_of(with_numbers(original, numbers))
         numbers = {name: value for name, value in after.items() if value != before[name]}
     signs = tuple(dyad.sign for dyad in structure.dyads)
-    text = rewritten(original.text, original.name, original.variant, numbers, new_variant=new_variant)
+    text = rewritten(original.text, original.name, original.variant, numbers, new_variant=DESIGN)
     try:
         new = Mechanism(parse(text, original.name, original.name))
         if structure.is_numerical or tuple(dyad.sign for dyad in new.structure.dyads) == signs:
@@ -154,7 +154,7 @@ def design_file(mechanism: Mechanism, numbers: Mapping[str, float], new_variant:
         for point in design.sketch
         for axis, value in zip("xy", sweep.point(point), strict=True)
     }
-    return rewritten(original.text, original.name, original.variant, {**numbers, **sketch}, new_variant=new_variant)
+    return rewritten(original.text, original.name, original.variant, {**numbers, **sketch}, new_variant=DESIGN)
 
 
 # Figures of a design by name, in the units of its linkage's file.

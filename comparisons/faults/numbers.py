@@ -21,7 +21,6 @@ from comparisons.faults import fault
 from comparisons.faults.fault import Fault, Numbers, Simulation
 
 Array = NDArray[np.float64]
-Words = Callable[[Array], str]
 
 UNITS: Final = (1e3, 1e-3)  # a unit taken for another
 # What is written in place of a number, as its multiples.

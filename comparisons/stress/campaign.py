@@ -18,8 +18,7 @@ from analytic.errors import LinkproofError
 from comparisons.judging.limits import grouped
 from comparisons.runs.environment import environment
 from comparisons.runs.run_engine import GIB
-from comparisons.runs.study import Announce, Journal, Study, Task
-from comparisons.runs.study_folder import load_study, save_study, study_errors
+from comparisons.runs.study import Announce, Journal, Study, Task, load_study, save_study, study_errors
 from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
 from comparisons.stress.cells import Axis, axes, cells, lost, nearest, run_cell
 from comparisons.stress.verdict import Cell, CellResult, StressVerdict

@@ -20,8 +20,7 @@ from analytic.errors import LinkproofError
 from comparisons.runs.environment import INCIDENTAL, environment
 from comparisons.runs.files import check_writable, write_bytes, write_file, write_text
 from comparisons.runs.plugins import engine
-from comparisons.runs.study import Journal
-from comparisons.runs.study_folder import to_json
+from comparisons.runs.study import Journal, to_json
 from reports.document.terminal import Printed, Printout, harmless, show, write
 from reports.requests.options import OutputOptions
 

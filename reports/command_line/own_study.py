@@ -10,8 +10,7 @@ from typing import Any
 import typer
 
 from analytic.errors import LinkproofError
-from comparisons.runs.study import unfinished_command
-from comparisons.runs.study_folder import has_study
+from comparisons.runs.study import has_study, unfinished_command
 from reports.command_line.parameters import option_bag
 from reports.requests.options import Option, command_line, declared_options
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
-from comparisons.runs.record_file import RECORDS
+from comparisons.runs.files import RECORDS
 from comparisons.stress.campaign import KIND, Stress
 from comparisons.stress.verdict import StressVerdict
 from reports.charts.draw import drawn

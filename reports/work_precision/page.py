@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from comparisons.judging.limits import grouped
-from comparisons.runs.record_file import RECORDS
+from comparisons.runs.files import RECORDS
 from comparisons.work_precision.analysis import EngineFacts, PlaceFacts, Regimes, by_regime, places
 from comparisons.work_precision.records import KIND, Bench, BenchRecord
 from reports.document.numbers import ABSENT, error, seconds

@@ -14,7 +14,7 @@ from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import COMPARE, document, save
 from comparisons.campaign.results import load as load_results
-from comparisons.runs.record_file import RECORDS
+from comparisons.runs.files import RECORDS
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool
 from engines.contract import Setting

@@ -8,7 +8,7 @@ from typing import Final
 
 from comparisons.campaign.results import COMPARE, load, save, with_runs, write_curves
 from comparisons.judging.changes import write_rows
-from comparisons.runs.study_folder import to_json
+from comparisons.runs.study import to_json
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination, Writers, journal, report_interruption
 from reports.requests.campaign import missing_engines

@@ -15,7 +15,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
 from comparisons.datasheet.linkage_check import check_slips
 from comparisons.runs.files import check_writable, write_text
-from comparisons.runs.study_folder import to_json
+from comparisons.runs.study import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.mechanism.terminal import printed
 

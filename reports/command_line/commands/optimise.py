@@ -11,7 +11,7 @@ from analytic.description.changes import SPEED
 from analytic.description.loading import load
 from comparisons.designs.optimisation import Optimum
 from comparisons.designs.parameters import design_file, speed_unit
-from comparisons.runs.study_folder import to_json
+from comparisons.runs.study import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.designs.optimise_terminal import before_after_chart, closing, document, printed
 from reports.requests.campaign_options import CompareOptions

@@ -12,7 +12,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.designs.sweep import SweepStudy, reason_not_assembled
 from comparisons.designs.sweep import sweep as sweep_space
-from comparisons.runs.study_folder import to_json
+from comparisons.runs.study import to_json
 from reports.command_line.destination import Content, Destination, Writers, picture_writers
 from reports.designs.sweep_terminal import document, netcdf, own_parameters, parts, sentence, write_csv
 from reports.requests.designs import sweep_request

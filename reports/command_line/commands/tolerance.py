@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from analytic.description.loading import load
 from comparisons.designs.tolerances import ToleranceStudy, read_tolerances, tolerance_study
-from comparisons.runs.study_folder import to_json
+from comparisons.runs.study import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.designs.tolerance_terminal import csv_table, document, printout, tornado_chart
 from reports.requests.designs import build_tolerance_request

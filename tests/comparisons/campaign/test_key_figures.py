@@ -11,8 +11,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load, parse
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.key_figures import key_figures
-from comparisons.campaign.standard import JudgedCampaign
+from comparisons.campaign.standard import JudgedCampaign, key_figures
 from comparisons.case import Case
 from comparisons.judging.changes import CLOSED_FORM, Place, Row
 from comparisons.judging.limits import shipped_standard

@@ -16,8 +16,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 
 from analytic.errors import LinkproofError
 from comparisons.runs import files
-from comparisons.runs.files import check_writable, write_file, write_text
-from comparisons.runs.record_file import CURVES, RECORDS, RecordFile
+from comparisons.runs.files import CURVES, RECORDS, RecordFile, check_writable, write_file, write_text
 from comparisons.runs.study import COMMAND, HEADER, Journal
 
 

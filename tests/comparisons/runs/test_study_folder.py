@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
 from analytic.errors import LinkproofError
-from comparisons.runs.study_folder import SUMS, has_study, load_study, save_study
+from comparisons.runs.study import SUMS, has_study, load_study, save_study
 
 
 class Form(TypedDict):

@@ -8,7 +8,7 @@ import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.runs import environment
-from comparisons.runs.record_file import RECORDS
+from comparisons.runs.files import RECORDS
 from comparisons.runs.run_engine import AdapterError, Failure, Lost
 from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool

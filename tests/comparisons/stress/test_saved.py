@@ -3,7 +3,7 @@
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.runs.study_folder import save_study
+from comparisons.runs.study import save_study
 from comparisons.stress.campaign import KIND, Stress, load, save
 from comparisons.stress.cells import axes
 from comparisons.stress.verdict import StressVerdict

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.runs.study_folder import save_study
+from comparisons.runs.study import save_study
 from comparisons.work_precision.analysis import (
     WANTED,
     choices,

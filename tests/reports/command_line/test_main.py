@@ -16,7 +16,7 @@ import pytest
 from analytic.description.loading import read
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
-from comparisons.runs.record_file import RECORDS
+from comparisons.runs.files import RECORDS
 from comparisons.runs.study import FOLDER
 from engines.pymunk_adapter.adapter import PymunkEngine
 from tests.commands import COMMAND, ROOT, linkproof, process, refused
