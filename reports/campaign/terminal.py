@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
 
-from comparisons.faults.symptoms import probable_faults
 from comparisons.judging.changes import Change
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
@@ -16,7 +15,7 @@ from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
 from reports.records.changes import appeared_note, changes_table
 from reports.records.origins import computed_or_shared, concurrency_note, origin_words
-from reports.records.views import family
+from reports.records.views import family, remedy
 
 ACROSS = 4  # runs side by side in a table of 80 columns
 DETAILS = (
@@ -38,7 +37,7 @@ def printout(
     closing = [
         *appeared_note(changes),
         *_reasons(runs),
-        *_probable_faults(runs),
+        *_remedies(runs),
         *_counts(changes),
         _closing_line(runs),
     ]
@@ -147,10 +146,10 @@ def _is_within(record: Record) -> bool:
     return record.error_max is not None and record.limit is not None and record.error_max <= record.limit
 
 
-def _probable_faults(runs: Iterable[RunRecord]) -> list[str]:
-    """The joint meaning of a run's failing rows, each sentence once, with its place."""
+def _remedies(runs: Iterable[RunRecord]) -> list[str]:
+    """What to do about runs over their limits, each sentence once, with its places."""
     where = grouped(
-        ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := probable_faults(run.every))
+        ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := remedy(run.every))
     )
     return [f"{run}, {', '.join(dict.fromkeys(names))}: {words}" for (run, words), names in where.items()]
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
-from comparisons.faults.symptoms import probable_faults
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import Record, Verdict
 from reports.charts.judged import JudgedCurve, errors_chart, judged_chart
@@ -15,7 +14,7 @@ from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Sectio
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves
 from reports.records.origins import computed_or_shared, concurrency_note, origin_words
-from reports.records.views import Regime, View, anchor, setting_rank
+from reports.records.views import Regime, View, anchor, remedy, setting_rank
 
 
 def engines_section(view: View) -> Section:
@@ -57,7 +56,8 @@ def errors_section(view: View, regime: Regime) -> Fold:
     runs = view.runs(regime)
     shown = [run for run in runs if any(record.error_max is not None for record in run)]
     parts: list[Part] = [_errors_table(view, regime, shown)] if shown else []
-    reasons = (*_reasons(runs), *_probable_faults(runs))
+    remedies = (f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := remedy(run)))
+    reasons = (*_reasons(runs), *remedies)
     under = f" under {regime.name}" if len(view.regimes) > 1 else ""
     return Fold(f"Every error{under} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
 
@@ -109,11 +109,6 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
             rows.append(((record.engine, reason), record.setting + names))
     groups = grouped(dict.fromkeys(rows))
     return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in groups.items())
-
-
-def _probable_faults(runs: Sequence[Sequence[Record]]) -> list[str]:
-    """The probable fault behind the failing rows of a run, in a sentence."""
-    return [f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := probable_faults(run))]
 
 
 def _runs_table(view: View, regime: Regime) -> Table:

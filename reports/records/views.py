@@ -211,6 +211,16 @@ def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -
 # The limits of a campaign's records.
 
 
+def remedy(run: Iterable[Record]) -> str:
+    """What to do about a run of an engine with errors over their limits; "" if there are none."""
+    over = [record for record in run if record.error_max is not None and Verdict(record.outcome).failed]
+    if not over or over[0].origin == IMPORTED:
+        return ""
+    if over[0].setting == Setting.NAIVE:
+        return "the engine's default step or softness leaves this error: use the setting tuned"
+    return f"run 'linkproof engines {over[0].engine} --check', and if it passes shorten the step"
+
+
 def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
     """The limit of a record and its reason; that of another tool's results is the user's."""
     if record.origin == IMPORTED and record.limit is not None:

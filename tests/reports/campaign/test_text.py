@@ -41,33 +41,6 @@ def test_computed_figures_are_not_called_read(origin, runs, words, line):
     assert f"{RECORD.engine} {RECORD.setting}: {line}" in text or not line
 
 
-CHECKED = ("joint_gap", "closure", "crank_phase", "torque_two_routes", "force_balance")
-
-
-@pytest.mark.parametrize(
-    ("failing", "words"),
-    [
-        (("Mkr", "torque_two_routes", "joint_force:A", "force_balance"), "gravity or a load of the engine's model"),
-        (("joint_force:A", "force_balance"), "the joint forces do not balance: they are read on the other body"),
-        (("Mkr", "torque_two_routes"), "the drive torque is not the one it takes: it is read with the wrong sign"),
-        (("joint_gap", "closure"), "the positions do not fit the joints"),
-        (("Mkr",), ""),  # no check of the motion fails
-        ((), ""),
-    ],
-)
-def test_rows_that_fail_together_have_their_meaning_once(failing, words):
-    rows = {
-        name: replace(
-            RECORD, engine="e", quantity=name, outcome="over-limit" if name in failing else "passed", detail=""
-        )
-        for name in ("Mkr", "joint_force:A", *CHECKED)
-    }
-    run = run_record(RECORD, [rows["Mkr"], rows["joint_force:A"]], [rows[name] for name in CHECKED])
-    text = rendered(*printout([replace(run, engine="e")] * 2).closing, width=400)
-    assert text.count("engines e --check'") == bool(words)
-    assert words in text
-
-
 @pytest.fixture(scope="module")
 def results():
     return made_up_results(
