@@ -17,9 +17,8 @@ from comparisons.runs.plugins import engine as registered
 from comparisons.runs.run_engine import AdapterError
 from engines.contract import Engine
 from reports.document.terminal import Printed, Printout, rendered
-from reports.imported.document import add_cause, blank_record_of
-from reports.imported.terminal import printout as judgement_printout
-from reports.imported.terminal import sentence
+from reports.imported import add_cause, blank_record_of, sentence
+from reports.imported import printout as judgement_printout
 from reports.python.keywords import load_linkage, resolve_linkage, with_keywords
 from reports.python.labels import PrintedResult, failed_rows
 from reports.records.origins import printout

@@ -15,7 +15,7 @@ from analytic.description.linkage import Linkage, PrescribedRegime
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import LimitTable, grouped
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
-from comparisons.judging.records import CONTROL, IMPORTED, Record
+from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
 from engines.contract import Setting
 from reports.document.chart import Array
 from reports.document.numbers import bound

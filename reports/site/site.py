@@ -25,6 +25,7 @@ from comparisons.stress import campaign as stress_test
 from comparisons.stress.campaign import Stress
 from comparisons.work_precision import records as work_precision
 from comparisons.work_precision.records import Bench
+from reports import stress as stress_pages
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
 from reports.campaign.index import index
@@ -33,13 +34,12 @@ from reports.document import html
 from reports.document.parts import Page, PageLink, Words
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
-from reports.stress import page as stress_page
 from reports.work_precision import page as bench_page
 
 # The contents of a report's folder: saved data, data sheets computed of them, and the pages made of both.
 
 
-BENCH, STRESS = bench_page.LINK, stress_page.LINK
+BENCH, STRESS = bench_page.LINK, stress_pages.LINK
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Contents:
         if file == BENCH.href and self.bench is not None:
             return bench_page.page(self.bench)
         if file == STRESS.href and self.stress is not None:
-            return stress_page.page(self.stress)
+            return stress_pages.page(self.stress)
         sheet = next(sheet for sheet in self.sheets if self.file_of(sheet) == file)
         return replace(mechanism_page.page(sheet, self.campaign), file=file)
 

@@ -19,8 +19,16 @@ from comparisons.imported.reading import with_proposals
 from comparisons.judging.records import Verdict, run_record
 from comparisons.runs.study import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
-from reports.imported.document import add_cause, blank_record_of, document
-from reports.imported.terminal import printout, sentence, sentences
+from reports.imported import (
+    add_cause,
+    blank_record_of,
+    document,
+    judged_curves,
+    judged_figure,
+    printout,
+    sentence,
+    sentences,
+)
 from reports.requests import FAILED, PASSED
 from reports.requests.judge import check_judgement, judge_files
 from reports.requests.motion_options import JudgeOptions
@@ -69,8 +77,6 @@ def judge(options: JudgeOptions, destination: Destination) -> int:
 
 
 def _figure(judgement: ImportedJudgement, title: str, _facts: object) -> Figure:
-    from reports.imported.document import judged_figure  # noqa: PLC0415 - matplotlib, where a picture is drawn
-
     return judged_figure(judgement, title)
 
 
@@ -110,7 +116,6 @@ def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: st
     )
     motions = (motion,) if isinstance(motion, CrankMotion) else ()
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
-    from reports.imported.document import judged_curves  # noqa: PLC0415 - matplotlib, where a picture is drawn
 
     lines = [*sentences(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
     lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]

@@ -15,7 +15,7 @@ from reports.requests.campaign import RunResources, missing_engines, requested_e
 from reports.requests.campaign_options import RunLimits, StressOptions
 from reports.requests.exit_codes import stress_exit_code
 from reports.requests.options import command_line
-from reports.stress.tables import cell_details, printout
+from reports.stress import cell_details, printout
 
 
 def run(options: StressOptions, destination: Destination, jobs: int | None = None) -> int:

@@ -7,7 +7,7 @@ from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
 from comparisons.imported.judge import judge
 from reports.document.terminal import rendered
-from reports.imported.terminal import printout
+from reports.imported import printout
 from tests.comparisons.imported.exported import exported
 
 JUKI = load("juki-mf7923d")

@@ -13,9 +13,24 @@ from comparisons.stress.verdict import Cell, StressVerdict
 from reports.document import html
 from reports.document.parts import as_text
 from reports.document.terminal import rendered
-from reports.stress.maps import SIGNS, axis_title, border_place, cell_facts, map_data
-from reports.stress.page import MOST_OPEN, OPEN, draw_map, page
-from reports.stress.tables import MOST_ALONE, border_table, cell_details, incident_table, printout, ranking, summary
+from reports.stress import (
+    MOST_ALONE,
+    MOST_OPEN,
+    OPEN,
+    SIGNS,
+    axis_title,
+    border_place,
+    border_table,
+    cell_details,
+    cell_facts,
+    draw_map,
+    incident_table,
+    map_data,
+    page,
+    printout,
+    ranking,
+    summary,
+)
 from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
 
 STRESS = made_up_stress()

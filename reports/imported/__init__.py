@@ -1,1 +1,0 @@
-"""Judgements of other tools' results, in words, tables and JSON."""

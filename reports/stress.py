@@ -1,0 +1,442 @@
+"""A stress test in words and tables, for the terminal, and as a page of stability maps."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.path import Path as Outline
+from matplotlib.textpath import TextPath
+
+from comparisons.judging.limits import grouped
+from comparisons.judging.records import QuantityRecord
+from comparisons.runs.files import RECORDS
+from comparisons.stress.campaign import KIND, Border, Line, Stress
+from comparisons.stress.cells import axes
+from comparisons.stress.verdict import CellResult, StressVerdict
+from reports.charts.draw import drawn
+from reports.charts.scales import FULL_WIDTH, LIMIT_COLOUR
+from reports.document.numbers import ABSENT, bound, error, printed, seconds
+from reports.document.parts import (
+    TABLES,
+    Command,
+    Facts,
+    FigureGroup,
+    Fold,
+    Mono,
+    Page,
+    PageFigure,
+    PageLink,
+    Paragraph,
+    Part,
+    Section,
+    Table,
+    TableCell,
+    Widget,
+    Words,
+)
+from reports.document.templates import plain, sentence, worded
+from reports.document.terminal import Printed, Printout
+from reports.records.origins import environment_facts
+from reports.records.views import blank_repeats
+
+# The display of a stress test: signs of verdicts, values of axes, borders, errors beside their limits.
+
+
+# An outcome that says nothing of how far an engine goes.
+NOT_JUDGED = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE, StressVerdict.SUITE_ERROR)
+WRONG_MOTIONS = (StressVerdict.CAUGHT, StressVerdict.MISSED)
+
+
+class StressSign(NamedTuple):
+    """The sign of a verdict, from ``signs.toml``, and its meaning."""
+
+    symbol: str
+    fill: str
+    ink: str
+    meaning: str
+    terminal: str = ""
+
+
+SIGNS: Mapping[StressVerdict, StressSign] = {
+    StressVerdict(verdict): StressSign(*row) for verdict, row in TABLES["stress"].items()
+}
+
+
+def axis_title(name: str) -> str:
+    """An axis in words."""
+    return axes()[name].title
+
+
+def value_words(value: float | None) -> str:
+    """A value of an axis to three digits: 1e-6, 0.0123, 200, 1e4."""
+    if value is None:
+        return ABSENT
+    plain, short = printed(float(f"{value:.3g}")), bound(value)
+    return short if len(short) + 1 < len(plain) and float(short) == float(plain) else plain
+
+
+def border_words(border: Border) -> str:
+    """``0.001, over limit at 7.2e-4``."""
+    return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
+
+
+def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:
+    """The verdicts with a column: all that occur, and always "missed"."""
+    count = stress.count()
+    return tuple(verdict for verdict in StressVerdict if count[verdict] or verdict in WRONG_MOTIONS)
+
+
+WHITE = "#fdfdfd"  # ink of a sign that looks the same in the dark
+FLAGGED = "Flagged: "  # separates the fault from the checks' messages in a reason
+
+
+def map_data(stress: Stress, axis: str) -> dict[str, Any]:
+    """The map of one axis, JSON-ready: for its script and its figure."""
+    known, values = axes()[axis], stress.columns[axis]
+    rows = grouped((line[1], _line(stress, line, values)) for line in stress.lines if line[0] == axis)
+    return {
+        "axis": axis,
+        "title": known.title,
+        "about": known.about,
+        "label": known.label,
+        "easy": value_words(known.good),
+        "values": [value_words(value) for value in values],
+        "blocks": [{"row": row, "lines": lines} for row, lines in rows.items()],
+    }
+
+
+def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]:
+    """The cells of one engine and usage, None without a run; a border stands left of each of ``bars``."""
+    cells = {result.cell.value: _cell(result) for result in stress.lines[line]}
+    borders = stress.line_borders.get(line, ())
+    return {
+        "engine": line[2],
+        "usage": line[3],
+        "cells": [cells.get(value) for value in values],
+        "bars": [border_place(border, values) for border in borders],
+        "border": "; ".join(map(border_words, borders)),
+    }
+
+
+def _cell(result: CellResult) -> dict[str, Any]:
+    """The number of its verdict, its story, and the command that repeats it."""
+    sign = list(SIGNS).index(result.verdict)
+    return {"verdict": sign, "story": cell_facts(result), "command": result.cell.command}
+
+
+def border_place(border: Border, values: Sequence[float]) -> int:
+    """The column that a border stands left of."""
+    low, high = sorted((border.inside, border.outside))
+    between = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
+    rising = list(values) == sorted(values)
+    return sum(value < between if rising else value > between for value in values)
+
+
+def cell_facts(result: CellResult) -> dict[str, str]:
+    """The facts of a cell by heading: why it is wrong, what the checks flag, deviation, invariant, work, conditions."""
+    wrong, _, flagged = result.reason.partition(FLAGGED)
+    parts = {
+        "Wrong" if result.wrong else "Reason": wrong.rstrip(". "),
+        "Flagged by the checks": flagged,
+        "Worst deviation, over the peak": _error_and_limit(result.nearest),
+        "Worst invariant": _error_and_limit(result.worst_check),
+        "Work": f"{result.steps} steps in {seconds(result.seconds)}" if result.steps else "",
+        "Conditions": "; ".join(f"{plain(name)} {_condition_text(value)}" for name, value in result.differing.items()),
+    }
+    return {name: words for name, words in parts.items() if words}
+
+
+def _error_and_limit(record: QuantityRecord | None) -> str:
+    """An error and its limit, both over the peak, with the name of its quantity; empty without a record."""
+    if record is None:
+        return ""
+    return f"{worded(record.quantity)} {error(record.error_max)}, limit {bound(record.limit)}"
+
+
+def _condition_text(value: object) -> str:
+    return value_words(value) if isinstance(value, float) else str(value)
+
+
+def verdict_symbols(stress: Stress) -> list[dict[str, Any]]:
+    """Symbol, colours and word of every verdict, whether it ``occurs``, and dark pages leave it ``fixed``."""
+    seen = stress.count()
+    return [
+        {**sign._asdict(), "word": verdict.value, "fixed": sign.ink == WHITE, "occurs": bool(seen[verdict])}
+        for verdict, sign in SIGNS.items()
+    ]
+
+
+# The summary and the tables of a stress test, for pages and the terminal.
+
+LOUD = (StressVerdict.MISSED, StressVerdict.ALARM)
+FAULTS = [verdict for verdict in StressVerdict if verdict not in (StressVerdict.WITHIN, *NOT_JUDGED)]
+MOST_ALONE = 40  # incidents of one verdict that a table has row by row
+INCIDENT = ("engine", "axis: row", "value", "usage", "reason", "command")
+RANKED = "tuned"  # the setting by which engines are ranked
+
+
+def summary(stress: Stress, macro: str) -> str:
+    """A summary in the words of one macro: the runs, wrong motions flagged and missed, false alarms."""
+    count = stress.count()
+    caught, missed, alarms = (count[verdict] for verdict in (*WRONG_MOTIONS, StressVerdict.ALARM))
+    extent = {"cells": len(stress.results), "axes": len(stress.axes), "quick": stress.document["quick"]}
+    counts = {"wrong": caught + missed, "caught": caught, "missed": missed, "alarms": alarms}
+    return sentence(macro, facts={**extent, **counts})
+
+
+def ranking(stress: Stress) -> str:
+    """How many cells are within limit, the best engine first, in a sentence.
+
+    These are cells of the tuned setting where there are any, without those of the bisections, which all lie where an
+    engine fails.
+    """
+    cells = [result for result in stress.results if result.cell.value in stress.columns[result.cell.axis]]
+    tuned = [cell for cell in cells if cell.cell.usage == RANKED]
+    count = Counter((result.cell.engine, result.verdict is StressVerdict.WITHIN) for result in tuned or cells
+                    if result.verdict not in NOT_JUDGED)  # fmt: skip
+    engines = [(name, count[name, True], count[name, True] + count[name, False]) for name in stress.engines]
+    ranked = sorted((engine for engine in engines if engine[2]), key=lambda row: -row[1] / row[2])
+    return sentence("stress_ranking", engines=ranked, setting=RANKED if tuned else "") if ranked else ""
+
+
+def verdict_facts(stress: Stress) -> Facts:
+    """How many cells came to each verdict, and its meaning; the claim is 0 for "missed"."""
+    count = stress.count()
+    return Facts(
+        tuple(
+            (f"{SIGNS[verdict].symbol} {verdict.value}", f"{count[verdict]}: {SIGNS[verdict].meaning}")
+            for verdict in shown_verdicts(stress)
+        )
+    )
+
+
+def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "") -> Table:
+    """A row to an axis, a column to an engine: how many cells came to what; ``name`` is how an axis is named."""
+    rows: list[tuple[Words | TableCell, ...]] = [
+        (name(axis), *(_compact(stress.count(engine, axis)) for engine in stress.engines)) for axis in stress.axes
+    ]
+    if len(stress.axes) > 1:
+        rows.append(("all", *(_compact(stress.count(engine)) for engine in stress.engines)))
+    return Table(caption, ("axis", *stress.engines), tuple(rows), align="l")
+
+
+def _compact(count: Counter[StressVerdict]) -> TableCell:
+    """``12✓ 3○ 2!``, in the colour of the worst."""
+    text = " ".join(f"{count[verdict]}{SIGNS[verdict].symbol}" for verdict in StressVerdict if count[verdict])
+    loud = next((SIGNS[verdict].terminal for verdict in LOUD if count[verdict]), "")
+    fine = count[StressVerdict.WITHIN] and not any(count[fault] for fault in FAULTS)
+    return TableCell(text, style="failed" if loud else ("pass" if fine else ""), colour=loud)
+
+
+def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
+    """A row to a border; what it shares with the one before is left out. ``name`` is how an axis is named."""
+    rows = blank_repeats(
+        ((name(border.axis), *border.line[1:], TableCell(border_words(border), colour=SIGNS[border.verdict].terminal))
+         for border in stress.borders), heads=4)  # fmt: skip
+    return Table("", ("axis", "row", "engine", "usage", "last within, first beyond"), tuple(rows), align="l")
+
+
+def incident_table(results: Iterable[CellResult]) -> Table:
+    """A row per cell, with its reason and command; of many, the first of each axis and engine, with their number."""
+    cell_results = sorted(results, key=lambda result: result.cell.engine)
+    is_long = len(cell_results) > MOST_ALONE
+    groups = grouped(
+        ((result.cell.engine, result.cell.axis) if is_long else result.cell, result) for result in cell_results
+    )
+    rows = tuple(_incident_row(first, len(others)) for first, *others in groups.values())
+    return Table("", INCIDENT, rows, align="llrl", style="incidents")
+
+
+def _incident_row(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
+    cell = result.cell
+    place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
+    pair = (result.reason, Mono(result.cell.command))
+    return (cell.engine, place, value_words(cell.value), cell.usage, *pair)
+
+
+# The stress maps for a terminal: verdicts by engine and axis, borders, and every cell that was missed or an alarm.
+
+
+def printout(stress: Stress) -> Printout:
+    """Counts, borders, missed motions and false alarms, then the summary; each cell if verbose."""
+    key = "  ".join(f"{SIGNS[verdict].symbol} {verdict.value}" for verdict in shown_verdicts(stress))
+    parts: list[Printed] = [count_table(stress, str), Paragraph(key, colour="dim"), ""]
+    parts += [border_table(stress, str), ""] if stress.borders else []
+    parts += [_incident_line(result) for result in stress.of(*LOUD)]
+    return Printout(
+        parts,
+        [f"{summary(stress, 'stress_scope')} {summary(stress, 'stress_outcome')}"],
+        [*map(cell_details, stress.results), ""],
+    )
+
+
+def _incident_line(result: CellResult) -> Paragraph:
+    cell = result.cell
+    place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.usage}"
+    text = f"{result.verdict.value}: {place}: {result.reason}\n  {result.cell.command}"
+    return Paragraph(text, colour=SIGNS[result.verdict].terminal)
+
+
+def cell_details(result: CellResult) -> str:
+    """The details of one cell, a line to a fact."""
+    facts = (f"{name}: {words}" for name, words in cell_facts(result).items())
+    return "\n  ".join([f"{result.cell.key}: {result.verdict.value}", *facts])
+
+
+# A stability map as a static figure: a panel to each row of its axis, as its script draws it.
+#
+# Every cell carries its verdict as a colour and as a sign, so that it reads without colour.
+
+
+# Inches: height of a line, widest cell, width of a letter, room for a panel's title and for its values.
+LINE, WIDEST, LETTER, TITLE, VALUES = 0.2, 0.3, 0.082, 0.3, 0.75
+BOX = 13.4  # points
+BAR: dict[str, Any] = {"color": LIMIT_COLOUR, "linewidth": 2.4, "solid_capstyle": "butt", "clip_on": False}
+Data = Mapping[str, Any]
+
+
+def draw_map(data: Data) -> Figure:
+    """The map that ``maps.map_data`` describes, its panels in two columns where it has several rows."""
+    blocks, columns = data["blocks"], len(data["values"])
+    room = max(len(_line_name(line)) for block in blocks for line in block["lines"]) * LETTER + 0.2
+    across = min(len(blocks), 2)
+    cell = min(WIDEST, (FULL_WIDTH / across - room - 0.1) / columns)
+    wide, tall = room + cell * columns + 0.1, TITLE + VALUES + max(len(block["lines"]) for block in blocks) * LINE
+    height = -(-len(blocks) // across) * tall
+
+    def draw(figure: Figure) -> None:
+        for number, block in enumerate(blocks):
+            down, right = divmod(number, across)
+            deep = len(block["lines"]) * LINE
+            left, bottom = right * wide + room, height - down * tall - TITLE - deep
+            box = left / FULL_WIDTH, bottom / height, cell * columns / FULL_WIDTH, deep / height
+            _panel(figure.add_axes(box), block, data["values"])
+
+    return drawn(FULL_WIDTH, height, draw, placed=False)
+
+
+def _line_name(line: Data) -> str:
+    return f"{line['engine']} {line['usage']}"
+
+
+def _panel(panel: Axes, block: Data, values: list[str]) -> None:
+    """Draw the lines of one row of an axis: cells, borders, names."""
+    lines = block["lines"]
+    panel.set(xlim=(0.0, len(values)), ylim=(len(lines), 0.0))
+    panel.grid(visible=False)
+    panel.spines[:].set_visible(False)
+    panel.set_title(block["row"], fontsize=9.5, fontweight="bold")
+    _cells(panel, lines)
+    for top, line in enumerate(lines):
+        for bar in line["bars"]:
+            panel.plot([bar, bar], [top, top + 1], **BAR)
+    panel.set_xticks(np.arange(len(values)) + 0.5, values, rotation=90, fontsize=9.0)
+    panel.set_yticks(np.arange(len(lines)) + 0.5, [_line_name(line) for line in lines], fontsize=9.0)
+    panel.tick_params(length=0.0, pad=2.5)
+
+
+def _cells(panel: Axes, lines: list[Data]) -> None:
+    """Boxes and signs are markers, one set to a verdict: an element for every cell takes ten times as long."""
+    shown = np.array([[-1 if entry is None else entry["verdict"] for entry in line["cells"]] for line in lines])
+    for number, sign in enumerate(SIGNS.values()):
+        y, x = np.nonzero(shown == number)
+        letter = _character_outline(sign.symbol)
+        wide = 2.0 * float(np.max(np.abs(np.asarray(letter.vertices))))
+        for marker, size, ink in (("s", BOX, sign.fill), (letter, wide, sign.ink)) if len(x) else ():
+            panel.plot(x + 0.5, y + 0.5, linestyle="", marker=marker, markersize=size, markeredgewidth=0.0, color=ink)
+
+
+@cache
+def _character_outline(symbol: str) -> Outline:
+    """The outline of a character, 9 points high, its middle in the origin: a mark of a plot."""
+    path = TextPath((0.0, 0.0), symbol, size=9.0)
+    corners = path.get_extents()
+    return Outline(np.asarray(path.vertices) - 0.5 * (np.asarray(corners.min) + corners.max), path.codes)
+
+
+# The stability page: the verdict, the maps, their borders, and every incident with the command that repeats it.
+
+LINK = PageLink("Stability", "stress.html")
+# What stands open on the page unless its table is long; what was caught, as it should be, is folded away.
+OPEN = (*LOUD, StressVerdict.SUITE_ERROR, StressVerdict.CRASHED, StressVerdict.ADAPTER_ERROR)
+MOST_OPEN = 12
+
+
+def page(stress: Stress) -> Page:
+    """The page of a saved stress test."""
+    lead = (
+        Paragraph(summary(stress, "stress_verdict"), "verdict"),
+        Paragraph(ranking(stress), "lead"),
+        Paragraph(summary(stress, "stress_scope"), "small"),
+    )
+    caption = sentence("stress_counts")
+    by_axis = count_table(stress, lambda axis: PageLink(axis_title(axis), f"#map-{axis}"), caption)
+    return Page(
+        LINK.href,
+        LINK.text,
+        "Where each engine fails",
+        sentence("stress_subtitle"),
+        lead,
+        (
+            Section("counts", "What the cells came to", (verdict_facts(stress), by_axis)),
+            _maps(stress),
+            Section("incidents", "Incidents", (Paragraph(sentence("stress_incidents")), *_incidents(stress))),
+            _run_section(stress),
+        ),
+    )
+
+
+def _maps(stress: Stress) -> Section:
+    """The interactive map, every map as a figure, and the table of borders."""
+    maps = {axis: map_data(stress, axis) for axis in stress.axes}
+    first, *others = maps
+    data = {
+        "axes": {axis: table["title"] for axis, table in maps.items()},
+        "signs": verdict_symbols(stress),
+        "map": maps[first],
+    }
+    widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
+    figures = FigureGroup(tuple(_map_figure(stress, table) for table in maps.values()))
+    borders = border_table(stress, axis_title)
+    folds = (
+        Fold(f"Every map as a figure ({len(maps)})", (figures,)),
+        Fold(f"Borders, found by bisection ({len(borders.rows)})", (borders,)),
+    )
+    return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, *folds[: 2 if borders.rows else 1]))
+
+
+def _map_figure(stress: Stress, table: Mapping[str, Any]) -> PageFigure:
+    seen = stress.count(axis=table["axis"])
+    shown = [(sign.symbol, verdict.value) for verdict, sign in SIGNS.items() if seen[verdict]]
+    caption = sentence("stress_caption", title=table["title"], label=table["label"], easy=table["easy"], signs=shown)
+    alt = f"Verdicts over {table['label']} for every engine and usage"
+    return PageFigure(f"map-{table['axis']}", caption, alt, partial(draw_map, table))
+
+
+def _incidents(stress: Stress) -> Iterator[Part]:
+    """A table to each verdict that occurs, and a sentence on those that do not."""
+    cells = {stress_verdict: stress.of(stress_verdict) for stress_verdict in (*OPEN, StressVerdict.CAUGHT)}
+    for verdict, results in cells.items():
+        if results:
+            table, words = (
+                incident_table(results),
+                f"{verdict.value.capitalize()} ({len(results)}): {SIGNS[verdict].meaning}",
+            )
+            yield Fold(words, (table,), is_open=verdict in OPEN and len(table.rows) <= MOST_OPEN)
+    if absent := [stress_verdict.value for stress_verdict, cell_results in cells.items() if not cell_results]:
+        yield Paragraph(f"None: {', '.join(absent)}.")
+
+
+def _run_section(stress: Stress) -> Section:
+    spent = sum(result.spent for result in stress.results)
+    cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each a line of {KIND}/{RECORDS}")
+    facts = Facts((*environment_facts(stress.document["environment"]), cells))
+    where = Fold("Where and with what", (facts,))
+    return Section("run", "What was run", (Command(stress.document["command"]), where))

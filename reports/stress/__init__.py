@@ -1,1 +1,0 @@
-"""The stability maps on the terminal and on their page."""
