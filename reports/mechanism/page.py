@@ -32,7 +32,7 @@ from reports.document.parts import (
     Widget,
 )
 from reports.document.templates import lines, sentence
-from reports.live.widget import live_widget, model_of
+from reports.live import live_widget, model_of
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.published import published_section

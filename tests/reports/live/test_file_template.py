@@ -4,7 +4,7 @@ import pytest
 
 from analytic.description.changes import named_numbers
 from analytic.description.loading import catalogue, literature, load, parse
-from reports.live.widget import templates
+from reports.live import templates
 from tests.analytic.linkages import FOLDER, MADE_UP
 
 ALL_FILES = [*catalogue(), *literature(), *(str(FOLDER / f"{name}.toml") for name in MADE_UP)]
