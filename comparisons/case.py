@@ -24,14 +24,14 @@ from analytic.description.linkage import (
     Vector,
 )
 from analytic.dynamics.reduced import damping_coefficient, generalised_force, half_inertia_derivative, reduced_inertia
+from analytic.dynamics.released import FreeMotion, free_motion
 from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.dead_centres import top_of_turn
 from analytic.kinematics.frames import Pair
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.motion.dead_centres import top_of_turn
-from analytic.motion.released import FreeMotion, free_motion
-from analytic.moving import LinkageInMotion
 from analytic.numerics.refine import highest
+from analytic.signals import LinkageInMotion
 from engines.scene import Body, Channel, Drive, Free, Prescribed, Scene
 from engines.scene_builder import build_scene
 

@@ -18,8 +18,7 @@ from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
-from analytic.machine_code.compiling import javascript_source
-from analytic.machine_code.tracing import ACCELERATION, PHI, LinkageTrace, is_traceable, linkage_trace
+from analytic.machine_code import ACCELERATION, PHI, LinkageTrace, is_traceable, javascript_source, linkage_trace
 from comparisons.datasheet.building import MARGIN, OVER_RANGE
 from comparisons.datasheet.sheet import Sheet
 from reports.document.parts import Part, Widget

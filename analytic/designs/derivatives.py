@@ -31,13 +31,12 @@ from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure
 from analytic.kinematics.sweep import Sweep
-from analytic.machine_code.tracing import is_traceable
-from analytic.moving import MovingSweep
+from analytic.machine_code import is_traceable
 from analytic.numerics.averages import averages
 from analytic.numerics.dual import Dual
 from analytic.numerics.refine import ROUNDING, tops
 from analytic.numerics.roots import roots
-from analytic.signals import OUTPUT_COORDINATE, is_angle, signal
+from analytic.signals import OUTPUT_COORDINATE, MovingSweep, is_angle, signal
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

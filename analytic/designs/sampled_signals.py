@@ -20,10 +20,16 @@ from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.machine_code.compiling import Result, StraightFunction, in_threads, is_worthwhile
-from analytic.machine_code.tracing import LinkageTrace, is_traceable, linkage_trace
-from analytic.moving import MovingSweep
-from analytic.signals import THREAD_FEED, check_signals, is_wrapped, signal
+from analytic.machine_code import (
+    LinkageTrace,
+    Result,
+    StraightFunction,
+    in_threads,
+    is_traceable,
+    is_worthwhile,
+    linkage_trace,
+)
+from analytic.signals import THREAD_FEED, MovingSweep, check_signals, is_wrapped, signal
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -199,7 +205,7 @@ def evaluate_designs(
 
     Where a design cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``,
     which is returned besides; that counts for the links that the signals need. ``cores`` is the number of threads, all
-    of the machine's if None; ``path`` is as for ``analytic.evaluation.evaluate``.
+    of the machine's if None; ``path`` is as for ``analytic.signals.evaluate``.
     """
     places = np.asarray(angle, dtype=float)
     if places.ndim != 1 or not np.all(np.isfinite(places)):

@@ -23,9 +23,9 @@ from numpy.polynomial import chebyshev
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND
+from analytic.kinematics.branch import NODES, ChangePoints, Patch, Touch
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.closure import ROUNDING
-from analytic.kinematics.passages import NODES, ChangePoints, Patch, Touch
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute, Structure
 from analytic.kinematics.sweep import FIXED, crank_motion
 from analytic.numerics.roots import find_lowest, may_touch_zero

@@ -16,7 +16,7 @@ from analytic.errors import AssemblyError
 from analytic.kinematics.change_points import TOUCHING, Undetermined, is_followed
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.closure import ROUNDING
-from analytic.kinematics.groups.solver import DEAD, GroupSolver
+from analytic.kinematics.group_solver import DEAD, GroupSolver
 from analytic.kinematics.structure import AnyGroup, Structure
 from analytic.kinematics.sweep import Sweep, driver_poses, solver_of
 from analytic.numerics.roots import find_lowest, may_touch_zero, root

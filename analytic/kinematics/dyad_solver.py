@@ -14,7 +14,7 @@ from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyads import prp, rpp, rpr, rrp, rrr
 from analytic.kinematics.dyads.closure import ROUNDING, At, Shortfall, Written
 from analytic.kinematics.frames import Pose, Rate, Scalar
-from analytic.kinematics.groups.solver import GroupSolver
+from analytic.kinematics.group_solver import GroupSolver
 from analytic.kinematics.structure import Dyad
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
-from analytic.kinematics.groups.equations import jacobian, point_derivative, residuals
+from analytic.kinematics.group_equations import jacobian, point_derivative, residuals
 from analytic.kinematics.structure import AnyGroup, DrivenDistance, Group, Prismatic, Revolute
 from analytic.kinematics.sweep import FIXED, Sweep, crank_motion
 from analytic.numerics.dual import EPS, Rounded, bound_of

@@ -14,16 +14,15 @@ from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, StructureError
+from analytic.kinematics.branch import named_places, nearest_to_sketch
 from analytic.kinematics.change_points import period_of, with_change_points
 from analytic.kinematics.crank_range import CrankRange, crank_range
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver, check_assembly
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
-from analytic.kinematics.groups.equations import Motions
-from analytic.kinematics.groups.following import follow_branch
-from analytic.kinematics.groups.solver import configuration_at_sketch, group_problem
-from analytic.kinematics.sketch import named_places, nearest_to_sketch
+from analytic.kinematics.group_equations import Motions
+from analytic.kinematics.group_solver import configuration_at_sketch, follow_branch, group_problem
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
 from analytic.kinematics.sweep import Array, Sweep, driver_poses, solver_of
 

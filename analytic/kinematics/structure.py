@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Link, Linkage, Slider, Vector, rotate
-from analytic.kinematics.branch import GroupBranch
-from analytic.kinematics.passages import ChangePoints
+from analytic.kinematics.branch import ChangePoints, GroupBranch
 
 AT_A_CHANGE = 1e-7  # rad
 # Kinds of class II groups whose two links can be placed; PPP cannot turn and is no group.

@@ -20,8 +20,8 @@ from analytic.kinematics.dyad_solver import (
     mark_unassembled,
 )
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
-from analytic.kinematics.groups.equations import point_derivative, residuals
-from analytic.kinematics.groups.solver import GroupSolver
+from analytic.kinematics.group_equations import point_derivative, residuals
+from analytic.kinematics.group_solver import GroupSolver
 from analytic.kinematics.structure import AnyGroup, Dyad, Joint, Prismatic, Revolute, Structure
 
 Array = NDArray[np.float64]

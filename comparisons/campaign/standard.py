@@ -13,8 +13,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
 from analytic.designs.figures import STROKE, Figure
 from analytic.errors import LinkproofError
-from analytic.motion.thread_feed import contour_length
-from analytic.signals import moving_points
+from analytic.signals import contour_length, moving_points
 from comparisons.campaign.campaign import CampaignRequest, cases, each_case
 from comparisons.case import Case
 from comparisons.datasheet.curves import Curves

@@ -16,16 +16,14 @@ from analytic.description.linkage import Linkage, PrescribedRegime, ReleasedRegi
 from analytic.description.loading import parse
 from analytic.description.written import FileUnit, file_unit, finite
 from analytic.dynamics import reduced
-from analytic.dynamics.equation_of_motion import equilibria
+from analytic.dynamics.reduced import equilibria
+from analytic.dynamics.released import FreeMotion, Rotation, energy_imbalance, last_turns, steady_state
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange
+from analytic.kinematics.dead_centres import top_of_turn
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.dead_centres import top_of_turn
-from analytic.motion.released import FreeMotion, energy_imbalance
-from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
-from analytic.motion.thread_feed import reference_angle, reference_length, stop_position
 from analytic.numerics.refine import grid, in_turn, periodic_mean
-from analytic.signals import THREAD_FEED
+from analytic.signals import THREAD_FEED, reference_angle, reference_length, stop_position
 from comparisons.case import Case, motion_of_file_regime
 from comparisons.datasheet.curves import Curves, Instants, choose_samples, extreme_samples
 from comparisons.datasheet.figures import compare_published, figure_tables, required_feed

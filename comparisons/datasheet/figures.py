@@ -19,14 +19,13 @@ from analytic.description.schema import Published
 from analytic.description.units import conversion
 from analytic.designs.figures import STROKE, Figure, SignalExtreme, figures_named
 from analytic.dynamics import reduced
-from analytic.dynamics.equation_of_motion import equilibria
+from analytic.dynamics.reduced import equilibria
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.dead_centres import bottom_dead_centre, top_dead_centre
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
-from analytic.motion.dead_centres import bottom_dead_centre, top_dead_centre
-from analytic.motion.thread_feed import feed
 from analytic.numerics.refine import extremes
-from analytic.signals import MAGNITUDE, THREAD_FEED, THREAD_LENGTH, moving_points, signal, table, unit
+from analytic.signals import MAGNITUDE, THREAD_FEED, THREAD_LENGTH, feed, moving_points, signal, table, unit
 from comparisons.case import Case, case_of_file_regime
 from comparisons.datasheet.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
 

@@ -17,15 +17,14 @@ from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
 from analytic.description.written import file_unit
 from analytic.dynamics import reduced
-from analytic.dynamics.equation_of_motion import equilibria
-from analytic.dynamics.reduced import drive_torque, load_forces
+from analytic.dynamics.reduced import drive_torque, equilibria, load_forces
 from analytic.errors import LinkproofError, StructureError
 from analytic.kinematics.crank_range import CrankRange, Toggle
+from analytic.kinematics.dead_centres import bottom_dead_centre, stroke, top_dead_centre
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
-from analytic.motion.dead_centres import bottom_dead_centre, stroke, top_dead_centre
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
 from analytic.numerics.roots import evaluate_assembled, roots
 from comparisons.datasheet.figures import NEAR, REPRODUCED, compare_published

@@ -23,9 +23,8 @@ from analytic.description.crank_motion import CrankMotion, Segment, degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.motion.dead_centres import top_of_turn
-from analytic.motion.thread_feed import feed, feed_of_length, reference_angle, reference_length
-from analytic.signals import SINGLE_SIGNALS, unit_of
+from analytic.kinematics.dead_centres import top_of_turn
+from analytic.signals import SINGLE_SIGNALS, feed, feed_of_length, reference_angle, reference_length, unit_of
 from comparisons.case import Case, Motion, zero_of_output
 from comparisons.observed_motion import SHARP_POINTS, ObservedMotion, peak, resample
 from engines.contract import Origin, Signal

@@ -25,7 +25,7 @@ from multiprocessing.util import get_temp_dir
 from typing import Any, Final, NamedTuple, TypeVar
 
 from analytic.errors import LinkproofError
-from analytic.machine_code.compiling import cores
+from analytic.machine_code import cores
 from comparisons.runs.run_engine import GIB, Failure, Lost, lost
 from comparisons.runs.worker_process import isolated_start, serve, start_method, start_server
 

@@ -16,8 +16,8 @@ from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.evaluation import evaluate as evaluate_signals
 from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import evaluate as evaluate_signals
 from comparisons.datasheet.building import sheet
 from reports.python.keywords import Words, load_linkage, resolve_linkage, with_keywords, words
 from reports.python.labels import label, labelled, unit

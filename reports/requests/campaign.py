@@ -12,7 +12,7 @@ from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable
-from analytic.machine_code.compiling import cores
+from analytic.machine_code import cores
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.plugins import engines as adapters
 from comparisons.runs.run_engine import GIB

@@ -11,11 +11,10 @@ from typing import Final
 
 import numpy as np
 
+from analytic import machine_code
 from analytic.description.loading import catalogue
 from analytic.errors import LinkproofError
-from analytic.machine_code import compiling
-from analytic.machine_code.compiling import Result
-from analytic.machine_code.tracing import OperationList
+from analytic.machine_code import OperationList, Result
 from comparisons.campaign.campaign import compare
 from comparisons.conformance.conformance import INSTALLED, check_engine
 from comparisons.conformance.trial import CheckResult, Finding
@@ -59,14 +58,14 @@ def _trial_of_record(record: Record) -> SelfTest:
 
 def machine_code_trial() -> SelfTest:
     """A function of one operation, compiled: Numba works where this does."""
-    if not compiling.is_installed():
+    if not machine_code.is_installed():
         return SelfTest("machine code", "", None, "numba is not installed: pip install 'linkproof[compiled]'")
     trace, begin = OperationList(), time.perf_counter()
     number = trace.input("number")
     line = trace.line(number + 1.0)
     version = metadata.version("numba")
     try:
-        function = compiling.StraightFunction(trace, [number.line], [], [Result(line)])
+        function = machine_code.StraightFunction(trace, [number.line], [], [Result(line)])
         (result,) = function([1.0], np.zeros((1, 0)), 1)
     except Exception as error:  # whatever a broken compiler raises
         return SelfTest("machine code", version, False, " ".join(f"{type(error).__name__}: {error}".split()))

@@ -10,10 +10,9 @@ from mpmath import mp
 from analytic.description.changes import changed, numbers
 from analytic.designs.derivatives import signal_gradients
 from analytic.errors import LinkproofError
-from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
-from analytic.machine_code.tracing import linkage_trace
-from analytic.signals import names
+from analytic.machine_code import linkage_trace
+from analytic.signals import evaluate, names
 from tests.analytic.drives import driven
 from tests.analytic.exact_forces import forces_of, signals_of
 from tests.analytic.fifty_digits import Exact

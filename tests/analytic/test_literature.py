@@ -5,7 +5,7 @@ import pytest
 from mpmath import mp, mpc, mpf
 
 from analytic.description.loading import literature
-from analytic.motion.released import free_motion
+from analytic.dynamics.released import free_motion
 from tests.analytic.andrews import accelerations, state_after
 from tests.analytic.fifty_digits import DIGITS
 from tests.analytic.linkages import mechanism

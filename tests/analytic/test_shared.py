@@ -10,11 +10,12 @@ import math
 import numpy as np
 import pytest
 
+from analytic import signals
 from analytic.description import crank_motion as crank_motions
 from analytic.description import units
 from analytic.description.law import Law
 from analytic.dynamics import reduced
-from analytic.motion import dead_centres, thread_feed
+from analytic.kinematics import dead_centres
 from comparisons.case import Case
 from comparisons.judging import quantities
 from engines.scene import Channel
@@ -138,7 +139,7 @@ MUTANTS = {
     "loads over φ, their sign": lambda monkeypatch: monkeypatch.setattr(
         Law, "__call__", lambda law, angle, order=0, call=Law.__call__: -call(law, angle, order)),
     "zero of S": _top,
-    "reference length of the thread": _scaled(thread_feed, "reference_length", 1.001),
+    "reference length of the thread": _scaled(signals, "reference_length", 1.001),
     "generalised force": _scaled(reduced, "generalised_force", 1.001),
 }  # fmt: skip
 

@@ -7,11 +7,10 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.linkage import DriverKind
-from analytic.dynamics.equation_of_motion import equation_of_motion, equilibria
 from analytic.dynamics.joint_forces import reactions
-from analytic.dynamics.reduced import drive_torque
+from analytic.dynamics.reduced import drive_torque, equation_of_motion, equilibria
 from analytic.errors import AssemblyError
-from analytic.evaluation import evaluate
+from analytic.signals import evaluate
 from comparisons.case import Case, channel_truth
 from comparisons.invariants.checks import checks
 from comparisons.judging.quantities import all_quantities

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import CrankMotion
+from analytic.dynamics.released import free_motion
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.released import free_motion
 from comparisons.case import Truth, scene
 from comparisons.judging.quantities import near_jumps
 from engines.contract import Engine, History, Outcome, Setting

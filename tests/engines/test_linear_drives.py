@@ -11,8 +11,8 @@ import pytest
 
 from analytic.description.crank_motion import swing
 from analytic.description.law import TimeLaw
+from analytic.dynamics.released import free_motion
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.released import free_motion
 from comparisons.campaign.campaign import judged
 from comparisons.case import Case, channel_truth
 from engines.contract import Outcome, Setting

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from analytic.description.loading import load, parse
 from analytic.dynamics import reduced
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
+from analytic.kinematics.dead_centres import stroke
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.dead_centres import stroke
 from tests.analytic.faults import JUKI, message_of
 from tests.analytic.linkages import text_of
 from tests.analytic.mutations import mutated_files

@@ -7,14 +7,16 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import pytest
 
-from analytic import signals
+from analytic import machine_code, signals
 from analytic.description.changes import design_numbers, with_numbers
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.machine_code import compiling
-from analytic.moving import MovingSweep
+from analytic.signals import MovingSweep
 
-PATHS = ("numpy", pytest.param("compiled", marks=pytest.mark.skipif(not compiling.is_installed(), reason="no numba")))
+PATHS = (
+    "numpy",
+    pytest.param("compiled", marks=pytest.mark.skipif(not machine_code.is_installed(), reason="no numba")),
+)
 NOT_NEGATIVE = ("mass", "inertia", "stiffness", "damping", "coefficient")
 
 

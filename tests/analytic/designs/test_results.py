@@ -16,7 +16,7 @@ from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.moving import MovingSweep
+from analytic.signals import MovingSweep
 from comparisons.case import Case
 from comparisons.datasheet.curves import Curves
 from tests.analytic.designs.one_by_one import PATHS, built, signals_of, varied

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from analytic import machine_code
 from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError
-from analytic.machine_code import compiling
 from analytic.signals import table
 from tests.analytic.designs.one_by_one import built, signals_of, varied
 from tests.analytic.linkages import FourBar, from_text, mechanism, text_of
@@ -14,7 +14,7 @@ from tests.analytic.loaded_linkages import ODD, on_trial
 # Two orders of the same operations; relative to the peak.
 SAME = 1e-14
 TINY = 1e-300
-needs_numba = pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
+needs_numba = pytest.mark.skipif(not machine_code.is_installed(), reason="numba is not installed")
 
 
 def every_signal(sample):

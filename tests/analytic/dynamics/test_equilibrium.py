@@ -9,11 +9,10 @@ import pytest
 
 from analytic.description.law import Law
 from analytic.dynamics import reduced
-from analytic.dynamics.equation_of_motion import equilibria
+from analytic.dynamics.reduced import equilibria
+from analytic.dynamics.released import free_motion, last_turns, steady_state
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.released import free_motion
-from analytic.motion.steady_rotation import last_turns, steady_state
 from tests.analytic import article_000
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, ROTOR, needs_extended_precision

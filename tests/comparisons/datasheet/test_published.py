@@ -12,8 +12,8 @@ from analytic.description.loading import catalogue, literature, load
 from analytic.description.schema import Published
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.dead_centres import stroke, top_dead_centre
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.dead_centres import stroke, top_dead_centre
 from analytic.numerics.refine import extremes, grid, periodic_mean
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.case import motion_of_file_regime

@@ -9,8 +9,8 @@ import pytest
 from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.loading import load
 from analytic.dynamics import joint_forces, reduced
+from analytic.kinematics.dead_centres import top_dead_centre, top_of_turn
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.dead_centres import top_dead_centre, top_of_turn
 from comparisons.case import MOST_CLOCKS, Case, zero_of_output
 from comparisons.datasheet.building import usual_case
 from tests.analytic.linkages import from_text, mechanism

@@ -11,7 +11,7 @@ from scipy.integrate import cumulative_simpson
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND
-from analytic.motion.released import free_motion
+from analytic.dynamics.released import free_motion
 from comparisons.case import scene
 from comparisons.invariants.checks import joint_gaps
 from comparisons.invariants.inspection import Inspection

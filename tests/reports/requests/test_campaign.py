@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.loading import catalogue, find
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.machine_code.compiling import cores
+from analytic.machine_code import cores
 from comparisons.campaign.campaign import cases
 from comparisons.runs.run_engine import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds

@@ -14,7 +14,7 @@ class FreeMotion:
     """The motion to its usual tolerance, without the bound on its error."""
 
     def setup(self):
-        self.free_motion = lacking.module("analytic.motion.released").free_motion
+        self.free_motion = lacking.module("analytic.dynamics.released").free_motion
         self.mechanism = lacking.mechanism("slotted-takeup")
         self.options = {"path": "numpy"} if "path" in self.free_motion.__kwdefaults__ else {}
         self.free_motion(self.mechanism, **DRIVEN, duration=0.1, **self.options)

@@ -18,7 +18,7 @@ class Sweep:
     param_names = ("mechanism",)
 
     def setup(self, name):
-        self.evaluate = lacking.module("analytic.evaluation").evaluate
+        self.evaluate = lacking.module("analytic.signals").evaluate
         self.mechanism = lacking.mechanism(name)
         self.angle = np.linspace(0.0, 100.0, SWEEP)
 

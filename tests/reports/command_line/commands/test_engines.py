@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from analytic import machine_code
 from analytic.errors import LinkproofError
-from analytic.machine_code import compiling
 from comparisons.conformance import conformance
 from comparisons.judging.records import Record, Verdict
 from engines.registry import engine_names
@@ -125,12 +125,12 @@ def test_an_engine_works_if_it_simulates(monkeypatch, record, works, word):
     assert (absent.name, absent.works, absent.detail) == ("direct", None, "not installed")
 
 
-@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
+@pytest.mark.skipif(not machine_code.is_installed(), reason="numba is not installed")
 def test_a_broken_compiler_is_exit_code_1(monkeypatch, tmp_path):
     def broken(_):
         raise OSError("no LLVM\nhere")
 
-    monkeypatch.setattr(compiling, "compile_source", broken)
+    monkeypatch.setattr(machine_code, "compile_source", broken)
     monkeypatch.setattr("reports.command_line.commands.engines.engine_trials", list)
     done = linkproof("engines", "--try", cwd=tmp_path)
     assert done.returncode == 1

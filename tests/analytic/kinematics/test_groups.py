@@ -12,8 +12,7 @@ from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import ErrorBounds
-from analytic.kinematics.groups.following import Problem, follow_branch, newton
-from analytic.kinematics.groups.solver import GroupSolver
+from analytic.kinematics.group_solver import GroupSolver, Problem, follow_branch, newton
 from analytic.kinematics.structure import Group, Revolute
 from tests.analytic.drives import driven, path_of
 from tests.analytic.fifty_digits import exact

@@ -12,9 +12,8 @@ from analytic.description.linkage import ThreadEye, ThreadGuide, ThreadPath
 from analytic.description.schema import EyeReference
 from analytic.designs.sampled_signals import evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.evaluation import evaluate
-from analytic.motion.thread_feed import contour_length, feed, reference_angle
 from analytic.numerics.refine import extremes
+from analytic.signals import contour_length, evaluate, feed, reference_angle
 from tests.analytic.articles import FORMULAS
 from tests.analytic.linkages import angles, from_text, mechanism
 from tests.analytic.textbook import ROTOR

@@ -13,10 +13,10 @@ from scipy.special import ellipj, ellipk
 from analytic.description.law import Law, TimeLaw
 from analytic.description.loading import parse
 from analytic.dynamics import reduced
-from analytic.dynamics.equation_of_motion import equation_of_motion
+from analytic.dynamics.reduced import equation_of_motion
+from analytic.dynamics.released import energy_imbalance, free_motion
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.released import energy_imbalance, free_motion
 from tests.analytic import article_000
 from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.swinging import double_rocker_text

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.errors import LinkproofError
-from analytic.motion.dead_centres import bottom_dead_centre, dead_centres, stroke, top_dead_centre
+from analytic.kinematics.dead_centres import bottom_dead_centre, dead_centres, stroke, top_dead_centre
 from tests.analytic.linkages import IN_LINE, from_text, mechanism, text_of
 from tests.analytic.tolerances import EPS
 

@@ -1,1 +1,0 @@
-"""Assur groups of class III and higher: search, continuation over the driver's coordinate, Newton's method."""

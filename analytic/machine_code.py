@@ -1,0 +1,558 @@
+"""The signals of a linkage as one list of operations, and that list as machine code and as JavaScript."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import os
+import threading
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import lru_cache
+from math import copysign, isfinite, isinf, isnan
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.changes import SPEED, with_numbers
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.dyad_solver import DyadSolver
+from analytic.kinematics.group_solver import GroupSolver
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.signals import MovingSweep, signal
+
+# Numbers that record the operations on them: the closed form as one straight list of operations.
+#
+# A formula written for arrays does not compute when it gets ``Traced`` numbers: every NumPy function that it calls is
+# noted in their ``OperationList``. An operation that is in the list already is not added again, constants are computed
+# at once, and sums with zero and products with zero or one fall away. The list is data: ``analytic.machine_code``
+# writes it as a function, and ``OperationList.computed`` computes it by NumPy.
+#
+# The list has no branches: formulas choose by ``np.where``, and a branch on a traced number raises TypeError.
+
+
+Array = NDArray[np.float64]
+Law = Callable[[Array, int], Array]
+
+INPUT, CONSTANT = "input", "constant"
+# What the list can have: functions of NumPy by the name they have there.
+FUNCTIONS: Final[Mapping[str, Callable[..., Any]]] = {
+    **{"add": np.add, "subtract": np.subtract, "multiply": np.multiply, "divide": np.divide, "negative": np.negative},
+    **{"absolute": np.absolute, "sign": np.sign, "sqrt": np.sqrt, "hypot": np.hypot},
+    **{"sin": np.sin, "cos": np.cos, "arctan2": np.arctan2, "maximum": np.maximum, "minimum": np.minimum},
+    **{"less": np.less, "less_equal": np.less_equal, "greater": np.greater, "greater_equal": np.greater_equal},
+    **{"and": np.logical_and, "or": np.logical_or, "not": np.logical_not, "where": np.where},
+}
+NAMES: Final = {function: name for name, function in FUNCTIONS.items()} | {
+    **{np.bitwise_and: "and", np.bitwise_or: "or", np.invert: "not"},
+}
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A line of the list: a function by name and the lines that it takes.
+
+    The operand of an ``INPUT`` is its number among the inputs; a ``CONSTANT`` has a value.
+    """
+
+    name: str
+    operands: tuple[int, ...] = ()
+    value: float = 0.0
+
+
+class OperationList:
+    """A list of ``operations`` that grows as formulas are applied to its numbers; ``inputs`` by their names."""
+
+    def __init__(self) -> None:
+        self.operations: list[Operation] = []
+        self.inputs: dict[Hashable, int] = {}  # the line of each
+        self._lines: dict[Operation, int] = {}
+
+    def input(self, name: Hashable) -> Traced:
+        """A number that is given from outside, always the same for one name."""
+        if name not in self.inputs:
+            self.inputs[name] = self._add_operation(Operation(INPUT, (len(self.inputs),)))
+        return Traced(self, self.inputs[name])
+
+    def line(self, number: Any) -> int:  # noqa: ANN401 - plain or traced
+        """The line of a number of this trace, or of a constant."""
+        return (
+            number.line if isinstance(number, Traced) else self._add_operation(Operation(CONSTANT, (), float(number)))
+        )
+
+    def apply(self, name: str, *numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
+        """A function of numbers, noted; a plain number where all of them are constants."""
+        lines = tuple(self.line(number) for number in numbers)
+        rows = [self.operations[line] for line in lines]
+        values = [row.value if row.name == CONSTANT else None for row in rows]
+        if None not in values:
+            with np.errstate(all="ignore"):
+                return float(FUNCTIONS[name](*values))
+        match name, values:
+            case (("multiply" | "divide" | "and"), [0.0, _]) | (("multiply" | "divide" | "and"), [_, 1.0]):
+                return numbers[0]
+            case (("add" | "subtract" | "or"), [_, 0.0]) | ("or", [1.0, _]):
+                return numbers[0]
+            case (("multiply" | "and"), [_, 0.0]) | (("multiply" | "and"), [1.0, _]) | ("where", [1.0, _, _]):
+                return numbers[1]
+            case (("add" | "or"), [0.0, _]) | ("or", [_, 1.0]):
+                return numbers[1]
+            case ("subtract", [0.0, _]) | ("multiply", [-1.0, _]):
+                name, lines = "negative", lines[1:]
+            case (("add" | "multiply"), _):
+                lines = tuple(sorted(lines))
+        return Traced(self, self._add_operation(Operation(name, lines)))
+
+    def _add_operation(self, operation: Operation) -> int:
+        """The line of an operation, which is added if the list does not have it."""
+        if operation not in self._lines:
+            self._lines[operation] = len(self.operations)
+            self.operations.append(operation)
+        return self._lines[operation]
+
+    def lines_needed(self, outputs: Iterable[int], known: Iterable[int] = ()) -> list[int]:
+        """The lines needed to compute ``outputs``, these included, in order; nothing that only ``known`` lines need."""
+        seen, given = set(outputs), set(known) | set(self.inputs.values())
+        for line in range(len(self.operations) - 1, -1, -1):
+            if line in seen and line not in given:
+                seen.update(self.operations[line].operands)
+        return sorted(seen)
+
+    def evaluate(self, outputs: Sequence[int], known: Mapping[int, Any]) -> list[Any]:
+        """The values of the lines with these numbers, computed by NumPy, in the order of ``outputs``.
+
+        ``known`` has values by line, those of all needed inputs among them: arrays that broadcast together.
+        """
+        needed = self.lines_needed(outputs, known)
+        last = {other: line for line in needed if line not in known for other in self.operations[line].operands}
+        values = {line: known[line] for line in needed if line in known}
+        numbers = set(outputs)
+        with np.errstate(all="ignore"):
+            for line in needed:
+                if line in values:
+                    continue
+                row = self.operations[line]
+                if row.name == CONSTANT:
+                    values[line] = row.value
+                    continue
+                values[line] = FUNCTIONS[row.name](*(values[other] for other in row.operands))
+                for other in set(row.operands) - numbers:
+                    if last[other] == line:
+                        del values[other]  # memory that stays in the cache
+        return [values[line] for line in outputs]
+
+
+class Traced(NDArrayOperatorsMixin):
+    """A number of a trace, which records every NumPy function that is applied to it."""
+
+    __slots__ = ("line", "trace")
+    __hash__ = None  # type: ignore[assignment]
+    shape: tuple[int, ...] = ()
+    ndim = 0
+
+    def __init__(self, trace: OperationList, line: int) -> None:
+        self.trace, self.line = trace, line
+
+    def __bool__(self) -> bool:
+        raise TypeError("expected a formula without branches on its numbers, got one that branches; use np.where")
+
+    def __array__(self, *_: object, **__: object) -> Array:
+        raise TypeError("expected a formula of NumPy's functions, got one that makes a plain array of a traced number")
+
+    def looked_up(self, law: Law, order: int) -> list[Traced]:
+        """Components of a law of this angle, or of its derivative of an order: inputs, (law, order, component)."""
+        return [self.trace.input((law, order, row)) for row in range(len(law(np.zeros(()), order)))]
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:  # noqa: ANN401
+        # An ``out``, that of array += traced, is left as it was: what is returned takes its name.
+        if method != "__call__" or options or any(np.ndim(entry) for entry in inputs):
+            return NotImplemented
+        if ufunc is np.square or (ufunc is np.power and inputs[1] == 2):
+            return self.trace.apply("multiply", inputs[0], inputs[0])
+        return self.trace.apply(NAMES[ufunc], *inputs) if ufunc in NAMES else NotImplemented
+
+    def __array_function__(self, function: Any, _: object, inputs: Any, options: Any) -> Any:  # noqa: ANN401
+        return SHAPING[function](*inputs, **options) if function in SHAPING else NotImplemented
+
+
+def _where(*numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
+    trace: OperationList = next(number.trace for number in numbers if isinstance(number, Traced))
+    return trace.apply("where", *numbers)
+
+
+# Of numbers that are no arrays little is left to be done.
+SHAPING: Final[Mapping[Any, Callable[..., Any]]] = {
+    np.where: _where,
+    np.stack: list,
+    np.broadcast_to: lambda number, _: number,
+    np.copy: lambda number: number,
+    np.any: lambda _: True,
+    np.shape: lambda _: (),
+    np.ndim: lambda _: 0,
+}
+
+
+# The signals of a linkage as one list of operations: of its crank angle, the crank's motion and numbers that vary.
+
+
+PHI, ACCELERATION = ("crank angle", "crank acceleration")  # no numbers' names
+OF_DESIGN, OF_PLACE = 1, 2
+
+
+class TracedSweep(Sweep):
+    """A sweep of traced numbers: where its groups can move is noted in ``moves`` in place of being checked."""
+
+    moves: Any = True
+
+    def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
+        self.moves = solver.moves if self.moves is True else self.moves & solver.moves
+
+    def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
+        """Nothing to check: ``_handle_assembly`` has recorded where the group can move."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinkageTrace:
+    """Lines of the signals of designs that differ in ``varied`` numbers, and of whether all groups needed can move.
+
+    ``determinants`` are those of the dyads, magnitudes. Inputs of the ``trace`` are the numbers by name, ``PHI``,
+    ``SPEED``, ``ACCELERATION`` and laws over φ, which are named (law, order, component).
+    """
+
+    trace: OperationList
+    varied: frozenset[str]
+    signals: tuple[int, ...]
+    moves: int
+    determinants: tuple[int, ...]
+
+    @property
+    def lines(self) -> tuple[int, ...]:
+        """Line numbers of the results: the signals, whether it moves, the determinants."""
+        return (*self.signals, self.moves, *self.determinants)
+
+    def values(
+        self, numbers: Mapping[str, Any], phi: ArrayLike = 0.0, speed: ArrayLike = 0.0, acceleration: ArrayLike = 0.0
+    ) -> dict[int, Any]:
+        """Values of the inputs by line: ``numbers`` by name, the crank's angle or stroke, speed, acceleration, SI."""
+        known = {**numbers, PHI: phi, SPEED: speed, ACCELERATION: acceleration}
+        table: dict[int, Any] = {}
+        for name, line in self.trace.inputs.items():
+            if isinstance(name, tuple):
+                law, order, component = name
+                table[line] = law(phi, order)[component]
+            elif name in known:
+                table[line] = known[name]
+        return table
+
+    def split_inputs(self, outputs: Iterable[int]) -> tuple[list[int], list[int]]:
+        """Lines that depend on the design alone, and lines that depend on the crank alone, from which outputs follow.
+
+        Each can be computed once and shared.
+        """
+        parts = dict.fromkeys(range(len(self.trace.operations)), 0)
+        for name, line in self.trace.inputs.items():
+            parts[line] = OF_DESIGN if name in self.varied else OF_PLACE
+        for line, operation in enumerate(self.trace.operations):
+            if operation.name != INPUT:
+                for other in operation.operands:
+                    parts[line] |= parts[other]
+        needed = self.trace.lines_needed(outputs)
+        mixed = [line for line in needed if parts[line] == OF_DESIGN | OF_PLACE]
+        used = sorted({other for line in mixed for other in self.trace.operations[line].operands} | set(outputs))
+        return [line for line in used if parts[line] == OF_DESIGN], [line for line in used if parts[line] == OF_PLACE]
+
+
+def is_traceable(mechanism: Mechanism) -> bool:
+    """Whether the linkage is made of dyads whose assembly modes stay: others have no straight list."""
+    return not mechanism.is_numerical and not any(dyad.changes for dyad in mechanism.structure.dyads)
+
+
+def linkage_trace(
+    mechanism: Mechanism,
+    varied: Iterable[str],
+    signals: Sequence[str],
+    *,
+    zero: Iterable[str] = (),
+    accelerates: bool = False,
+    all_groups: bool = True,
+) -> LinkageTrace:
+    """The list of a linkage's signals, with numbers by name, or ``SPEED``, that vary or are ``zero``, others constants.
+
+    ``signals`` are those of ``analytic.signals``, magnitudes of vectors and the output's coordinate. ``all_groups``
+    takes the groups that no signal needs as well. Raises LinkproofError for a linkage that is not traceable.
+    """
+    if not is_traceable(mechanism):
+        raise LinkproofError(f"'{mechanism.linkage.name}': expected groups of two links without change points")
+    trace, varied = OperationList(), frozenset(varied)
+    linkage = with_numbers(
+        mechanism.linkage, {name: trace.input(name) for name in sorted(varied)} | dict.fromkeys(zero, 0.0)
+    )
+    signs = tuple(dyad.sign for dyad in mechanism.structure.dyads)
+    sweep = TracedSweep(linkage, find_structure(linkage).with_signs(signs), trace.input(PHI))  # type: ignore[arg-type]
+    at = MovingSweep(mechanism, sweep, trace.input(SPEED), trace.input(ACCELERATION) if accelerates else 0.0)  # type: ignore[arg-type]
+    lines = tuple(trace.line(signal(at, name)) for name in signals)
+    dyads = sweep.structure.dyads if all_groups else ()
+    determinants = tuple(trace.line(abs(sweep.determinant(dyad))) for dyad in dyads)
+    return LinkageTrace(trace, varied, lines, trace.line(sweep.moves), determinants)
+
+
+# Printed functions as machine code, by numba where it is installed.
+#
+# A function takes 1 to 3 s to compile and serves this process only, so it is compiled where that saves time.
+
+
+# A list of operations as the source of one straight Python function, laid out for a processor's vector registers.
+#
+#     def straight(lanes, rows, results): ...
+#
+# goes through chunks of ``LANES`` lanes, such as designs, and in each through rows, such as crank angles, with the
+# lanes innermost. The k-th number of a chunk's lane d is ``lanes[chunk, k * LANES + d]``, the same in every row; the
+# j-th of a row is ``rows[row, j]``, the same in every lane; ``results[chunk, m * LANES + d]`` is the m-th result.
+# Constant offsets let the compiler see that no two of them overlap, and compute several lanes in one instruction.
+# Sines and cosines of what is given, which a library computes lane by lane, come first in a loop of their own, and
+# lie behind the numbers of the lanes (``sines_and_cosines``).
+
+
+LANES: Final = 64
+FUNCTION: Final = "straight"
+
+# How each operation is written, of {0}, {1} and {2}. NumPy's maximum and minimum are nan where one number is.
+PYTHON_FORMS: Final[Mapping[str, str]] = {
+    **{"add": "{0} + {1}", "subtract": "{0} - {1}", "multiply": "{0} * {1}", "divide": "{0} / {1}"},
+    **{"negative": "-{0}", "absolute": "abs({0})", "sign": "({0} > 0.0) - ({0} < 0.0)", "sqrt": "math.sqrt({0})"},
+    "hypot": "math.sqrt({0} * {0} + {1} * {1})",  # a library's function would leave the vector registers
+    **{"sin": "math.sin({0})", "cos": "math.cos({0})", "arctan2": "math.atan2({0}, {1})"},
+    **{"maximum": "{1} if {0} < {1} else {0}", "minimum": "{1} if {0} > {1} else {0}"},
+    **{"less": "{0} < {1}", "less_equal": "{0} <= {1}", "greater": "{0} > {1}", "greater_equal": "{0} >= {1}"},
+    **{"and": "{0} & {1}", "or": "{0} | {1}", "not": "not {0}", "where": "{1} if {0} else {2}"},
+}
+LOGICAL: Final = frozenset({"less", "less_equal", "greater", "greater_equal", "and", "or", "not"})
+LATEST: Final = "{value}"  # a result that is the last row's
+
+
+class Result(NamedTuple):
+    """A result of each lane: its value after every row, from its ``start`` on.
+
+    The ``formula`` is of the ``line`` as {value}, of the result up to here as {so_far}, and of the next result in the
+    list as {next}, as the row before has left it.
+    """
+
+    line: int
+    formula: str = LATEST
+    start: float = 0.0
+
+
+def sines_and_cosines(trace: OperationList, lanes: Sequence[int], results: Sequence[Result]) -> list[int]:
+    """The lines of sines and cosines of numbers of the lanes, which are computed before the rows."""
+    rows = trace.operations
+    needed = trace.lines_needed([result.line for result in results], lanes)
+    return [line for line in needed if rows[line].name in {"sin", "cos"} and rows[line].operands[0] in lanes]
+
+
+def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
+    """The source of ``FUNCTION``, whose numbers of lanes and of rows are these lines."""
+    names: dict[int, str] = {}
+    first = sines_and_cosines(trace, lanes, results)
+    places = {line: f"given[{number * LANES} + d]" for number, line in enumerate([*lanes, *first])}
+    outs = [f"out[{number * LANES} + d]" for number in range(len(results) + 1)]
+    over_lanes = f"for d in range({LANES}):"
+    begun = [f"{out} = {_python_number(result.start)}" for out, result in zip(outs, results, strict=False)]
+    if all(result.formula == LATEST for result in results):
+        begun = []  # no result is of what it was
+    for line in first:  # side by side, so that a sine and a cosine of one number are one call
+        operation = trace.operations[line]
+        begun.append(f"{places[line]} = {PYTHON_FORMS[operation.name].format(places[operation.operands[0]])}")
+    text = [
+        f"def {FUNCTION}(lanes, rows, results):",
+        "    for chunk in range(len(results)):",
+        "        given, out = lanes[chunk], results[chunk]",
+        f"        {over_lanes}",
+        *(f"            {name}" for name in begun or ["pass"]),
+        "        for row in range(len(rows)):",
+    ]
+
+    def take(depth: int, line: int, expression: str, *, is_given: bool = False) -> None:
+        """Write the line that assigns an expression to a line's variable."""
+        names[line] = f"v{line}"
+        if is_given and trace.operations[line].name in LOGICAL:  # truth values are given as numbers
+            expression = f"{expression} != 0.0"
+        text.append(f"{' ' * 4 * depth}v{line} = {expression}")
+
+    for number, line in enumerate(rows):
+        take(3, line, f"rows[row, {number}]", is_given=True)
+    text.append(f"            {over_lanes}")
+    for line, place in places.items():
+        take(4, line, place, is_given=True)
+    for line in trace.lines_needed([result.line for result in results], names):
+        operation = trace.operations[line]
+        if operation.name == CONSTANT:
+            names[line] = _python_number(operation.value)
+        elif line not in names:
+            take(4, line, PYTHON_FORMS[operation.name].format(*(names[other] for other in operation.operands)))
+    for number, result in enumerate(results):
+        value = result.formula.format(value=names[result.line], so_far=outs[number], next=outs[number + 1])
+        text.append(f"{' ' * 16}{outs[number]} = {value}")
+    return "\n".join(text) + "\n"
+
+
+def _python_number(value: float) -> str:
+    return repr(value) if isfinite(value) else f"float('{value!r}')"
+
+
+# A list of operations as the source of one straight JavaScript function: numbers of a design, and of rows one by one.
+#
+#     (given, rows, results, count) => { ... }
+#
+# ``given[k]`` is the k-th number of the design; ``rows[j * count + i]`` the j-th number of row i, such as its crank
+# angle; ``results[m * count + i]`` becomes the m-th result there. All three are arrays of doubles. What follows from
+# the design alone is computed once, before the rows. The source is made of numbers and operations: no name of a
+# linkage is in it.
+
+
+# What JavaScript writes otherwise than Python. Math.max and Math.min are NaN where one number is, as in NumPy.
+JAVASCRIPT_FORMS: Final[Mapping[str, str]] = {
+    **{"absolute": "Math.abs({0})", "sign": "Math.sign({0})", "sqrt": "Math.sqrt({0})"},
+    "hypot": "Math.sqrt({0} * {0} + {1} * {1})",
+    **{"sin": "Math.sin({0})", "cos": "Math.cos({0})", "arctan2": "Math.atan2({0}, {1})"},
+    **{"maximum": "Math.max({0}, {1})", "minimum": "Math.min({0}, {1})"},
+    **{"and": "{0} && {1}", "or": "{0} || {1}", "not": "!{0}", "where": "{0} ? {1} : {2}"},
+}
+ALL_JAVASCRIPT_FORMS: Final = {**PYTHON_FORMS, **JAVASCRIPT_FORMS}
+
+
+def javascript_source(trace: OperationList, given: Sequence[int], rows: Sequence[int], results: Sequence[int]) -> str:
+    """The source of the function, whose numbers of the design, of a row and results are these lines of the list."""
+    names = {line: f"v{line}" for line in (*given, *rows)}
+    needed = trace.lines_needed(results, names)
+    in_rows = set(rows)
+    once = [f"const v{line} = given[{number}];" for number, line in enumerate(given) if line in needed]
+    each = [f"const v{line} = rows[{number} * count + i];" for number, line in enumerate(rows) if line in needed]
+    for line in needed:
+        operation = trace.operations[line]
+        if operation.name == CONSTANT:
+            names[line] = _javascript_number(operation.value)
+        elif line not in names:
+            names[line] = f"v{line}"
+            expression = ALL_JAVASCRIPT_FORMS[operation.name].format(*(names[other] for other in operation.operands))
+            is_of_row = not in_rows.isdisjoint(operation.operands)
+            in_rows |= {line} if is_of_row else set()
+            (each if is_of_row else once).append(f"const v{line} = {expression};")
+    each += [f"results[{number} * count + i] = {names[line]};" for number, line in enumerate(results)]
+    body = "\n".join([*once, "for (let i = 0; i < count; i += 1) {", *each, "}"])
+    return f"(given, rows, results, count) => {{\n{body}\n}}"
+
+
+def _javascript_number(value: float) -> str:
+    """A constant, in brackets where a minus might meet another."""
+    if isnan(value):
+        return "NaN"
+    text = "Infinity" if isinf(value) else repr(abs(value))
+    return f"(-{text})" if copysign(1.0, value) < 0.0 else text
+
+
+PATHS: Final = ("auto", "numpy", "compiled")
+# s per operation of a list: what compiling it takes, above a second, and what NumPy takes for each lane and row.
+COMPILING, LEAST_COMPILING, BY_NUMPY = 2.5e-3, 1.0, 1e-9
+MOST_OPERATIONS: Final = 3000  # compiling a longer list takes longer than it saves
+
+
+def is_worthwhile(path: str, operations: int, poses: float) -> bool:
+    """Whether to compile a list of so many operations for so many poses; raises for a wrong ``path``.
+
+    ``path`` is ``numpy``, ``compile_source``, or ``auto``: compiled where NumPy would take longer than compiling does.
+    Raises UnknownNameError for another, LinkproofError where numba is missing for "compiled".
+    """
+    if path not in PATHS:
+        raise UnknownNameError("path", path, PATHS)
+    if path == "compiled" and not is_installed():
+        raise LinkproofError(
+            "compiled path: expected numba, which compiles it, got an installation without; pip install "
+            "'linkproof[compiled]', or choose the path 'numpy'"
+        )
+    if path != "auto":
+        return path == "compiled"
+    seconds = BY_NUMPY * operations * poses
+    return operations <= MOST_OPERATIONS and seconds > LEAST_COMPILING + COMPILING * operations and is_installed()
+
+
+@lru_cache(maxsize=1)
+def is_installed() -> bool:
+    """Whether numba is installed; it is not imported for the answer."""
+    return importlib.util.find_spec("numba") is not None
+
+
+class StraightFunction:
+    """Lines of a trace as machine code: ``results`` of lanes, from ``lanes`` and ``rows``, lines that are given.
+
+    See ``analytic.machine_code`` for lanes and rows. The compiled code releases the interpreter's lock.
+    """
+
+    def __init__(
+        self, trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]
+    ) -> None:
+        self.lanes, self.rows = tuple(lanes), tuple(rows)
+        self._widths = len(lanes) + len(sines_and_cosines(trace, lanes, results)), len(results)
+        self._straight = compile_source(python_source(trace, lanes, rows, results))
+        self._scratch = threading.local()
+
+    def __call__(self, lanes: Sequence[Any], rows: Array, count: int) -> Array:
+        """Results (results, count): ``lanes`` are numbers or arrays of so many, ``rows`` (rows, k)."""
+        given, out = self._memory(-(-count // LANES))
+        full = count - count % LANES
+        for number, values in enumerate(lanes):
+            flat = np.broadcast_to(values, count)
+            given[: full // LANES, number] = flat[:full].reshape(-1, LANES)
+            if full < count:
+                given[-1, number, : count - full] = flat[full:]
+                given[-1, number, count - full :] = flat[-1]
+        self._straight(given.reshape(len(given), -1), rows, out.reshape(len(out), -1))
+        results = np.empty((len(out[0]), count))
+        results[:, :full].reshape(len(results), full // LANES, LANES)[:] = out[: full // LANES].swapaxes(0, 1)
+        if full < count:
+            results[:, full:] = out[-1, :, : count - full]
+        return results
+
+    def _memory(self, chunks: int) -> tuple[Array, Array]:
+        """Memory of a thread for so many chunks, the same as before: new memory costs more than the computation."""
+        values: tuple[Array, Array] | None = getattr(self._scratch, "arrays", None)
+        if values is None or len(values[0]) < chunks:
+            values = self._scratch.arrays = tuple(np.empty((chunks, width, LANES)) for width in self._widths)
+        return values[0][:chunks], values[1][:chunks]
+
+
+@lru_cache(maxsize=32)
+def compile_source(source: str) -> Callable[[Array, Array, Array], None]:
+    """The function of a source of ``analytic.machine_code``."""
+    import numba  # noqa: PLC0415 - optional, and slow to import
+
+    space: dict[str, Any] = {"math": math}
+    exec(source, space)
+    numbers = numba.float64[:, ::1]
+    signature = numba.void(numbers, numbers, numbers)
+    function: Callable[[Array, Array, Array], None] = numba.njit(signature, nogil=True, error_model="numpy")(
+        space[FUNCTION]
+    )
+    return function
+
+
+def cores() -> int:
+    """Processor cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def in_threads(function: Callable[[Any], object], parts: Sequence[Any], count: int | None) -> None:
+    """Call the function with every part on so many threads, all cores if None: machine code runs side by side."""
+    if count is not None and count < 1:
+        raise LinkproofError(f"cores: expected a positive number of threads, or none for all, got {count}; correct it")
+    threads = min(len(parts), cores() if count is None else count)
+    if threads <= 1:
+        for part in parts:
+            function(part)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(function, parts))

@@ -1,1 +1,0 @@
-"""Motions of a crank that is released or steady, and what one turn shows: unit functions, thread feed."""

@@ -1,0 +1,257 @@
+"""The list of operations of a linkage, and its sources in Python and in JavaScript: the numbers of NumPy."""
+
+import json
+import math
+import subprocess
+import sys
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analytic import machine_code
+from analytic.description.changes import design_numbers, named_numbers, with_numbers
+from analytic.description.loading import catalogue, literature
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.machine_code import (
+    FUNCTION,
+    FUNCTIONS,
+    LANES,
+    OperationList,
+    Result,
+    StraightFunction,
+    is_traceable,
+    is_worthwhile,
+    javascript_source,
+    linkage_trace,
+    python_source,
+)
+from analytic.signals import evaluate, names, unit
+from tests.analytic.linkages import MADE_UP, from_text, mechanism, text_of
+from tests.javascript import called
+
+NUMBERS = st.floats(-1e3, 1e3)
+
+
+def traced(formula, *values):
+    """The value of a formula computed from its list, and how many lines of it lead there."""
+    trace = OperationList()
+    numbers = [trace.input(name) for name in range(len(values))]
+    line = trace.line(formula(*numbers))
+    given = {number.line: value for number, value in zip(numbers, values, strict=True)}
+    return trace.evaluate([line], given)[0], len(trace.lines_needed([line]))
+
+
+FORMULAS = {
+    "arithmetic": lambda x, y: (x + 2.0) * y - x / (y * y + 1.0) + 3.0 * -x,
+    "functions": lambda x, y: np.hypot(np.sin(x), np.cos(y)) + np.arctan2(y, x) + np.sqrt(np.square(x)) + abs(y) ** 2,
+    "choices": lambda x, y: np.where((x < y) & ~(x <= 0.0), np.maximum(x, y), np.minimum(x, -y)) + np.sign(x),
+    "arrays": lambda x, y: np.stack([np.copy(np.broadcast_to(x, ())), y])[0] * y,
+}
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+@settings(max_examples=30)
+@given(x=NUMBERS, y=NUMBERS)
+def test_a_list_computes_what_the_formula_computes(name, x, y):
+    outcome, _ = traced(FORMULAS[name], x, y)
+    assert outcome == pytest.approx(FORMULAS[name](np.float64(x), np.float64(y)), rel=1e-15, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("formula", "operations"),
+    [
+        (lambda x, y: x * y + y * x, 4),  # the inputs, a product, a sum
+        (lambda x, y: x * 1.0 + 0.0 - 0.0 + y * 0.0 + 0.0 / y, 1),
+        (lambda x, _: (x + 1.0) * 2.0 - (1.0 + x) * 2.0, 6),  # of constants two
+        (lambda x, _: x * (np.sin(0.5) * 0.0), 1),
+        (lambda x, y: np.where(True & (x < 1.0) & True | False, x, y), 5),
+        (lambda x, y: -1.0 * x + (0.0 - x) + y, 5),
+    ],
+)
+def test_nothing_stands_twice_and_nothing_stands_in_vain(formula, operations):
+    assert traced(formula, 2.0, 3.0)[1] == operations
+
+
+def test_only_what_leads_to_a_result_is_computed():
+    trace = OperationList()
+    x, y = trace.input("x"), trace.input("y")
+    assert trace.input("x").line == x.line
+    result, other = x * x + 1.0, np.sin(y)
+    assert other.line not in trace.lines_needed([result.line])
+    assert y.line not in trace.lines_needed([result.line])
+    assert trace.evaluate([result.line], {x.line: 3.0}) == [10.0]
+    assert trace.lines_needed([result.line], known=[result.line]) == [result.line]
+
+
+@pytest.mark.parametrize("slip", [bool, float, math.sqrt, np.asarray, lambda x: x if x > 0.0 else -x, np.cumsum])
+def test_what_a_list_cannot_have_raises(slip):
+    with pytest.raises(TypeError):
+        slip(OperationList().input("x"))
+    with pytest.raises(TypeError):
+        np.ones(3) * OperationList().input("x")
+
+
+def test_the_list_of_a_linkage_is_the_same_in_every_process():
+    """A set has another order in each: numbers come by name."""
+    four_bar = mechanism("juki-mf7923d")
+    names = [name for name in named_numbers(four_bar.linkage) if ".x" in name or "mass" in name]
+    inputs = linkage_trace(four_bar, names[::-1], ["Mkr"]).trace.inputs
+    assert [name for name in inputs if name in names] == sorted(names)
+
+
+SAME = 1e-14  # of the peak: square roots of sums in place of a library's hypot
+
+numba = pytest.mark.skipif(not machine_code.is_installed(), reason="numba is not installed")
+
+
+def every_operation():
+    """A trace of every operation on two numbers of a lane and one of a row."""
+    trace = OperationList()
+    x, y, row = (trace.input(name) for name in ("x", "y", "row"))
+    terms = [x + y, x - row, x * y, x / y, -x, abs(row), np.sign(x), np.sqrt(abs(y)), np.hypot(x, y), np.sin(x)]
+    terms += [np.cos(row), np.arctan2(y, x), np.maximum(x, y), np.minimum(x, row), np.where(x < y, x, row)]
+    terms += [np.where((x <= y) & (x > row) | ~(x >= 0.0), 1.5, math.inf), np.where(x > 2.0, math.nan, y)]
+    return trace, [x.line, y.line], [row.line], [trace.line(term) for term in terms]
+
+
+@numba
+@pytest.mark.parametrize("count", [1, 2 * LANES + 5])
+def test_every_operation_in_any_number_of_lanes(count):
+    trace, lanes, rows, outputs = every_operation()
+    assert {operation.name for operation in trace.operations} >= set(FUNCTIONS)
+    draw = np.random.default_rng(count)
+    x, y = draw.uniform(-3.0, 3.0, (2, count))
+    given = dict(zip([*lanes, *rows], [x, y, 0.7], strict=True))
+    result = StraightFunction(trace, lanes, rows, [Result(line) for line in outputs])([x, y], np.array([[0.7]]), count)
+    for one, expected in zip(result, trace.evaluate(outputs, given), strict=True):
+        np.testing.assert_allclose(one, np.broadcast_to(expected, count), rtol=SAME, atol=0.0)
+
+
+@numba
+def test_results_over_rows():
+    trace, lanes, rows, outputs = every_operation()
+    draw, numbers = np.random.default_rng(3), np.linspace(-2.0, 2.0, 9)
+    x, y = draw.uniform(-3.0, 3.0, (2, 70))
+    sums = Result(outputs[1], "{so_far} + {value}", 1.0)
+    rises = Result(outputs[1], "{so_far} + 1.0 if {value} > {next} else {so_far}")  # above the row before
+    last = Result(outputs[1], start=math.nan)
+    result = StraightFunction(trace, lanes, rows, [sums, rises, last])([x, y], numbers[:, None], 70)
+    np.testing.assert_allclose(result[0], 1.0 + np.sum(x - numbers[:, None], axis=0), rtol=1e-13)
+    assert np.all(result[1] == 0.0)  # nothing is above nan, and x - row falls
+    np.testing.assert_array_equal(result[2], x - numbers[-1])
+
+
+def test_a_source_is_made_of_numbers_and_operations():
+    hostile = '"\'); import os; os.abort()"'
+    sample = from_text(text_of("centric-slider-crank").replace("coupler", hostile))
+    of = linkage_trace(sample, (), names(sample))
+    source = python_source(of.trace, of.split_inputs(of.lines)[1], (), [Result(line) for line in of.lines])
+    assert "import" not in source
+    assert '"' not in source
+    assert source.startswith(f"def {FUNCTION}(lanes, rows, results):")
+
+
+def test_it_is_compiled_where_that_saves_time(monkeypatch):
+    assert not is_worthwhile("auto", 200, 1e5)
+    assert is_worthwhile("auto", 200, 1e8) == machine_code.is_installed()
+    assert not is_worthwhile("auto", 10_000, 1e9)  # too long a list
+    assert not is_worthwhile("numpy", 200, 1e9)
+    with pytest.raises(UnknownNameError, match="path"):
+        is_worthwhile("quick", 1, 1.0)
+    monkeypatch.setattr(machine_code, "is_installed", lambda: False)
+    assert not is_worthwhile("auto", 200, 1e8)
+    with pytest.raises(LinkproofError, match=r"pip install 'linkproof\[compiled\]'"):
+        is_worthwhile("compiled", 1, 1.0)
+
+
+def test_a_few_designs_do_not_import_numba():
+    code = (
+        "import sys, numpy as np\n"
+        "from analytic.designs.sampled_signals import evaluate_designs\n"
+        "from analytic.description.loading import load\n"
+        "from analytic.kinematics.mechanism import Mechanism\n"
+        "sample = Mechanism(load('juki-mf7923d'))\n"
+        "evaluate_designs(sample, {'crank.mass': np.ones(3)}, np.linspace(0.0, 6.0, 9), ['Jeq'])\n"
+        "assert 'numba' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+SAME_SIGNALS = 1e-13  # of the peak
+CHANGES, SHARE, SPEED, ACCELERATION = 6, 0.02, 30.0, 400.0
+ANGLES = np.linspace(-2.0, 9.0, 40)
+CALL = """({designs, rows, count, results}) => designs.map((given) => {
+  const found = new Float64Array(results * count);
+  FUNCTION(given, Float64Array.from(rows), found, count);
+  return [...found].map(one => Number.isFinite(one) ? one : String(one));
+})"""
+
+
+def by_javascript(source, designs, rows, results):
+    """Results (designs, results, count) of a printed function at rows (rows, count)."""
+    arguments = {"designs": designs, "rows": rows.ravel().tolist(), "count": rows.shape[1], "results": results}
+    result = called(CALL.replace("FUNCTION", f"({source})"), arguments)
+    return np.array(result, dtype=float).reshape(len(designs), results, -1)
+
+
+def test_every_operation():
+    trace, numbers, rows, outputs = every_operation()
+    x, y, row = 0.7, -2.5, np.array([-1.0, -0.0, 0.0, 0.7, 3.0])
+    (result,) = by_javascript(javascript_source(trace, numbers, rows, outputs), [[x, y]], row[None], len(outputs))
+    expected = trace.evaluate(outputs, dict(zip([*numbers, *rows], [x, y, row], strict=True)))
+    for one, truth in zip(result, expected, strict=True):
+        np.testing.assert_allclose(one, np.broadcast_to(truth, len(row)), rtol=1e-15, atol=0.0)
+
+
+def test_a_source_has_no_names():
+    hostile = "\\u2028'); fetch(`//x`); </script>"
+    sample = from_text(text_of("centric-slider-crank").replace("coupler", json.dumps(hostile)))
+    of = linkage_trace(sample, design_numbers(sample.linkage), names(sample))
+    words = set(javascript_source(of.trace, sorted(of.trace.inputs.values()), (), of.lines))
+    assert not words & set("\"'`\\</>") - {"<", ">", "/"}
+    assert "fetch" not in javascript_source(of.trace, sorted(of.trace.inputs.values()), (), of.lines)
+
+
+ORDINARY = ("moving-guides",)
+OTHERS = [pytest.param(name, marks=pytest.mark.nightly) for name in (*catalogue(), *literature(), *MADE_UP)]
+
+
+@pytest.mark.parametrize("name", [*ORDINARY, *OTHERS])
+def test_signals_of_other_designs_are_numpy_s(name):
+    sample = mechanism(name)
+    if not is_traceable(sample) or sample.linkage.is_linear:
+        return
+    linkage, chosen, chance = sample.linkage, names(sample), np.random.default_rng(7)
+    free = {number: value for number, (kind, value) in design_numbers(linkage).items() if kind != "direction"}
+    listed = linkage_trace(sample, free, chosen, accelerates=True)
+    given = {number: listed.trace.inputs[number] for number in free if number in listed.trace.inputs}
+    rows = [line for one, line in listed.trace.inputs.items() if one not in given]
+    source = javascript_source(listed.trace, [*given.values()], rows, listed.signals)
+    reach = sample.crank_range()
+    places = ANGLES if reach.is_full_turn else np.linspace(*np.array(reach.limits) @ [[0.8, 0.2], [0.2, 0.8]], 40)
+    values = listed.values({}, places, SPEED, ACCELERATION)
+    given_rows = np.array([np.broadcast_to(values[line], places.shape) for line in rows])
+    designs, truths = [], []
+    for _ in range(CHANGES):
+        other = {number: float(value * chance.uniform(1.0 - SHARE, 1.0 + SHARE)) for number, value in free.items()}
+        motion = {"speed": SPEED, "acceleration": ACCELERATION}
+        with suppress(LinkproofError):  # a design that cannot turn as the file's does
+            truths.append(evaluate(sample.redesigned(with_numbers(linkage, other)), places, chosen, **motion))
+            designs.append([other[one] for one in given])
+    assert designs
+    for truth, result in zip(truths, by_javascript(source, designs, given_rows, len(chosen)), strict=True):
+        scales: dict[tuple[str, str], float] = {}
+        for signal in chosen:
+            kind = (signal.partition(":")[0], unit(signal, linkage))
+            scales[kind] = max(scales.get(kind, 1e-9), float(np.max(np.abs(truth[signal]))))
+        for signal, one in zip(chosen, result, strict=True):
+            expected, near = truth[signal], one
+            if signal == "S":  # counts from the farthest place, which the list leaves to who knows the motion
+                near = one + (expected[0] - one[0])
+            elif signal.startswith("link:") and signal.endswith(":angle"):
+                near = one + 2.0 * np.pi * np.round((expected - one) / (2.0 * np.pi))
+            peak = scales[signal.partition(":")[0], unit(signal, linkage)]
+            assert np.max(np.abs(near - expected)) <= SAME_SIGNALS * peak, signal
