@@ -127,7 +127,7 @@ def test_a_fault_of_ours_and_memory_at_its_limit_are_one_sentence(monkeypatch, e
     def fail(_):
         raise error
 
-    monkeypatch.setattr("reports.command_line.commands.mechanisms.list_mechanisms", fail)
+    monkeypatch.setattr("reports.command_line.commands.mechanisms._list_mechanisms", fail)
     done = linkproof("list")
     assert (done.returncode, done.stderr.count("\n")) == (code, 1)
     assert done.stderr.startswith(f"linkproof: {sentence}")
@@ -142,7 +142,7 @@ def test_a_deleted_working_folder_matters_only_where_it_is_needed(tmp_path):
         folder.rmdir()
         done = linkproof("check", NAME)
         assert (done.returncode, done.stderr) == (0, "")
-        assert "a working folder" in refused("compare", "--jobs", "0")
+        assert "a working folder" in refused("results", NAME, "--save", "curves.csv")
 
 
 # What follows is about a process: each test starts one.
