@@ -7,6 +7,8 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Any, Final, Literal
 
+import numpy as np
+
 from analytic import signals
 from analytic.description import loading
 from analytic.description.changes import SPEED, Number, Place, named_numbers
@@ -19,7 +21,8 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
 from analytic.machine_code import ACCELERATION, PHI, LinkageTrace, is_traceable, javascript_source, linkage_trace
-from comparisons.datasheet.building import MARGIN, OVER_RANGE
+from comparisons.datasheet.building import OVER_RANGE
+from comparisons.datasheet.open_ends import MARGIN, open_ends
 from comparisons.datasheet.sheet import Sheet
 from reports.document.parts import Part, Widget
 
@@ -251,7 +254,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
     data = {
         "rows": [[laws.index(law), component] for law, _, component in looked_up],
         "laws": [_law(law, mechanism) for law in laws],
-        "motion": _motion(motion, is_linear=mechanism.linkage.is_linear),
+        "motion": _motion(motion, is_linear=mechanism.linkage.is_linear) | {"open": _open_places(mechanism, motion)},
         "results": [_result(name, mechanism) for name in results(mechanism)],
         "groups": [
             {"name": dyad.name, "point": getattr(dyad.inner_joint, "point", "")} for dyad in mechanism.structure.dyads
@@ -319,6 +322,12 @@ def _motion(motion: CrankMotion, *, is_linear: bool) -> dict[str, Any]:
         "turns": turns,
         "linear": is_linear,
     }
+
+
+def _open_places(mechanism: Mechanism, motion: CrankMotion) -> list[float]:
+    """The ends of a motion beside a dead position, φ in rad or m."""
+    first, last = (float(motion.angle(np.array([time]))[0]) for time in (0.0, motion.duration))
+    return [end.place for end in open_ends(mechanism, first, last)]
 
 
 def _result(name: str, mechanism: Mechanism) -> dict[str, Any]:

@@ -45,6 +45,7 @@ class Mechanism:
         signed = _with_assembly_modes(linkage, find_structure(linkage), signs)
         self.structure, self.undetermined = with_change_points(signed, linkage.sketch_angle)
         self.period = period_of(self.structure)
+        self._ranges: dict[float | None, CrankRange] = {}
 
     def redesigned(self, linkage: Linkage) -> Mechanism:
         """The closed form of a linkage that differs in numbers only, its dyads in the assembly modes of this one."""
@@ -93,7 +94,9 @@ class Mechanism:
 
     def crank_range(self, start: float | None = None) -> CrankRange:
         """The values of φ around a start, the sketch's if None; see ``analytic.kinematics.crank_range``."""
-        return crank_range(self.linkage, self.structure, self.undetermined, start)
+        if start not in self._ranges:
+            self._ranges[start] = crank_range(self.linkage, self.structure, self.undetermined, start)
+        return self._ranges[start]
 
     def error_bound(self) -> tuple[float, float, float]:
         """Bounds on the closed form's own error over a turn: positions, first and second derivatives.

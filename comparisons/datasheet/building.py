@@ -25,9 +25,10 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.signals import THREAD_FEED, reference_angle, reference_length, stop_position
 from comparisons.case import Case, motion_of_file_regime
-from comparisons.datasheet.curves import Curves, Instants, choose_samples, extreme_samples
+from comparisons.datasheet.curves import Curves, Instants, SignalFigure, choose_samples, extreme_samples
 from comparisons.datasheet.figures import compare_published, figure_tables, required_feed
-from comparisons.datasheet.linkage_check import INSET, file_facts, mechanism_facts
+from comparisons.datasheet.linkage_check import file_facts, mechanism_facts
+from comparisons.datasheet.open_ends import INSET, inset_ends, open_end_warning
 from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
 
 Array = NDArray[np.float64]
@@ -78,7 +79,6 @@ T = TypeVar("T")
 STEADY: Final = "constant-speed"
 OVER_RANGE: Final = f"{STEADY} over its range"
 USUAL_SPEED: Final = 1000.0 * RPM
-MARGIN: Final = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
 FEW, MOST = 361, 721  # instants of a page
 MOST_NUMBERS: Final = 40_000  # of all its signals
 
@@ -107,13 +107,6 @@ def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bo
     first, last = inset_ends(reach, backwards=backwards)
     fastest = abs(last - first) if reach.is_linear else speed
     return replace(swing(STEADY, first, last, speed=fastest), regime=OVER_RANGE)
-
-
-def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
-    """Start and end of a motion over a range, rad or m: short of its limits, where forces grow beyond all bounds."""
-    low, high = reach.limits
-    margin = MARGIN * (high - low)
-    return (high - margin, low + margin) if backwards else (low + margin, high - margin)
 
 
 def conditions(case: Case) -> str:
@@ -163,7 +156,16 @@ def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = No
         positions=positions_over_motion(curves),
         motion=curves.case.motion if isinstance(curves.case.motion, CrankMotion) else None,
         required=_required_feed(curves),
+        open_end_warning=_open_end_warning(curves, peaks),
     )
+
+
+def _open_end_warning(curves: Curves, peaks: Mapping[str, SignalFigure]) -> str:
+    """A sentence on the open ends at which signals have their peaks; "" without any."""
+    ends = [
+        end for end in curves.open_ends if any(peak.phi is not None and end.has(peak.phi) for peak in peaks.values())
+    ]
+    return open_end_warning(curves.case.mechanism, ends) if ends else ""
 
 
 def _required_feed(curves: Curves) -> dict[str, Array]:

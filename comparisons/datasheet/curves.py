@@ -23,6 +23,7 @@ from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
 from analytic.numerics.roots import root
 from comparisons.case import Case, Motion, Truth
+from comparisons.datasheet.open_ends import OpenEnd, open_ends
 
 Array = NDArray[np.float64]
 
@@ -227,7 +228,7 @@ class SignalFigure:
 
     ``time``, s, and ``phi``, rad, of a drive along a line m, are its place; None for a mean. A value that is not
     finite, as a joint's force at a change point, is None. ``joint_force:A:direction``, rad, is no signal of the closed
-    form.
+    form. ``at_open_end`` marks an extreme that says no more than where the motion was cut off beside a dead position.
     """
 
     what: str
@@ -237,6 +238,7 @@ class SignalFigure:
     on: str = ""
     time: float | None = None
     phi: float | None = None
+    at_open_end: bool = False
 
 
 @dataclass(frozen=True)
@@ -262,6 +264,11 @@ class Curves:
     def names(self) -> tuple[str, ...]:
         """Names of all signals, the time first, a magnitude after the components of its vector."""
         return (TIME, *signals.names_with_magnitudes(self.case.mechanism))
+
+    @cached_property
+    def open_ends(self) -> tuple[OpenEnd, ...]:
+        """The ends of the motion beside a dead position, where extremes say no more than where it was cut off."""
+        return open_ends(self.case.mechanism, *self.case.reach)
 
     def unit(self, name: str) -> str:
         """SI unit of a signal."""
@@ -306,7 +313,9 @@ class Curves:
         """A key figure of a signal, or the direction of a force, at an instant."""
         phi = None if time is None else float(self.case.motion.angle(np.array([time]))[0])
         unit = "rad" if name.endswith(DIRECTION) else self.unit(name)
-        return SignalFigure(what, name, finite(value), unit, on, time, phi)
+        at_end = phi is not None and any(end.has(phi) for end in self.open_ends)
+        is_given = name in signals.DRIVE or name.endswith(DIRECTION)
+        return SignalFigure(what, name, finite(value), unit, on, time, phi, at_end and not is_given)
 
     def peaks(self, names: Iterable[str]) -> dict[str, SignalFigure]:
         """The peak of each signal, between instants too: the largest magnitude, of a transmission angle the least."""

@@ -123,9 +123,11 @@ def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     if "S" not in peaks:
         return
     places = curves.places({"least S": lambda at: -signal(at, "S"), "largest S": lambda at: signal(at, "S")})
-    ends = {what: curves.values(("S",), time)[0] for what, time in places.items()}
-    yield curves.figure("stroke", "S", ends["largest S"] - ends["least S"])
-    yield from (curves.figure(what, "S", value, places[what]) for what, value in ends.items())
+    values = {what: curves.values(("S",), time)[0] for what, time in places.items()}
+    ends = [curves.figure(what, "S", value, places[what]) for what, value in values.items()]
+    stroke = curves.figure("stroke", "S", values["largest S"] - values["least S"])
+    yield replace(stroke, at_open_end=any(end.at_open_end for end in ends))
+    yield from ends
     yield from _named_peaks(peaks, {"v": "peak v", "a": "peak a"})
 
 

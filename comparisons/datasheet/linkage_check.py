@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -26,8 +26,9 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
-from analytic.numerics.roots import evaluate_assembled, roots
+from analytic.numerics.roots import evaluate_assembled
 from comparisons.datasheet.figures import NEAR, REPRODUCED, compare_published
+from comparisons.datasheet.open_ends import INSET, RANGE_SAMPLES, good_stretches
 
 Load = PointForce | LinkTorque | Spring
 LOADS: Final = ("forces", "torques", "springs")
@@ -51,9 +52,6 @@ UNIT_SLIPS: Final = {1e6: "kg*mm^2 read as kg*m^2", 1e-6: "kg*m^2 read as kg*mm^
 Array = NDArray[np.float64]
 Facts = dict[str, Any]
 
-RANGE_SAMPLES: Final = 721
-BINDS: Final = float(np.radians(40.0))  # transmission angle below which four-bars and slider-cranks bind easily (Alt)
-INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
 DYADS_AT_ONCE: Final = (
     32  # dyads whose least angles are sought together: each look solves the whole linkage before them
 )
@@ -386,26 +384,10 @@ def _least_angles(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad]
 
     sampled = angles(grid)
     heights, spots = highest(lambda phi: -angles(phi), grid, -sampled)
-    good = [[] for _ in dyads] if reach.is_full_turn else _good_stretches(angles, grid, sampled)
+    good = [[] for _ in dyads] if reach.is_full_turn else good_stretches(angles, grid, sampled)
     place = mechanism.linkage.place if reach.is_full_turn else reach.place
     table: Facts = {}
     for dyad, least, at, ends in zip(dyads, (-heights).tolist(), spots.tolist(), good, strict=True):
         words = {"where": place(at), "good_from_to": [place(end) for end in ends]}
         table[dyad.name] = {"least": least, "at": at, "good": ends, "kind": dyad.kind, **words}
     return table
-
-
-def _good_stretches(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
-    """By dyad the ends, rad or m, of the stretch around its best place where it does not bind; [] if it always does."""
-    brackets = np.zeros((2, 2, len(angles)))  # the last place where it is enough and the first where it is not
-    for number, angle in enumerate(angles):
-        enough, best = angle >= BINDS, int(np.argmax(angle))
-        for side, direction in enumerate((-1, 1)):
-            short = np.flatnonzero(~enough[best::direction])
-            last = best + direction * (int(short[0]) - 1) if len(short) else (-1 if direction > 0 else 0)
-            brackets[side, :, number] = grid[last], grid[last + direction] if len(short) else grid[last]
-    ends = [
-        roots(lambda phi: np.diagonal(function(phi)) - BINDS, inside, inside, outside) for inside, outside in brackets
-    ]
-    is_good = [bool(np.max(angle) >= BINDS) for angle in angles]
-    return [[float(low), float(high)] if good else [] for low, high, good in zip(*ends, is_good, strict=True)]

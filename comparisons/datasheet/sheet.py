@@ -87,7 +87,8 @@ class Sheet:
     The rest is what a page shows besides. ``shares`` has Jeq by Assur group ("groups") and by link ("links") over the
     instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime the
     facts of a released crank. ``missing`` has the reason of each part that cannot be derived.
-    ``motion`` is the crank's where it is prescribed.
+    ``motion`` is the crank's where it is prescribed. ``open_end_warning`` is the sentence on peaks at an open end of
+    the motion, "" without any.
     """
 
     linkage: Linkage
@@ -108,6 +109,7 @@ class Sheet:
     published: tuple[Mapping[str, Any], ...] = ()
     released: Mapping[str, Released] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
+    open_end_warning: str = ""
 
     @property
     def name(self) -> str:

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import with_numbers
+from analytic.description.changes import SPEED, with_numbers
 from analytic.designs.derivatives import signal_gradients
 from analytic.designs.figures import Reduction
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.parameters import NamedFigure, SteadyMotion, named_figures
+from comparisons.designs.parameters import NamedFigure, OpenEndFigures, SteadyMotion, named_figures, open_end_figures
 from comparisons.designs.problem import (
     ALLOWED_EXCESS,
     Constraint,
@@ -148,6 +149,14 @@ class Optimum:
             for numbers in (self.before, self.after)
         ]
         return dict(zip(signals, np.stack(rows, axis=1), strict=True))
+
+    @cached_property
+    def at_open_end(self) -> OpenEndFigures:
+        """The figures whose extremes lie at an open end of the motion: of the best design, else of the file's."""
+        known, motion = self.problem.mechanism, self.problem.motion
+        best = known.redesigned(with_numbers(known.linkage, {n: v for n, v in self.after.items() if n != SPEED}))
+        of_best = open_end_figures(best, motion, self.figures)
+        return of_best if of_best.names else open_end_figures(known, motion, self.figures)
 
     @property
     def is_fixed(self) -> bool:

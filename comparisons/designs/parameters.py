@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,12 @@ from analytic.description.written import FileUnit, file_unit
 from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure, figures_named
 from analytic.designs.results import design_figures
-from analytic.errors import LinkproofError, StructureError, UnknownNameError
+from analytic.errors import LinkproofError, StructureError, UnknownNameError, listed
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.signals import unit
-from comparisons.datasheet.building import inset_ends
+from comparisons.datasheet.open_ends import figures_at_open_ends, inset_ends, open_end_warning
 
 Array = NDArray[np.float64]
 
@@ -245,3 +245,23 @@ def steady_motion(
         return SteadyMotion(np.linspace(0.0, FULL_TURN, samples, endpoint=False), speed, is_full_turn=True)
     low, high = inset_ends(reach)
     return SteadyMotion(np.linspace(low, high, samples), speed, is_full_turn=False)
+
+
+class OpenEndFigures(NamedTuple):
+    """The names of figures whose extremes lie at an open end of a motion, and a sentence on them; () and "" if none."""
+
+    names: tuple[str, ...]
+    sentence: str
+
+
+def open_end_figures(mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure]) -> OpenEndFigures:
+    """The figures of a linkage whose extremes say no more than where the motion is cut off beside a dead position."""
+    if motion.is_full_turn:
+        return OpenEndFigures((), "")
+    marks, ends = figures_at_open_ends(mechanism, [entry.figure for entry in figures], motion.places, motion.speed)
+    names = tuple(entry.name for entry, is_open in zip(figures, marks, strict=True) if is_open)
+    if not names:
+        return OpenEndFigures((), "")
+    verb = "has its extreme" if len(names) == 1 else "have their extremes"
+    words = open_end_warning(mechanism, ends)
+    return OpenEndFigures(names, f"{listed(names)} {verb} at an open end of the motion: {words}")

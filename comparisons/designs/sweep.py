@@ -23,7 +23,15 @@ from analytic.designs.results import usual_path
 from analytic.errors import AssemblyError, LinkproofError, shortened
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names
-from comparisons.designs.parameters import NamedFigure, Parameter, SteadyMotion, named_figures, parameter
+from comparisons.designs.parameters import (
+    NamedFigure,
+    OpenEndFigures,
+    Parameter,
+    SteadyMotion,
+    named_figures,
+    open_end_figures,
+    parameter,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -203,6 +211,11 @@ class SweepRequest:
             for parameter in self.space.parameters
         }
 
+    @property
+    def at_open_end(self) -> OpenEndFigures:
+        """The figures of the file's own design whose extremes lie at an open end of the motion."""
+        return open_end_figures(Mechanism(self.linkage), self.motion, self.figures)
+
 
 @dataclass(frozen=True)
 class SweepStudy:
@@ -325,6 +338,7 @@ def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: 
         },
         coords={name: (name if name in over else ONE_BY_ONE, entry, units[name]) for name, entry in values.items()},
         attrs={
+            **({"open_ends": request.at_open_end.sentence} if request.at_open_end.names else {}),
             "mechanism": request.linkage.name,
             "variant": request.linkage.variant,
             "conditions": request.conditions,

@@ -40,10 +40,12 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import (
     LISTING,
     NamedFigure,
+    OpenEndFigures,
     Parameter,
     SteadyMotion,
     mass_words,
     named_figures,
+    open_end_figures,
     parameter,
     parameters,
 )
@@ -235,6 +237,11 @@ class ToleranceRequest:
     motion: SteadyMotion
     samples: int
     conditions: str = ""
+
+    @cached_property
+    def at_open_end(self) -> OpenEndFigures:
+        """The results whose extremes lie at an open end of the motion."""
+        return open_end_figures(self.mechanism, self.motion, self.figures)
 
     @property
     def _nominal_numbers(self) -> dict[str, float]:

@@ -134,6 +134,8 @@ def _remarks(optimum: Optimum) -> Iterator[Printed]:
         yield _starts(optimum)
     if optimum.step:
         yield _rounding(optimum)
+    if optimum.at_open_end.names:
+        yield Paragraph(f"warning: {optimum.at_open_end.sentence}", colour="yellow")
 
 
 def _optimality(search: Search) -> Iterator[str]:
@@ -194,11 +196,12 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
         for variable in problem.variables
     ]  # fmt: skip
     figures = [
-        {"name": entry.name, "before": finite(before), "after": finite(after), "change": finite(share)}
+        {"name": entry.name, "before": finite(before), "after": finite(after), "change": finite(share),
+         "at_open_end": entry.name in optimum.at_open_end.names}
         for entry, before, after, share in zip(
             optimum.figures, *optimum.values.tolist(), optimum.change.tolist(), strict=True
         )
-    ]
+    ]  # fmt: skip
     tables = [
         {"name": constraint.figure.name, "low": finite(constraint.low), "high": finite(constraint.high)}
         for constraint in problem.constraints
@@ -228,6 +231,7 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
             "nothing_to_vary": optimum.is_fixed,
             "ends": ends,
         },
+        "warnings": [optimum.at_open_end.sentence] if optimum.at_open_end.names else [],
     }
 
 

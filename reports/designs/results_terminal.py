@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 from analytic.description.written import plain
 from analytic.signals import COMPONENTS, MAGNITUDE, THREAD_FEED
 from comparisons.datasheet.curves import TIME
-from comparisons.datasheet.linkage_check import warnings
 from comparisons.datasheet.sheet import Sheet
 from reports.document.numbers import figure
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
-from reports.mechanism.shown import HEADS, figures_table, number, place_cells, places, required_table
+from reports.mechanism.shown import HEADS, figures_table, number, place_cells, places, required_table, warning_texts
 
 Array = NDArray[np.float64]
 
@@ -38,7 +37,7 @@ def printed(sheet: Sheet) -> list[Printed]:
     The remarks are on signs, what the file does not give, and likely mistakes in it, as ``linkproof check`` has them.
     """
     tables = _key_figures(sheet) if sheet.chosen is None else _at_instants(sheet)
-    slips = [Paragraph(f"warning: {text}", colour="yellow") for text in warnings(sheet.linkage)]
+    slips = [Paragraph(f"warning: {text}", colour="yellow") for text in warning_texts(sheet)]
     parts = (part for table in tables for part in ("", table))
     return [Paragraph(sheet.conditions, colour="bold"), *parts, "", *sheet.remarks, *slips]
 
@@ -135,7 +134,8 @@ def csv_table(sheet: Sheet, decimal: str = ".") -> str:
 def json_text(sheet: Sheet) -> str:
     """One object, SI, angles in rad: ``conditions axis units values peaks figures warnings``.
 
-    ``values`` has a list by name, ``peaks`` by name the value and where it is: φ where that is the axis, else the time.
+    ``values`` has a list by name, ``peaks`` by name the value and where it is: φ where that is the axis, else the time,
+    and whether that is an open end of the motion.
     ``figures`` has the tables of ``comparisons.datasheet.figures``, ``required``, where
     the file states it, the feed required of a thread beside the actual one. What is not finite is null.
     """
@@ -144,9 +144,12 @@ def json_text(sheet: Sheet) -> str:
         "axis": sheet.axis,
         "units": sheet.units,
         "values": {name: plain(values) for name, values in sheet.table.items()},
-        "peaks": {name: {"value": peak.value, "at": sheet.place_of(peak)} for name, peak in sheet.peaks.items()},
+        "peaks": {
+            name: {"value": peak.value, "at": sheet.place_of(peak), "at_open_end": peak.at_open_end}
+            for name, peak in sheet.peaks.items()
+        },
         "figures": {name: [vars(row) for row in rows] for name, rows in sheet.figures.items()},
-        "warnings": list(warnings(sheet.linkage)),
+        "warnings": warning_texts(sheet),
     }
     if sheet.required:
         document["required"] = {name: plain(values) for name, values in sheet.required.items()}

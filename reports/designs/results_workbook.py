@@ -20,7 +20,7 @@ Cell = str | float | None
 def workbook(sheet: Sheet) -> bytes:
     """The bytes of an .xlsx file: numbers are numbers, empty where they have no bound, and no name is a formula."""
     table = columns(sheet)
-    head = ("figure", "signal", "value", "unit", f"at φ [{sheet.unit('phi').name}]", "at time [s]")
+    head = ("figure", "signal", "value", "unit", f"at φ [{sheet.unit('phi').name}]", "at time [s]", "at open end")
     pages = {
         "curves": [[*table], *np.column_stack([*table.values()]).tolist()],
         "key figures": [head, *_key_figures(sheet)],
@@ -51,4 +51,12 @@ def _key_figures(sheet: Sheet) -> Iterator[Sequence[Cell]]:
     for figure in (row for rows in sheet.figures.values() for row in rows):
         what = f"{figure.what} on {figure.on}" if figure.on else figure.what
         phi = None if figure.phi is None else sheet.angle(figure.phi)
-        yield what, figure.signal, sheet.shown_value(figure), sheet.unit_of(figure).name, phi, figure.time
+        yield (
+            what,
+            figure.signal,
+            sheet.shown_value(figure),
+            sheet.unit_of(figure).name,
+            phi,
+            figure.time,
+            "yes" if figure.at_open_end else None,
+        )

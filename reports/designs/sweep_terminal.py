@@ -32,7 +32,8 @@ def parts(study: SweepStudy) -> list[Printed]:
         for what, value, where in _ends(study, number)
     ]
     table = Table("", ["figure", "design", "value", *shown], rows, "llr")
-    return [Paragraph(request.conditions, colour="bold"), sentence(study), "", table]
+    warning = [Paragraph(f"warning: {request.at_open_end.sentence}", colour="yellow")] * bool(request.at_open_end.names)
+    return [Paragraph(request.conditions, colour="bold"), sentence(study), "", table, *warning]
 
 
 def sentence(study: SweepStudy) -> str:
@@ -58,6 +59,7 @@ def sentence(study: SweepStudy) -> str:
 def document(study: SweepStudy) -> dict[str, Any]:
     """The JSON document of a sweep's summary; what is not finite is null."""
     request, space = study.request, study.request.space
+    open_ends = request.at_open_end
     names = [parameter.name for parameter in space.parameters]
     return {
         "mechanism": request.linkage.name,
@@ -72,12 +74,15 @@ def document(study: SweepStudy) -> dict[str, Any]:
             )
         },
         "figures": {
-            named_figure.name: {"units": named_figure.unit.name} | {
+            named_figure.name: {
+                "units": named_figure.unit.name, "at_open_end": named_figure.name in open_ends.names,
+            } | {
                 what.removeprefix("file's "): {"value": finite(value), "at": dict(zip(names, where, strict=False))}
                 for what, value, where in _ends(study, number)
             }
             for number, named_figure in enumerate(request.figures)
         },
+        "warnings": [open_ends.sentence] if open_ends.names else [],
     }  # fmt: skip
 
 

@@ -29,7 +29,12 @@ def printout(study: ToleranceStudy) -> Printout:
         parts += ["", _table(study, row), *_sentences(study, row)]
     lost = 1.0 - study.assembled
     random = f"{study.request.samples} random designs, seed {SEED}"
-    closing = [f"{random}: " + (f"{lost:.2%} of them do not assemble" if lost else "all of them assemble"), NOTE]
+    closing: list[Printed] = [
+        f"{random}: " + (f"{lost:.2%} of them do not assemble" if lost else "all of them assemble"),
+        NOTE,
+    ]
+    if study.request.at_open_end.names:
+        closing.append(Paragraph(f"warning: {study.request.at_open_end.sentence}", colour="yellow"))
     return Printout([*parts, ""], closing)
 
 
@@ -114,6 +119,7 @@ def document(study: ToleranceStudy) -> dict[str, Any]:
         "assembled": study.assembled,
         "derivatives": study.how,
         "results": {figure.name: _result(study, row) for row, figure in enumerate(request.figures)},
+        "warnings": [request.at_open_end.sentence] if request.at_open_end.names else [],
     }
 
 
@@ -123,6 +129,7 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
     return {
         "units": unit.name,
         "nominal": float(study.nominal[row] / unit.size),
+        "at_open_end": study.request.figures[row].name in study.request.at_open_end.names,
         "tolerances": [
             dict(zip(("parameter", "units", *COLUMNS[5:8], *COLUMNS[9:]), cells, strict=True))
             for cells in (_values(study, row, column) for column in range(len(study.request.tolerances)))

@@ -36,7 +36,7 @@ from reports.live import live_widget, model_of
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.published import published_section
-from reports.mechanism.shown import chart, figures_table, key_table, page_figure, panel, required_table
+from reports.mechanism.shown import chart, figures_table, key_table, open_end_note, page_figure, panel, required_table
 from reports.records.views import anchor, views
 
 # Sections of a mechanism's page that some linkages have: the thread, and released cranks.
@@ -200,7 +200,8 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
     drawing, model = moving_scheme(sheet.linkage, sheet.positions, "moving"), model_of(sheet)
     if not isinstance(model, str):
         yield live_widget(sheet, model, (key_table(sheet), Drawn(drawing, "")))
-        yield Cards((Card("The mechanism as in its file", (designer.facts(sheet),)),), wide=True)
+        note = [Paragraph(f"{open_end_note(sheet)}.", "small")] if sheet.open_end_warning else []
+        yield Cards((Card("The mechanism as in its file", (designer.facts(sheet), *note)),), wide=True)
         return
     fixed = Paragraph(sentence("not_live", reason=model), "small")
     motion = Card("In motion", (player(sheet, sheet.positions, drawing), fixed))

@@ -14,6 +14,7 @@ from analytic.description.law import FULL_TURN
 from analytic.description.written import FileUnit, fixed
 from comparisons.datasheet.curves import TIME, SignalFigure
 from comparisons.datasheet.figures import MEAN, SHAKING
+from comparisons.datasheet.linkage_check import warnings
 from comparisons.datasheet.sheet import Sheet
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
@@ -34,21 +35,30 @@ HEADS: Final = {
 }
 
 
+AT_OPEN_END: Final = "*"  # behind an extreme at an end of the motion beside a dead position
+
+
 def _angle(value: float, unit: FileUnit) -> str:
     """Degrees to two decimals, radians and lengths to five digits."""
     return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
 def number(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """A key figure in its unit."""
+    """A key figure in its unit, with the mark of an extreme at an open end."""
+    return _unmarked(sheet, signal_figure) + AT_OPEN_END * signal_figure.at_open_end
+
+
+def _unmarked(sheet: Sheet, signal_figure: SignalFigure) -> str:
     value = sheet.shown_value(signal_figure)
     return _angle(value, sheet.unit_of(signal_figure)) if signal_figure.unit == "rad" else figure(value)
 
 
 def words(sheet: Sheet, signal_figure: SignalFigure) -> str:
     """A key figure with its unit, as a page prints it."""
-    text, unit = number(sheet, signal_figure), sheet.unit_of(signal_figure).on_page
-    return text if text == ABSENT else _with_minus_sign(f"{text}°" if unit == "deg" else f"{text} {unit}")
+    text, unit = _unmarked(sheet, signal_figure), sheet.unit_of(signal_figure).on_page
+    if text == ABSENT:
+        return text
+    return _with_minus_sign(f"{text}°" if unit == "deg" else f"{text} {unit}") + AT_OPEN_END * signal_figure.at_open_end
 
 
 def _with_minus_sign(text: str) -> str:
@@ -144,7 +154,20 @@ def key_table(sheet: Sheet) -> Table:
     """The key figures as a table, captioned with the conditions."""
     head = ("figure", "value", f"at {sheet.symbol}")
     conditions = sheet.conditions.partition(": ")[2]
-    return Table(f"{conditions[:1].upper()}{conditions[1:]}.", head, key_figures(sheet), align="lrr", style="key")
+    caption = (
+        f"{conditions[:1].upper()}{conditions[1:]}.{f' {open_end_note(sheet)}.' if sheet.open_end_warning else ''}"
+    )
+    return Table(caption, head, key_figures(sheet), align="lrr", style="key")
+
+
+def open_end_note(sheet: Sheet) -> str:
+    """What the mark behind numbers means, and how to keep away from the dead positions; for a sheet that has some."""
+    return f"Numbers with {AT_OPEN_END} lie at an open end of the motion: {sheet.open_end_warning}"
+
+
+def warning_texts(sheet: Sheet) -> list[str]:
+    """What a reader is warned of: extremes at open ends, and probable slips of the file."""
+    return [*([open_end_note(sheet)] if sheet.open_end_warning else []), *warnings(sheet.linkage)]
 
 
 def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> PageFigure:

@@ -130,4 +130,6 @@ def results(linkage: Linkage | str | Path, *, options: ResultsOptions) -> xarray
     case, chosen = requested_results(*resolve_linkage(linkage, options))
     result = sheet(case, chosen)
     about = {"regime": case.motion.regime, "conditions": result.conditions}
+    if result.open_end_warning:
+        about["open_ends"] = result.open_end_warning
     return labelled(result.linkage, result.axis, result.table, about)

@@ -30,7 +30,8 @@ from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case, Motion, case_of_file_regime
-from comparisons.datasheet.building import STEADY, inset_ends, range_motion
+from comparisons.datasheet.building import STEADY, range_motion
+from comparisons.datasheet.open_ends import inset_ends
 from reports.requests.motion_options import TIMED, MotionOptions
 
 EVERYTHING = "all"

@@ -164,6 +164,15 @@ def test_a_linkage_that_cannot_turn_is_drawn_where_it_stops(browser, page_of):
         assert seen.faults == []
 
 
+def test_peaks_at_an_open_end_of_a_range_are_marked(browser, page_of):
+    text = (Path(__file__).parents[1] / "linkages" / "designer" / "e11.toml").read_text(encoding="utf-8")
+    with at_work(browser, page_of("e11", text), {"rocker.mass": 0.2}) as seen:
+        for name in ("peak torque", "force in A", "shaking moment"):
+            assert all(cell.endswith("*") for cell in figure(seen.page, name)[:2]), name
+        assert "--from 40 --to 127" in seen.page.locator("main").inner_text()
+        assert seen.faults == []
+
+
 @pytest.mark.parametrize(
     ("name", "width", "theme"), [("stephenson-six-bar", WIDTHS[0], "dark"), ("four-bar", WIDTHS[1], "light")]
 )

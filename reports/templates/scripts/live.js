@@ -337,12 +337,12 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
     return words.replace("-", "−");
   }
   /** A key figure with its unit, to four digits. */
-  function shown({ value, unit }) {
+  function shown({ value, unit, isOpen }) {
     if (!Number.isFinite(value)) return "–";
     const size = Math.abs(value), isFar = size >= 1e6 || (size > 0 && size < 1e-3);
     const text = isFar ? value.toExponential(3).replace("e+", "e") : value.toPrecision(4);
     const plain = size >= 1e4 && !isFar ? String(Number(text)) : size ? text : "0";
-    return (unit === "deg" ? `${value.toFixed(2)}°` : `${plain} ${unit}`).replaceAll("-", "−");
+    return (unit === "deg" ? `${value.toFixed(2)}°` : `${plain} ${unit}`).replaceAll("-", "−") + (isOpen ? "*" : "");
   }
   function changed(now, was) {
     if (!Number.isFinite(now) || !Number.isFinite(was) || !was || now === was) return "";

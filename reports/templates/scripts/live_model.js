@@ -4,11 +4,12 @@
  * @typedef {{name: string, group: string, label: string, unit: string, value: number, si: number, size: number,
  *   role: "given"|"table"|"sketch"|"speed"|"scale", load: number|null, offered: boolean}} LiveNumber
  * @typedef {Object<string, number>} Design changed numbers by name, in the units of the file
- * @typedef {{name: string, value: number, unit: string}} Figure
+ * @typedef {{name: string, value: number, unit: string, isOpen: boolean}} Figure
  */
 linkproof.liveModel = (formulas, data) => {
   const STEP = Math.PI / 360, FEWEST = 720, MOST = 2880; // rad, and intervals of a motion
   const NARROW = 4, LOOKS = 9, TOPS = 3, SAME = 1e-12; // times a bracket shrinks to a quarter
+  const AT_END = 1e-3; // of a motion's way
   const { motion, results } = data, places = new Map(results.map((one, k) => [one.name, k]));
   const moving = results.length, width = results.length + 1 + data.groups.length;
   const given = data.numbers.filter((one) => one.role === "given");
@@ -39,7 +40,7 @@ linkproof.liveModel = (formulas, data) => {
   }
   const followed = (segments, time) =>
     [0, 1, 2].map((order) => Float64Array.from(time, (t) => along(segments, t, order)));
-  const own = course(motion.segments, motion.duration);
+  const own = { ...course(motion.segments, motion.duration), open: motion.open };
 
   /** The motion of a design: the file's, or one over the range that the design reaches, short of its limits. */
   function courseOf(design) {
@@ -53,7 +54,8 @@ linkproof.liveModel = (formulas, data) => {
     if (reach.includes(null)) return own;
     const margin = motion.range * (reach[1] - reach[0]), speed = motion.segments[0][2][1];
     const [first, last] = speed < 0 ? [reach[1] - margin, reach[0] + margin] : [reach[0] + margin, reach[1] - margin];
-    return course([[0, (last - first) / speed, [first, speed]]], (last - first) / speed);
+    const segments = [[0, (last - first) / speed, [first, speed]]];
+    return { ...course(segments, (last - first) / speed), open: [first, last] };
   }
 
   /** The last φ where the linkage moves, by bisection between one where it does and one where it does not. */
@@ -179,6 +181,12 @@ linkproof.liveModel = (formulas, data) => {
     };
   }
 
+  /** Whether a peak is at an end of the motion beside a dead position, where it says only where the motion is cut off. */
+  function isAtOpenEnd(over, time) {
+    const way = Math.abs(over.phiAt(1) - over.phiAt(0)), phi = along(over.segments, time, 0);
+    return over.isWhole && over.open.some((end) => Math.abs(phi - end) <= AT_END * way);
+  }
+
   /** @returns {Figure[]} key figures in the file's units; not numbers where the linkage does not pass its motion */
   function figures(over, isQuick = false) {
     const list = [], count = over.times.length;
@@ -187,12 +195,13 @@ linkproof.liveModel = (formulas, data) => {
       const { unit, size } = results[places.get(signal)];
       const peak = over.isWhole ? top(over, places.get(signal), measure, isQuick) : { height: NaN, time: 0 };
       const there = over.isWhole && sign === 0 ? over.at([peak.time])[places.get(signal)] : 1;
-      list.push({ name, unit, value: ((sign === 0 ? Math.sign(there) : sign) * peak.height) / size });
+      const value = ((sign === 0 ? Math.sign(there) : sign) * peak.height) / size;
+      list.push({ name, unit, value, isOpen: isAtOpenEnd(over, peak.time) });
     };
     const mean = (name, what, of) => {
       const { unit, size } = results[places.get(what)];
       const values = row(what).subarray(0, count - 1);
-      list.push({ name, unit, value: over.isWhole ? of(values) / size : NaN });
+      list.push({ name, unit, value: over.isWhole ? of(values) / size : NaN, isOpen: false });
     };
     const force = motion.linear ? "force" : "torque";
     const average = (values) => values.reduce((a, b) => a + b, 0) / values.length;
@@ -207,8 +216,9 @@ linkproof.liveModel = (formulas, data) => {
     }
     if (places.has("S")) {
       put("stroke", "S", (s) => s);
-      const least = top(over, places.get("S"), (s) => -s, isQuick).height;
-      if (over.isWhole) list.at(-1).value += least / results[places.get("S")].size;
+      const least = top(over, places.get("S"), (s) => -s, isQuick), stroke = list.at(-1);
+      if (over.isWhole) stroke.value += least.height / results[places.get("S")].size;
+      stroke.isOpen ||= isAtOpenEnd(over, least.time);
       put("peak v", "v", Math.abs, 0);
       put("peak a", "a", Math.abs, 0);
     }

@@ -95,7 +95,7 @@ def test_the_key_figures_of_a_workbook_are_those_of_the_table():
     """Figures of the piston engine by its formulas, in inches, kN and N mm."""
     read = pandas.read_excel(io.BytesIO(workbook(piston(*IMPERIAL))), "key figures")
     rows = read.set_index(["figure", "signal"])
-    assert list(read) == ["figure", "signal", "value", "unit", "at φ [deg]", "at time [s]"]
+    assert list(read) == ["figure", "signal", "value", "unit", "at φ [deg]", "at time [s]", "at open end"]
     accelerated = MASS * SPEED**2 * CRANK * (1.0 + CRANK / ROD)  # N, at the top dead centre
     for figure, value, unit, place in (
         (("stroke", "S"), 2.0 * CRANK / 0.0254, "in", None),

@@ -8,7 +8,7 @@ import pytest
 from analytic.description.crank_motion import LAWS, REGIMES, RPM
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.datasheet.building import MARGIN
+from comparisons.datasheet.open_ends import MARGIN
 from reports.requests.campaign import request
 from reports.requests.campaign_options import CompareOptions
 from reports.requests.motion_options import MotionOptions

@@ -1,0 +1,168 @@
+"""Open ends: ends of a motion beside a dead position, towards which forces and speeds grow without bound.
+
+An extreme there says where the motion was cut off, not what the linkage needs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from analytic.description.file_units import file_unit
+from analytic.moving import MovingSweep
+from numpy.typing import NDArray
+
+from analytic.designs.figures import Figure
+from analytic.kinematics.crank_range import CrankRange, Toggle
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.structure import AnyGroup, Dyad, Revolute
+from analytic.kinematics.sweep import Sweep, transmission_angle
+from analytic.numerics.roots import roots
+from analytic.signals import signal
+
+Array = NDArray[np.float64]
+
+MARGIN: Final = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
+NEAR: Final = 0.05  # share of a range within which an end lies beside its limit
+BINDS: Final = math.radians(40.0)  # transmission angle below which four-bars and slider-cranks bind easily (Alt)
+AT_END: Final = 1e-3  # share of a motion's way within which an extreme is at its end
+RANGE_SAMPLES: Final = 721
+INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
+
+
+@dataclass(frozen=True)
+class OpenEnd:
+    """An end of a motion, φ in rad or m, and the dead position beside it; extremes within ``reach`` are at this end."""
+
+    place: float
+    limit: Toggle
+    reach: float
+
+    def has(self, phi: float) -> bool:
+        """Whether an extreme at φ is at this end."""
+        return abs(phi - self.place) <= self.reach
+
+
+def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
+    """Start and end of a motion over a range, rad or m: short of its limits, where forces grow beyond all bounds."""
+    low, high = reach.limits
+    margin = MARGIN * (high - low)
+    return (high - margin, low + margin) if backwards else (low + margin, high - margin)
+
+
+def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd, ...]:
+    """The open ends of a motion between two values of φ, rad or m, the lower one first."""
+    low, high = min(first, last), max(first, last)
+    reach = _range_around(mechanism, low)
+    if reach.is_full_turn:
+        return ()
+    width = reach.limits[1] - reach.limits[0]
+    return tuple(
+        OpenEnd(place, limit, AT_END * (high - low))
+        for place, limit in ((low, reach.low), (high, reach.high))
+        if limit is not None
+        and abs(place - limit.angle) <= NEAR * width
+        and _group_angle(mechanism.sweep(np.array([place])), limit.dyad)[0] < BINDS
+    )
+
+
+def _range_around(mechanism: Mechanism, phi: float) -> CrankRange:
+    """The range of φ in which a value lies: the sketch's, or that of a motion that starts elsewhere."""
+    reach = mechanism.crank_range()
+    low, high = reach.limits
+    return reach if reach.is_full_turn or low <= phi <= high else mechanism.crank_range(phi)
+
+
+def _group_angle(sweep: Sweep, group: AnyGroup) -> Array:
+    """The transmission angle of a group, rad; of a link that a cylinder turns that of the cylinder, else 0."""
+    if isinstance(group, Dyad):
+        return transmission_angle(sweep, group)
+    cylinder, pins = sweep.linkage.cylinder, [joint for joint in group.joints if isinstance(joint, Revolute)]
+    if cylinder is None or len(group.links) != 1 or len(pins) != 1:
+        return np.zeros(sweep.angle.shape)
+    own = sweep.linkage.links[group.first].points
+    far, end = sorted(cylinder.points, key=lambda point: point in own)
+    corner = sweep.point(end)
+    lever, rod = sweep.point(pins[0].point) - corner, sweep.point(far) - corner
+    turned, along = np.abs(lever[0] * rod[1] - lever[1] * rod[0]), np.abs(np.sum(lever * rod, axis=0))
+    return np.asarray(np.arctan2(turned, along))
+
+
+def good_stretches(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
+    """By row the ends, rad or m, of the stretch around its best place where it does not bind; [] if it always does.
+
+    ``angles`` (rows, n) are the transmission angles that ``function`` gives over ``grid`` (n,).
+    """
+    brackets = np.zeros((2, 2, len(angles)))  # the last place where it is enough and the first where it is not
+    for number, angle in enumerate(angles):
+        enough, best = angle >= BINDS, int(np.argmax(angle))
+        for side, direction in enumerate((-1, 1)):
+            short = np.flatnonzero(~enough[best::direction])
+            last = best + direction * (int(short[0]) - 1) if len(short) else (-1 if direction > 0 else 0)
+            brackets[side, :, number] = grid[last], grid[last + direction] if len(short) else grid[last]
+    ends = [
+        roots(lambda phi: np.diagonal(function(phi)) - BINDS, inside, inside, outside) for inside, outside in brackets
+    ]
+    is_good = [bool(np.max(angle) >= BINDS) for angle in angles]
+    return [[float(low), float(high)] if good else [] for low, high, good in zip(*ends, is_good, strict=True)]
+
+
+def good_part(mechanism: Mechanism, reach: CrankRange) -> list[float]:
+    """The ends, rad or m, of the part of a range where no group binds; [] where there is none."""
+    low, high = reach.limits
+    inset = INSET * (high - low)
+    grid = np.linspace(low + inset, high - inset, RANGE_SAMPLES)
+    groups: list[AnyGroup] = [*mechanism.structure.dyads]
+    groups += [limit.dyad for limit in (reach.low, reach.high) if limit and limit.dyad not in groups]
+
+    def least(phi: Array) -> Array:
+        sweep = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
+        return np.asarray(np.min([_group_angle(sweep, group) for group in groups], axis=0)[None])
+
+    return good_stretches(least, grid, least(grid))[0]
+
+
+def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
+    """A sentence on open ends: which they are, the dead positions beside them, and which part is free of them."""
+    reach = _range_around(mechanism, ends[0].place)
+    places: dict[str, list[str]] = {}
+    for end in ends:
+        places.setdefault(end.limit.sentence, []).append(reach.place(end.limit.angle))
+    towards = " and towards ".join(f"{' and '.join(limits)} ({words})" for words, limits in places.items())
+    return f"forces and speeds grow without bound towards {towards}; {_cure(mechanism, reach)}"
+
+
+def _cure(mechanism: Mechanism, reach: CrankRange) -> str:
+    """The options that keep a motion to the part where no group binds, in round numbers."""
+    part = good_part(mechanism, reach)
+    linkage = mechanism.linkage
+    size = file_unit("m", linkage).size if linkage.is_linear else math.radians(1.0)
+    if part:
+        low, high = part[0] / size, part[1] / size
+        step = 10.0 ** math.floor(math.log10((high - low) / 20.0))
+        first, last = math.ceil(low / step) * step, math.floor(high / step) * step
+        return (
+            f"--from {first:.6g} --to {last:.6g} keeps every transmission angle at {math.degrees(BINDS):.0f}° or more"
+        )
+    return f"no part of the range has a transmission angle of {math.degrees(BINDS):.0f}°: change the lengths"
+
+
+def figures_at_open_ends(
+    mechanism: Mechanism, figures: Sequence[Figure], places: Array, speed: float
+) -> tuple[list[bool], Sequence[OpenEnd]]:
+    """Which figures have an extreme at an open end of a motion over ``places`` (n,), ascending, and these ends."""
+    ends = open_ends(mechanism, float(places[0]), float(places[-1]))
+    if not ends:
+        return [False] * len(figures), ()
+    sweep = mechanism.sweep(places)
+    farthest = float(np.max(sweep.output())) if mechanism.linkage.output else 0.0
+    at = MovingSweep(mechanism, sweep, np.asarray(speed), np.zeros(()), farthest)
+    tops = [
+        [float(places[np.argmax(extreme.height(signal(at, figure.signal)))]) for extreme in figure.extremes]
+        for figure in figures
+    ]
+    marks = [any(end.has(top) for end in ends for top in places) for places in tops]
+    return marks, [end for end in ends if any(end.has(top) for places in tops for top in places)]
