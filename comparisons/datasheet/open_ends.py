@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from analytic.description.file_units import file_unit
 from analytic.moving import MovingSweep
 from numpy.typing import NDArray
 
+from analytic.description.written import file_unit
 from analytic.designs.figures import Figure
 from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.mechanism import Mechanism
