@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from analytic.moving import MovingSweep
 from numpy.typing import NDArray
 
 from analytic.description.written import file_unit
@@ -21,7 +20,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import AnyGroup, Dyad, Revolute
 from analytic.kinematics.sweep import Sweep, transmission_angle
 from analytic.numerics.roots import roots
-from analytic.signals import signal
+from analytic.signals import MovingSweep, signal
 
 Array = NDArray[np.float64]
 
