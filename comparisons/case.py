@@ -32,8 +32,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.refine import highest
 from analytic.signals import LinkageInMotion
-from engines.scene import Body, Channel, Drive, Free, Prescribed, Scene
-from engines.scene_builder import build_scene
+from engines.scene import Body, Channel, Drive, Free, Prescribed, Scene, build_scene
 
 Array = NDArray[np.float64]
 

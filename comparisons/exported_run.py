@@ -20,8 +20,7 @@ from engines.exported_script import ScriptFigure, script
 from engines.registry import engine, why_unavailable
 from engines.scene import Channel, Scene
 from engines.stepping.intervals import UnsupportedError
-from engines.stepping.loop_engine import LoopEngine
-from engines.stepping.stepped_engine import Recipe
+from engines.stepping.stepped_engine import LoopEngine, Recipe
 
 UNITS = {
     Channel.POSITION: ("m", "rad"),

@@ -14,12 +14,12 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import DriverKind, Vector
 from analytic.numerics.refine import highest
 from engines.contract import History, Origin, Signal, weakest
-from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, applied_loads, potential_energy, without_potential
 from engines.mechanics.states import (
     Pose,
     body_masses,
     body_numbers,
+    driven,
     point_acceleration,
     point_velocity,
     pose_of,

@@ -24,8 +24,7 @@ from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import pose_of, start_motion
 from engines.scene import GUIDES, AppliedForce, Channel, Prescribed, Scene, SlotJoint, TurnDamper
-from engines.stepping.loop_engine import LoopEngine
-from engines.stepping.stepped_engine import Recipe
+from engines.stepping.stepped_engine import LoopEngine, Recipe
 
 FAR = 1e5  # sizes of the scene
 STIFFNESS = 3.0  # of the drive, in total mass · size² / step²

@@ -15,17 +15,27 @@ from importlib import import_module
 from pprint import pformat
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from analytic.description.linkage import DriverKind
 from engines.contract import History
 from engines.registry import silenced
 from engines.scene import Scene
 from engines.stepping.intervals import Cost, DivergedError, UnsupportedError
-from engines.stepping.loop_engine import LoopEngine, plain, plain_course
 from engines.stepping.own_units import OwnUnits, restored
+from engines.stepping.stepped_engine import LoopEngine, plain, plain_course
 
 WIDTH = 130  # a docstring's line of 120 characters stays one
 OWN_PACKAGES = {"linkproof", "analytic", "engines", "comparisons", "reports"}
 ANGLE = 2  # number of the angle among a body's coordinates
+CLOSING_IMPORTS = """
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+
+
+"""
 RUN = """
 try:
     samples = follow(build(MODEL), COURSE)
@@ -78,7 +88,7 @@ def script(
     if more:
         raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
     docstring, source = _standalone_source(engine.loop)
-    _, closing = _standalone_source("engines.exported_figures")
+    closing = CLOSING_IMPORTS + _without_remarks(inspect.getsource(show_figures)).rstrip()
     shown: Sequence[ScriptFigure] = ()
     with silenced() if engine.chatters else nullcontext():
         world = engine.build(given, recipe)
@@ -103,6 +113,16 @@ def written(value: object) -> str:
     return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
 
+def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, ...]]) -> None:
+    """Print, at the end of an exported script, where the engine is furthest from the closed form, in SI units."""
+    print(f"{'':44}{'time, s':>9}{engine:>20}{'when exported':>20}{'closed form':>20}{'difference':>12}")  # noqa: T201
+    for what, unit, (channel, *joint), element, at, exported, true, factor in figures:
+        time, values = map(np.asarray, samples[channel][joint[0]] if joint else samples[channel])
+        read = float(values[(np.argmin(np.abs(time - at)), *element)]) * factor
+        row = f"{what + ', ' + unit:44}{at:9.6f}{read:20.12g}{exported:20.12g}{true:20.12g}{read - true:12.1e}"
+        print(row)  # noqa: T201
+
+
 def _standalone_source(loop: str) -> tuple[str, str]:
     """Docstring and source of a module that has to do without linkproof, without remarks for linters."""
     source = inspect.getsource(import_module(loop))
@@ -118,7 +138,12 @@ def _standalone_source(loop: str) -> tuple[str, str]:
             )
     docstring = ast.get_docstring(module)
     rest = source.splitlines()[module.body[0].end_lineno or 0 :] if docstring else source.splitlines()
-    return docstring or "", re.sub(r"  # noqa.*", "", "\n".join(rest))
+    return docstring or "", _without_remarks("\n".join(rest))
+
+
+def _without_remarks(source: str) -> str:
+    """A source without remarks for linters."""
+    return re.sub(r"  # noqa.*", "", source)
 
 
 def _units_in_words(units: OwnUnits | None) -> str:

@@ -30,8 +30,7 @@ from engines.mechanics.joints import scene_size
 from engines.mechanics.spanning_tree import AT_REST, Branch, cylinder_as_links, ends, slots_as_blocks, spanning_tree
 from engines.mechanics.states import body_numbers
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene, SliderJoint
-from engines.stepping.loop_engine import LoopEngine, plain_law
-from engines.stepping.stepped_engine import Recipe
+from engines.stepping.stepped_engine import LoopEngine, Recipe, plain_law
 
 KINEMATICS = {Channel.POSITION: "framepos", Channel.VELOCITY: "framelinvel", Channel.ACCELERATION: "framelinacc"}
 

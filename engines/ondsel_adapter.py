@@ -28,8 +28,7 @@ from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.spanning_tree import cylinder_as_links
 from engines.scene import Body, Channel, Prescribed, Scene, SliderJoint, SlotJoint, TurnDamper
-from engines.stepping.loop_engine import LoopEngine
-from engines.stepping.stepped_engine import Recipe
+from engines.stepping.stepped_engine import LoopEngine, Recipe
 
 Matrix = tuple[tuple[float, float, float], ...]  # its columns are the axes of a frame
 

@@ -34,8 +34,7 @@ from engines.scene import (
     SlotJoint,
     TurnDamper,
 )
-from engines.stepping.loop_engine import LoopEngine, PlainLaw, plain_law
-from engines.stepping.stepped_engine import Recipe
+from engines.stepping.stepped_engine import LoopEngine, PlainLaw, Recipe, plain_law
 
 READOUTS = {
     Channel.POSITION: ReadOut("Frame.getPositionInGround, Coordinate.getValue"),

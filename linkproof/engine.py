@@ -15,7 +15,7 @@ from engines.scene import (
     SlotJoint, TurnDamper,
 )  # fmt: skip
 from engines.stepping.intervals import DivergedError, UnsupportedError
-from engines.stepping.loop_engine import LoopEngine, plain_law
+from engines.stepping.stepped_engine import LoopEngine, plain_law
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 
 __all__ = [

@@ -15,9 +15,8 @@ from analytic.description.law import FULL_TURN
 from comparisons.invariants.corrections import LEVELS, AssurGroups, Findings, findings
 from comparisons.observed_motion import POINTS, ObservedMotion, resample
 from engines.contract import Signal
-from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, scene_size
-from engines.mechanics.states import start_motion
+from engines.mechanics.states import driven, start_motion
 from engines.scene import Channel, Prescribed
 
 Array = NDArray[np.float64]

@@ -27,11 +27,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analytic.description.linkage import GROUND, Vector
-from engines.mechanics.driver import Driver, Span
 from engines.mechanics.states import (
+    Driver,
     Numbers,
     Pose,
     Reals,
+    Span,
     across,
     body_masses,
     body_numbers,

@@ -12,9 +12,8 @@ import math
 from dataclasses import dataclass, replace
 
 from analytic.description.linkage import GROUND, Vector
-from engines.mechanics.driver import Driver
 from engines.mechanics.joints import scene_size
-from engines.mechanics.states import pose_of, start_motion
+from engines.mechanics.states import Driver, pose_of, start_motion
 from engines.scene import Body, Cylinder, PinJoint, Scene, SliderJoint, SlotJoint
 
 AT_REST = Body(GROUND, 0.0, None, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0)  # the ground

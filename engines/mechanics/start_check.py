@@ -15,9 +15,8 @@ import numpy as np
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, DriverKind
 from engines.contract import Abilities
-from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, scene_size
-from engines.mechanics.states import Reals, pose_of, start_motion
+from engines.mechanics.states import Reals, driven, pose_of, start_motion
 from engines.scene import Body, Free, Prescribed, Scene
 
 # Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.

@@ -26,9 +26,8 @@ import numpy as np
 
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Vector
-from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations
-from engines.mechanics.states import Reals, body_numbers, point_velocity, pose_of, start_motion
+from engines.mechanics.states import Reals, body_numbers, driven, point_velocity, pose_of, start_motion
 from engines.scene import AppliedForce, Cylinder, PinJoint, PointSpring, Scene, SliderJoint, SlotJoint
 
 # Mass that rests on a pivot, over the scene's, and the share of a body's inertia about its pivot in the point mass.

@@ -19,7 +19,7 @@ from analytic.kinematics import dead_centres
 from comparisons.case import Case
 from comparisons.judging import quantities
 from engines.scene import Channel
-from engines.stepping.loop_engine import plain_law
+from engines.stepping.stepped_engine import plain_law
 from tests.analytic.linkages import file_text, from_text
 
 TEXT = file_text("loaded-slider-crank")

@@ -11,7 +11,7 @@ from comparisons.case import Truth, scene
 from engines.contract import Origin, Outcome, Setting
 from engines.drake_adapter import DrakeEngine
 from engines.scene import Channel, PinJoint, Prescribed
-from engines.stepping.loop_engine import plain
+from engines.stepping.stepped_engine import plain
 from tests.analytic.linkages import mechanism
 from tests.engines.closed_form import error_of, run_of
 

@@ -16,7 +16,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import judged
 from comparisons.case import Case, channel_truth
 from engines.contract import Outcome, Setting
-from engines.mechanics.driver import driven as travelled
+from engines.mechanics.states import driven as travelled
 from engines.mechanics.states import with_ground
 from engines.scene import Channel, Free
 from tests.analytic.drives import driven

@@ -7,8 +7,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.case import scene
 from engines.mechanics.start_check import start_misfit
-from engines.scene import Channel, Prescribed
-from engines.scene_builder import is_pin_mass
+from engines.scene import Channel, Prescribed, is_pin_mass
 from tests.analytic.linkages import FULL_TURN, mechanism
 
 MOTION = crank_motion("constant-speed", start_angle=0.7)

@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from analytic.description.law import FULL_TURN, Law
-from engines.stepping.loop_engine import plain_law
+from engines.stepping.stepped_engine import plain_law
 
 KNOTS = np.radians([-40.0, 15.0, 80.0, 170.0, 250.0])
 VALUES = np.array([[1.0, -3.0], [2.5, 0.0], [-1.0, 4.0], [0.5, 1.0], [2.0, -2.0]])
