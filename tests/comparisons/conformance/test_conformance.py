@@ -1,5 +1,6 @@
 """The conformance test on trial: a right engine passes, one wrong in one thing fails the check that names it."""
 
+import math
 import re
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from comparisons.conformance import conformance
 from comparisons.conformance.conformance import (
     CHECKS,
     FIRST,
+    INSTALLED,
     check_engine,
     parametrize_engine_checks,
     run_in_workers,
@@ -16,7 +18,9 @@ from comparisons.conformance.conformance import (
 )
 from comparisons.conformance.mutants import MUTANT, MUTANTS, RELEASED
 from comparisons.conformance.trial import CheckResult, EngineTrial, Finding, NotTestedError
+from comparisons.runs.workers import Bounds
 from engines.direct_adapter.adapter import DirectEngine
+from engines.registry import engine, engine_names
 from tests.comparisons.conformance.wrong_engines import (
     WRONG,
     AlterableEngine,
@@ -29,6 +33,9 @@ from tests.comparisons.conformance.wrong_engines import (
 
 pytest_plugins = ["pytester"]
 OWN = [name for name in CHECKS if not name.startswith(MUTANT)]
+
+FEWEST_MUTANTS = 60  # of an engine, whatever it can do
+OTHERS = [name for name in engine_names() if name != "direct"]
 
 
 def _results(engine, names=OWN):
@@ -184,3 +191,27 @@ def test_pytest_has_a_case_of_every_check_and_turns_red_when_an_expected_failure
     counts = done.parseoutcomes()
     assert {name: counts.get(name, 0) for name in ("failed", "xfailed")} == {"failed": 0, "xfailed": 0, **outcome}
     assert counts["skipped"] >= 4  # refusals do not apply, worlds cannot be altered
+
+
+def findings(name, monkeypatch, checks):
+    monkeypatch.setattr(conformance, "CHECKS", {check: CHECKS[check] for check in checks})
+    monkeypatch.setattr(conformance, "BOUNDS", Bounds(seconds=math.inf))
+    results = {each.check: each for each in check_engine(engine(name), 1)}
+    if results[INSTALLED].finding is Finding.NOT_TESTED:
+        pytest.skip(results[INSTALLED].detail)
+    assert {check: each.detail for check, each in results.items() if each.finding is Finding.FAILED} == {}
+    return {check: each.finding for check, each in results.items()}
+
+
+@pytest.mark.parametrize(
+    "name", [name if name == "mujoco" else pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS]
+)
+def test_an_engine_keeps_the_contract(name, monkeypatch):
+    assert Finding.PASSED in findings(name, monkeypatch, [n for n in CHECKS if not n.startswith(MUTANT)]).values()
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", OTHERS)
+def test_no_mutant_of_an_engine_passes_unseen(name, monkeypatch):
+    results = findings(name, monkeypatch, CHECKS)
+    assert sum(results[f"{MUTANT}{mutant.name}"] is Finding.PASSED for mutant in MUTANTS) >= FEWEST_MUTANTS

@@ -1,4 +1,4 @@
-"""Data sheets hold what the closed form says, of every kind of linkage."""
+"""Data sheets hold what the closed form says, of every kind of linkage and of a released crank, and are read back."""
 
 import math
 import re
@@ -9,14 +9,78 @@ import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
+from analytic.errors import LinkproofError
 from analytic.kinematics import frames
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Case
-from comparisons.datasheet.building import positions_over_motion, positions_over_range, usual_case, usual_sheet
+from comparisons.case import Case, case_of_file_regime, motion_of_file_regime
+from comparisons.datasheet.building import (
+    describe_release,
+    positions_over_motion,
+    positions_over_range,
+    usual_case,
+    usual_sheet,
+)
 from comparisons.datasheet.curves import Curves, choose_samples
+from comparisons.datasheet.saved import load_cases, save_case
 from tests.analytic.linkages import FOLDER, from_text, mechanism
-from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
+from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, ROTOR
 from tests.reports.designs.samples import results
+
+LAW = "\n[regimes.go]\ntorque = {torque}\nstart_angle = {angle}\nstart_speed = {speed}\nduration = 2\n"
+
+
+def released_of(text, **law):
+    mechanism = from_text(text + LAW.format(**law))
+    own = mechanism.linkage.released["go"]
+    motion = motion_of_file_regime(mechanism, own)
+    return describe_release(mechanism, own, motion), motion
+
+
+def test_a_pendulum_rests_where_it_hangs_and_where_it_stands():
+    found, motion = released_of(PENDULUM, torque=0, angle=-1.2, speed=0)
+    assert [(round(rest["angle"] % (2 * np.pi), 9), rest["stable"]) for rest in found.facts["rests"]] == [
+        (round(np.pi / 2, 9), False),
+        (round(3 * np.pi / 2, 9), True),
+    ]
+    assert [found.facts[name] for name in ("ending", "settled", "over")] == [None, None, ""]
+    assert not found.last_turn
+    assert found.motion["phi"].min() == pytest.approx(float(np.min(motion.angle(np.linspace(0, 2, 9999)))), abs=1e-5)
+
+
+def test_a_damped_rotor_settles_at_torque_over_damping():
+    found, _ = released_of(ROTOR, torque=5, angle=0, speed=99)
+    assert found.facts["damping"] == pytest.approx(0.05)
+    assert found.facts["settled"]["mean_speed_over_angle"] == pytest.approx(5 / 0.05)
+    assert found.facts["ending"]["mean_speed"] == pytest.approx(100.0, rel=0.01)
+    assert np.all(np.diff(found.last_turn["phi"]) >= 0.0)
+
+
+def test_a_sheet_has_the_requested_regimes_alone():
+    sheet = usual_sheet(load("slotted-takeup"), regimes=("free", "run-up"))
+    assert list(sheet.released) == ["free"]
+    assert not usual_sheet(load("slotted-takeup")).released
+
+
+def test_cases_come_back_and_a_later_one_of_a_linkage_replaces_the_first(tmp_path):
+    juki = replace(load("juki-mf7923d", "as-printed"), gravity=(0.0, 0.0))
+    takeup = load("slotted-takeup")
+    released = replace(case_of_file_regime(Mechanism(takeup), takeup.released["free"]), mechanism=Mechanism(takeup))
+    swing = Case(Mechanism(juki), crank_motion("run-up", clockwise=True, start_angle=0.3), conditions="as asked")
+    assert load_cases(tmp_path) == []
+    for case in (Case(Mechanism(juki), crank_motion("constant-speed")), released, swing):
+        save_case(tmp_path, case)
+    free, run_up = load_cases(tmp_path)
+    assert (run_up.mechanism.linkage, run_up.motion, run_up.conditions) == (juki, swing.motion, "as asked")
+    assert (free.mechanism.linkage, free.conditions) == (takeup, released.conditions)
+    assert free.motion.angle(0.1) == pytest.approx(released.motion.angle(0.1), rel=1e-12)
+
+
+def test_a_damaged_file_is_refused_with_the_cure(tmp_path):
+    save_case(tmp_path, Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up")))
+    records = tmp_path / "results" / "records.jsonl"
+    records.write_text(records.read_text().replace("run-up", "run up"))
+    with pytest.raises(LinkproofError, match="run results with --out again"):
+        load_cases(tmp_path)
 
 
 @pytest.mark.parametrize("name", ["slotted-takeup", str(FOLDER / "drives" / "linear-motor.toml")])

@@ -15,7 +15,7 @@ from comparisons.faults.columns import column_faults
 from comparisons.faults.fault import Correction, Simulation
 from comparisons.imported.judge import judge
 from comparisons.judging.records import Verdict
-from tests.comparisons.imported.exported import exported, samples, with_link
+from tests.comparisons.imported.layouts import exported, samples, with_link
 
 JUKI = load("juki-mf7923d")
 QUINTIC = crank_motion("run-up-quintic")

@@ -12,7 +12,7 @@ from comparisons.judging.records import Verdict, run_record
 from reports.campaign.summary import junit, markdown
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
-from tests.comparisons.judging.test_judgement import RECORD
+from tests.comparisons.judging.test_judging import RECORD
 from tests.reports.made_up_results import changed_results, made_up_results
 
 

@@ -8,7 +8,7 @@ from analytic.description.loading import load
 from comparisons.imported.judge import judge
 from reports.document.terminal import rendered
 from reports.imported import printout
-from tests.comparisons.imported.exported import exported
+from tests.comparisons.imported.layouts import exported
 
 JUKI = load("juki-mf7923d")
 

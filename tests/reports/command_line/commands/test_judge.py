@@ -12,8 +12,7 @@ from analytic.description.loading import load
 from comparisons.faults.fault import Simulation
 from tests.analytic.drives import path_of
 from tests.commands import linkproof, refused
-from tests.comparisons.imported.exported import samples
-from tests.comparisons.imported.layouts import Channel, csv
+from tests.comparisons.imported.layouts import Channel, csv, samples
 
 JUKI = load("juki-mf7923d")
 NAMES = {"Mkr": "N*m", "S": "m", "v": "m/s"}
