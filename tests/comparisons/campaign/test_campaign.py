@@ -13,13 +13,12 @@ from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign import campaign as module
-from comparisons.campaign.campaign import CampaignRequest, compare, sheets, tasks
+from comparisons.campaign.campaign import CampaignRequest, compare, sheets
 from comparisons.datasheet.building import usual_sheet
 from comparisons.judging import quantities
 from comparisons.judging.records import Verdict
 from comparisons.runs import workers
 from comparisons.runs.run_engine import GIB
-from comparisons.runs.study import Journal
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
@@ -301,20 +300,6 @@ def test_runs_in_workers_are_the_same_in_the_same_order_and_announced(made_here)
     assert {label for label, *_ in heard} == set(labels)
     assert sorted({finished for _, finished, _ in heard}) == list(range(len(labels) + 1))
     assert {total for *_, total in heard} == {len(labels)} == {len(made_here)}
-
-
-def test_an_interrupted_campaign_goes_on_from_its_journal(tmp_path, made_here):
-    journal = Journal(tmp_path, "as tested")
-    begun = iter(compare(_brief(), pool=LocalPool(0), journal=journal))
-    next(begun)
-    begun.close()
-    done = len(journal.records.keys)
-    assert 1 <= done < len(made_here)
-    heard = []
-    results = compare(_brief(), lambda *words: heard.append(words), pool=LocalPool(0), journal=journal)
-    assert [_untimed(result) for result in results] == made_here
-    assert min(finished for _, finished, _ in heard) == done
-    assert set(journal.records.keys) == {task.key for task in tasks(_brief())}
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory are Linux's")

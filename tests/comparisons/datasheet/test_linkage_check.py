@@ -7,7 +7,6 @@ import pytest
 
 from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
-from analytic.kinematics.dyad_solver import DyadSolver
 from comparisons.datasheet.linkage_check import check, warnings
 from reports.document.terminal import rendered
 from reports.mechanism.terminal import printed
@@ -51,20 +50,6 @@ def test_a_chain_so_long_that_no_bound_can_be_given():
     facts, _ = check(parse(chain_of_dyads(100), "chain", "chain.toml"))
     assert set(facts["error_bound"].values()) == {None}
     assert "no error bound can be given" in rendered(*printed(facts, str))
-
-
-def test_twice_the_dyads_are_little_more_than_twice_the_work(monkeypatch):
-    poses, counts = DyadSolver.poses, []
-
-    def counting(*args):
-        counts[-1] += 1
-        return poses(*args)
-
-    monkeypatch.setattr(DyadSolver, "poses", counting)
-    for dyads in (15, 30):
-        counts.append(0)
-        check(parse(chain_of_dyads(dyads), "chain", "chain.toml"))
-    assert counts[1] < 2.5 * counts[0]
 
 
 def test_transmission_angle_of_a_crank_rocker_is_least_with_the_crank_on_the_frame():

@@ -1,4 +1,4 @@
-"""Conditions become scenes; a cell is run by its key in any engine, as JSON and back; a map, its journal, its borders."""
+"""Conditions become scenes; a cell is run by its key in any engine, as JSON and back; a map with its borders."""
 
 import contextlib
 import dataclasses
@@ -17,9 +17,7 @@ from analytic.dynamics.joint_forces import reactions
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.runs import environment
-from comparisons.runs.files import RECORDS
 from comparisons.runs.run_engine import AdapterError, Failure, Lost
-from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress
@@ -319,20 +317,6 @@ def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_
     assert told["summary"]["perfect"]["caught"] == sum(one.verdict is StressVerdict.CAUGHT for one in found.cells)
     assert told["borders"][0]["inside_command"].startswith("linkproof stress 'mass/four-bar, coupler/")
     assert heard[-1][1] == heard[-1][2] == len(found.cells)
-
-
-def test_cells_in_the_journal_are_not_run_again(with_engine, tmp_path):
-    engine = with_engine(Liar())
-    journal = Journal(tmp_path, "as asked")
-    first = campaign.stress(request(), journal=journal)
-    calls = len(engine.asked)
-    again = campaign.stress(request(), journal=journal)
-    assert len(engine.asked) == calls
-    assert (again.cells, again.borders) == (first.cells, first.borders)
-    path = journal.place / RECORDS
-    path.write_text("".join(line for line in path.read_text().splitlines(keepends=True) if "/100/" not in line))
-    campaign.stress(request(), journal=Journal(tmp_path, "as asked"))
-    assert len(engine.asked) == calls + 1
 
 
 def test_an_engine_that_raises_costs_its_own_cell(with_engine):
