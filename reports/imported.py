@@ -16,10 +16,10 @@ from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import NEAR_ZERO, SETTING, ImportedJudgement, SignalVerdict
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import Record, Verdict
-from reports.charts.judged import MOST, JudgedCurve, judged_chart
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
+from reports.mechanism.engines import MOST, JudgedCurve, judged_chart
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

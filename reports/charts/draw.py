@@ -4,19 +4,39 @@ from __future__ import annotations
 
 import io
 import re
+import textwrap
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.textpath import text_to_path
 from matplotlib.ticker import MultipleLocator
+from matplotlib.transforms import Bbox
 
-from reports.charts import labels, scales, surfaces
-from reports.charts.scales import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, STYLE, WIDTH, ink
-from reports.document.chart import Array, Chart, Curve, Hatch, Ink, Panel
+from reports.charts import scales
+from reports.charts.scales import (
+    DARK,
+    DOTS_PER_INCH,
+    FONT,
+    FONT_SIZE,
+    FULL_WIDTH,
+    INK,
+    MUTED,
+    PLATE,
+    REFERENCE,
+    STYLE,
+    WIDTH,
+    ink,
+)
+from reports.document.chart import Array, Chart, Curve, Hatch, Ink, Panel, Surface
 
 Host = Figure | SubFigure
 
@@ -36,7 +56,7 @@ def figure(chart: Chart, width: float | None = None) -> Figure:
     """The chart, drawn in the page's width for it or in so many inches; higher where its names take all the room."""
     columns = max(min(chart.columns, len(chart.panels)), 1)
     room = chart.height * columns / max(len(chart.panels), 1) - ABOVE
-    names = sum(max(0.0, labels.LINE * len(_key_curves(panel, room)) - 0.5 * room) for panel in chart.panels)
+    names = sum(max(0.0, LINE * len(_key_curves(panel, room)) - 0.5 * room) for panel in chart.panels)
     height = chart.height * bool(chart.panels) + HEAD * (len(chart.head) + bool(chart.key)) + names / columns
     wide = width or (FULL_WIDTH if chart.wide else WIDTH)
     return drawn(wide, height, lambda quantity: place(quantity, chart), placed=bool(chart.panels))
@@ -51,7 +71,7 @@ def drawn(width: float, height: float, draw: Callable[[Figure], None], *, placed
             engine.execute(quantity)  # once, not for every file
             quantity.set_layout_engine("none")
         for axes in quantity.axes:
-            labels.move_words_apart(axes)
+            move_words_apart(axes)
     return quantity
 
 
@@ -87,7 +107,7 @@ def head(host: Host, lines: Sequence[str], key: Sequence[Curve | Hatch] = ()) ->
     """Write lines, the first in bold, and a key on top of a part of a figure; returns the part below them."""
     wide = inches(host)[0]
     for number, line in enumerate(lines):
-        text = labels.wrap(line, wide - 2.0 * EDGE)
+        text = wrap(line, wide - 2.0 * EDGE)
         host.suptitle(text, x=EDGE / wide, ha="left", fontsize="medium", weight="normal" if number else "bold")
         host = host.add_subfigure(host.add_gridspec()[0])
     if key:
@@ -157,9 +177,9 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     axes.set_xscale("log" if panel.scale in ("logx", "loglog") else "linear")
     axes.set_yscale("log" if panel.scale in ("log", "loglog") else "linear")
     for low, high in panel.hatch.stretches if panel.hatch else ():
-        surfaces.hatch(axes, low, high)
+        hatch(axes, low, high)
     if panel.surface:
-        surfaces.draw_surface(axes, panel.surface, panel.span)
+        draw_surface(axes, panel.surface, panel.span)
     _draw_curves(axes, panel)
 
 
@@ -168,21 +188,21 @@ def _write_names(axes: Axes, panel: Panel, size: Array) -> None:
 
     The axes are of about this ``size``, inches, and their limits are known.
     """
-    key, title = _key_curves(panel, size[1]), labels.wrap(panel.title, size[0])
+    key, title = _key_curves(panel, size[1]), wrap(panel.title, size[0])
     ends = [(mark.place, mark.name, mark.ink) for mark in panel.marks if mark.along == "y"]
     ends += _end_names(panel) if panel.names == "ends" and not key else []
     low, high = sorted(axes.get_ylim())
     for height, name, colour in ends:
-        labels.write(axes, (1.0, min(max(height, low), high)), name, labels.END, ink(colour))
+        write_words(axes, (1.0, min(max(height, low), high)), name, END, ink(colour))
     uprights = [mark for mark in panel.marks if mark.along == "x" and mark.name]
     for mark in uprights:
-        labels.write(axes, (mark.place, 1.0), mark.name, labels.UPRIGHT, ink(mark.ink))
+        write_words(axes, (mark.place, 1.0), mark.name, UPRIGHT, ink(mark.ink))
     for note in panel.notes:
-        labels.write(axes, (note.x, note.y), note.text, labels.NOTE)
+        write_words(axes, (note.x, note.y), note.text, NOTE)
     if key:
         axes.legend(**_key(key, size[0]), loc="lower left", bbox_to_anchor=(0.0, 1.0), title=title or None)
     else:
-        axes.set_title(title, weight="bold", pad=labels.GAP + 72.0 * labels.LINE * bool(uprights))
+        axes.set_title(title, weight="bold", pad=GAP + 72.0 * LINE * bool(uprights))
 
 
 def _set_scales(axes: Axes, panel: Panel, size: Array) -> None:
@@ -244,8 +264,8 @@ def _key_curves(panel: Panel, tall: float) -> list[Curve]:
     named = list({curve.name: curve for curve in panel.curves if curve.name}.values())
     if panel.names == "key":
         return named
-    lines = [line for curve in named for line in labels.wrap(curve.name).splitlines()]
-    if panel.names != "ends" or labels.LINE * len(lines) <= tall:
+    lines = [line for curve in named for line in wrap(curve.name).splitlines()]
+    if panel.names != "ends" or LINE * len(lines) <= tall:
         return []
     below = [curve.y if curve.stacked else np.zeros(1) for curve in named]
     sizes = [float(np.nanmax(np.abs(curve.y - y))) for curve, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]
@@ -256,11 +276,146 @@ def _key_curves(panel: Panel, tall: float) -> list[Curve]:
 
 def _key(key: Sequence[Curve | Hatch], room: float) -> dict[str, Any]:
     """A key in as many columns as so many inches have room for."""
-    names = [labels.wrap(entry.name, room - SAMPLE) for entry in key]
+    names = [wrap(entry.name, room - SAMPLE) for entry in key]
     return {
-        "handles": [surfaces.sample() if isinstance(entry, Hatch) else _line(entry) for entry in key],
+        "handles": [hatch_sample() if isinstance(entry, Hatch) else _line(entry) for entry in key],
         "labels": names,
-        "ncols": max(1, int(room / (SAMPLE + max(map(labels.width, names))))),
+        "ncols": max(1, int(room / (SAMPLE + max(map(text_width, names))))),
         "alignment": "left",
         "title_fontproperties": {"weight": "bold"},
     }
+
+
+# Surfaces over two parameters as colours: an image of their cells, contour lines with their values, a colour bar.
+
+
+TICKS = 8
+# Lines and their words on darker and on brighter colours; as the image, they do not turn with the reader's scheme.
+ON_DARK, ON_BRIGHT, MIDDLE = "#fefefe", "#101418", 0.55
+CONTOURED = 120  # cells in one direction of contour lines
+HATCHED: dict[str, Any] = {"facecolor": PLATE, "edgecolor": REFERENCE, "hatch": "////", "linewidth": 0.0}
+
+
+def draw_surface(axes: Axes, surface: Surface, span: tuple[float, float] | None) -> None:
+    """Draw a surface into axes, in colours over a span or all its values, and its colour bar beside them."""
+    if not np.any(np.isfinite(surface.values)):
+        return
+    low, high = span or (None, None)
+    image = axes.pcolorfast(surface.x, surface.y, surface.values, cmap="viridis", vmin=low, vmax=high, zorder=1.6)
+    bar = axes.figure.colorbar(image, ax=axes, pad=0.02)
+    scales.write_scale(bar.ax.yaxis, surface.label, TICKS)
+    ticks = bar.ax.yaxis.get_majorticklocs().tolist()
+    words = bar.ax.yaxis.get_major_formatter().format_ticks(ticks)
+    _draw_contours(axes, surface, image, dict(zip(ticks, words, strict=True)))
+
+
+def _draw_contours(axes: Axes, surface: Surface, image: ScalarMappable, words: dict[float, str]) -> None:
+    """Lines at the ticks of the colour bar, through the middles of the cells."""
+    rows, columns = (slice(None, None, -(-count // CONTOURED)) for count in surface.values.shape)
+    x, y = 0.5 * (surface.x[1:] + surface.x[:-1])[columns], 0.5 * (surface.y[1:] + surface.y[:-1])[rows]
+    values = np.ma.masked_invalid(surface.values[rows, columns])
+    within = {tick: word for tick, word in words.items() if values.min() < tick < values.max()}
+    if min(values.shape) < 2 or not within:
+        return
+    low, high = image.get_clim()
+    colours = [ON_DARK if (tick - low) < MIDDLE * (high - low) else ON_BRIGHT for tick in within]
+    drawn = axes.contour(x, y, values, levels=list(within), colors=colours, linewidths=0.8, zorder=1.7)
+    axes.clabel(drawn, fmt=within, fontsize=FONT_SIZE, inline_spacing=2)
+
+
+def hatch(axes: Axes, low: float, high: float) -> None:
+    """Hatch the axes between two places of their x axis."""
+    axes.axvspan(low, high, zorder=1.1, **HATCHED)
+
+
+def hatch_sample() -> Patch:
+    """The entry of a key for a hatched area."""
+    return Patch(**HATCHED)
+
+
+# Words in a chart that do not touch: names beside the ends of curves and above marks, notes at points.
+
+
+LINE = FONT_SIZE * 1.2 / 72.0  # in, of one line of words
+BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S+$)")
+LONGEST = 1.7  # in, of a name beside the axes before it goes on in a second line
+# Where words may stand about a point, in halves of their size, the best first.
+SHIFTS = np.array([(0, 1), (0, -1), (1, 0.4), (-1, 0.4), (1, -0.4), (-1, -0.4), (1, 1.6), (-1, 1.6), (0, 2.6)])
+INSIDE_NAME, JOINT = re.compile(r"(?<=[.:])(?=[^\W\d])"), "\u2060"
+BOLD = 1.12  # how much wider bold words are
+GAP = 4.0  # points, between a curve's end or a note's point and its words
+END, UPRIGHT, NOTE = "end", "upright", "note"  # places of words: beside an end of a curve, a vertical line, a point
+
+
+@cache
+def text_width(text: str) -> float:
+    """Width of the longest line of a text, in."""
+    prop = FontProperties(family=FONT, size=FONT_SIZE)
+    sizes = [text_to_path.get_text_width_height_descent(name, prop, ismath=False) for name in text.splitlines()]
+    return max((size[0] for size in sizes), default=0.0) / 72.0
+
+
+def wrap(text: str, room: float = LONGEST) -> str:
+    """A text in lines of so many inches at most, however bold; a name may also break behind a point or a colon."""
+    longest = max(int(len(text) * room / (BOLD * text_width(text) or 1.0)), 1)
+    joined = INSIDE_NAME.sub(f"{JOINT} ", BEFORE_UNIT.sub("\u00a0", text))
+    return "\n".join(textwrap.wrap(joined, longest, break_long_words=False)).replace(f"{JOINT} ", "").replace(JOINT, "")
+
+
+def spread(places: Sequence[float], sizes: Sequence[float], room: float) -> Array:
+    """Increasing places moved as little as needed for words of these sizes not to touch, from 0 to ``room``."""
+    tall = np.asarray(sizes)
+    offsets = np.cumsum([0.0, *(0.5 * (tall[1:] + tall[:-1]))])[: len(tall)]
+    free = np.clip(np.asarray(places) - offsets, 0.0, max(room - float(max(offsets, default=0.0)), 0.0))
+    up, down = np.maximum.accumulate(free), np.minimum.accumulate(free[::-1])[::-1]
+    return np.asarray(0.5 * (up + down) + offsets)
+
+
+def write_words(axes: Axes, place: tuple[float, float], name: str, kind: str, colour: str = INK) -> None:
+    """Words at the right of a height (``END``), above a place of the x axis (``UPRIGHT``) or at a point (``NOTE``)."""
+    if not name:
+        return
+    coordinates = {END: axes.get_yaxis_transform(), UPRIGHT: axes.get_xaxis_transform(), NOTE: axes.transData}[kind]
+    beside, across, up = ((GAP, 0.0), "left", "center") if kind == END else ((0.0, GAP), "center", "bottom")
+    axes.annotate(wrap(name), place, beside, coordinates, "offset points", color=colour, annotation_clip=False,
+                  label=kind, ha=across, va="center" if kind == NOTE else up)  # fmt: skip
+
+
+def move_words_apart(axes: Axes) -> None:
+    """Move the words of axes apart; called once the layout has placed the axes."""
+    words = {kind: [label for label in axes.texts if label.get_label() == kind] for kind in (END, UPRIGHT, NOTE)}
+    _move_apart(axes, words[UPRIGHT], 0)
+    _move_apart(axes, words[END], 1)
+    _place_notes(axes, words[NOTE])
+
+
+def _move_apart(axes: Axes, names: list[Any], way: int) -> None:
+    """Names beside the axes, apart in x (``way`` 0) or y."""
+    start, dots = axes.bbox.min[way], axes.figure.dpi / 72.0
+    anchors = {name: name.xycoords.transform(name.xy)[way] - start for name in names}
+    order = sorted(names, key=lambda name: anchors[name])
+    sizes = [name.get_window_extent().size[way] + dots for name in order]
+    places = spread([anchors[name] for name in order], sizes, axes.bbox.size[way])
+    for name, place in zip(order, places, strict=True):
+        shift = np.array(name.xyann)
+        shift[way] = (place - anchors[name]) / dots
+        name.set_position(shift)
+
+
+def _place_notes(axes: Axes, notes: list[Any]) -> None:
+    """Words about points, where they hide no other and as little of the curves as can be."""
+    dots, taken = axes.figure.dpi / 72.0, [Bbox.null()]
+    spots = np.concatenate([np.zeros((0, 2)), *(axes.transData.transform(line.get_xydata()) for line in axes.lines)])
+    for note in notes:
+        point, half = axes.transData.transform(note.xy), 0.5 * note.get_window_extent().size
+        outward = (1.0, 1.0 if point[1] > np.mean(axes.bbox.intervaly) else -1.0)
+        places = point + SHIFTS * outward * (half + GAP * dots)
+        areas = [Bbox([place - half, place + half]).padded(dots) for place in places]
+        costs = [
+            3.0 * n + 1e6 * area.count_overlaps(taken) - 1e3 * axes.bbox.count_contains(area.corners())
+            + area.count_contains(spots)
+            for n, area in enumerate(areas)
+        ]  # fmt: skip
+        best = int(np.argmin(costs))
+        taken.append(areas[best])
+        note.set_position((places[best] - point) / dots)

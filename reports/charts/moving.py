@@ -17,9 +17,8 @@ from analytic.description.linkage import Linkage
 from analytic.description.written import fixed
 from comparisons.datasheet.sheet import Positions
 from reports.charts import draw
-from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scales import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
-from reports.charts.scheme import draw_paths, draw_position
+from reports.charts.scheme import KinematicScheme, draw_paths, draw_position
 from reports.document.chart import Array
 
 SECONDS: Final = 6.0

@@ -14,10 +14,17 @@ from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import TRANSMISSION
 from comparisons.datasheet.sheet import JOINT, Sheet
 from reports.charts import draw
-from reports.charts.kinematic_scheme import KinematicScheme
-from reports.charts.labels import LINE
+from reports.charts.draw import LINE
 from reports.charts.scales import FULL_WIDTH, PALETTE
-from reports.charts.scheme import Draw, draw_names, draw_paths, draw_position, draw_scheme, scaled_figure
+from reports.charts.scheme import (
+    Draw,
+    KinematicScheme,
+    draw_names,
+    draw_paths,
+    draw_position,
+    draw_scheme,
+    scaled_figure,
+)
 from reports.charts.scheme import place as place_scheme
 from reports.document.chart import Chart, Panel
 from reports.document.templates import plain

@@ -18,7 +18,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import positions_at
 from comparisons.datasheet.sheet import Positions
 from reports.charts import symbols
-from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.scheme import KinematicScheme
 
 UNITS: Final = {"m": units.M, "cm": units.CM, "mm": units.MM, "um": units.InsertUnits.Microns, "in": units.IN}
 FORBIDDEN: Final = re.compile(r"""[<>/\\":;?*|=,`']""")  # in the name of a layer

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from analytic.errors import printable
 from comparisons.designs.sweep import ONE_BY_ONE
-from reports.charts import draw, labels, scales
+from reports.charts import draw, scales
 from reports.charts.scales import FULL_WIDTH, INK, ink
 from reports.charts.scheme import BEHIND
 from reports.document import numbers
@@ -296,7 +296,7 @@ def _draw_scale(axes: Axes, number: int, ends: Array, name: str) -> None:
     scale.spines["left"].set(visible=True, position=("data", number), color=INK)
     scale.yaxis.tick_left()
     scales.write_scale(scale.yaxis, name, TICKS)
-    label = labels.wrap(scale.yaxis.get_label_text(), APART)
+    label = draw.wrap(scale.yaxis.get_label_text(), APART)
     scale.yaxis.label.set_visible(False)
     scale.text(number, 1.02, label, transform=axes.get_xaxis_transform(), ha="center", va="bottom")
     for word in scale.yaxis.get_ticklabels():

@@ -2,19 +2,39 @@
 
 from __future__ import annotations
 
+import base64
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import Any
+from typing import Any, Final
 
+import numpy as np
+
+from comparisons.datasheet.curves import extreme_samples, highest_samples
 from comparisons.judging.limits import grouped
+from comparisons.judging.quantities import JOINT_FORCE
 from comparisons.judging.records import Record, Verdict
-from reports.charts.judged import JudgedCurve, errors_chart, judged_chart
 from reports.document import numbers
+from reports.document.chart import Array, Chart, Curve, Ink, Mark, Panel
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.templates import plain, sentence
-from reports.mechanism.curves import chart_data, curves
 from reports.records.origins import computed_or_shared, concurrency_note, origin_words
-from reports.records.views import Regime, View, anchor, remedy, setting_rank
+from reports.records.views import (
+    SETTINGS,
+    Regime,
+    Trace,
+    View,
+    anchor,
+    columns,
+    engines,
+    family,
+    remedy,
+    setting_rank,
+    short_title,
+    worst,
+)
+from reports.records.views import engines as all_engines
 
 
 def engines_section(view: View) -> Section:
@@ -136,3 +156,198 @@ def settings_words(details: Mapping[str, Any]) -> str:
     """Settings as an engine's adapter states them: "step 1e-4, scheme …"."""
     table = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
     return ", ".join(f"{plain(name)} {value}" for name, value in table.items())
+
+
+# A file's curves against the closed form, the difference below, the worst place, and what a cause leaves.
+
+
+MOST: Final = 3  # curves of one picture
+HEIGHT: Final = 4.4  # inches: of the two panels of a curve
+LOOKS: Final = {
+    "closed form": Curve(ink="reference", width=3.4),
+    "file": Curve(ink=0, width=1.2),
+    "without the cause": Curve(ink=2, line="--", width=1.2),
+}
+
+
+@dataclass(frozen=True)
+class JudgedCurve:
+    """A signal of a file at some of its times, s: its values in a ``unit``, those of the closed form, the worst time.
+
+    ``without`` are the file's values without the ``cause`` that is named, None where none is, or where either of two
+    values is right. All are plain lists, so that a report's folder can save them.
+    """
+
+    name: str
+    unit: str
+    time: list[float]
+    file: list[float]
+    truth: list[float]
+    worst: float
+    error: str
+    cause: str = ""
+    without: list[float | None] | None = None
+
+    @property
+    def caption(self) -> str:
+        """The caption of the picture, in one sentence."""
+        removed = f", and without its likely cause: {self.cause}" if self.cause else ""
+        return f"{self.name} of the file and of the closed form, and their difference, {self.error}{removed}."
+
+
+def judged_chart(curves: Sequence[JudgedCurve], head: tuple[str, ...] = ()) -> Chart:
+    """The curves side by side, each over its difference from the closed form."""
+    drawn = curves[:MOST]
+    panels = [_panel(curve, of_difference=below) for below in (False, True) for curve in drawn]
+    names = [name for name in LOOKS if name != "without the cause" or any(curve.cause for curve in drawn)]
+    key = tuple(replace(LOOKS[name], name=name) for name in names)
+    return Chart(tuple(panels), HEIGHT, columns=len(drawn), wide=True, head=head, key=key)
+
+
+def _panel(curve: JudgedCurve, *, of_difference: bool) -> Panel:
+    """The curves, or what they differ from the closed form by, with the worst place marked."""
+    time, truth = np.array(curve.time), np.array(curve.truth)
+    shown = {"closed form": truth, "file": np.array(curve.file)}
+    if curve.without is not None:
+        shown["without the cause"] = np.array(curve.without, dtype=float)
+    if of_difference:
+        shown = {name: values - truth for name, values in shown.items() if name != "closed form"}
+    curves = tuple(replace(LOOKS[name], x=time, y=y) for name, y in shown.items())
+    mark = Mark(curve.worst, name="" if of_difference else f"worst at {curve.worst:.5g} s", ink="limit")
+    label, title = (f"difference, {curve.unit}", "") if of_difference else (curve.unit, curve.name)
+    return Panel(curves, "time, s", label, (mark,), names="", title=title)
+
+
+# All errors of one mechanism at a glance: a dot per run and quantity, the limits as strokes.
+
+
+# Of the settings naive, tuned, best, as on the page.
+MARKERS: Final = ("x", "o", "D")
+# Inches of a row and of all else.
+ROW, FRAME = 0.22, 1.0
+# Nothing below round-off is worth a decade of the axis.
+LEAST_ERROR: Final = 1e-16
+
+
+def errors_chart(view: View, regime: Regime) -> Chart:
+    """Every error of a mechanism under a regime: a row per quantity or invariant, within it a lane per engine."""
+    known = [record for record in view.of(regime) if record.error_max is not None]
+    groups = grouped(((*record.run, family(record.quantity)), record) for record in known)
+    records = [worst(group) for group in groups.values()]
+    families = {family(record.quantity) for record in records}
+    quantities, invariants = ([name for name in part if name in families] for part in columns(view.results))
+    rows, lanes = [*quantities, *invariants], sorted({record.engine for record in records})
+    names, shown_setting = engines(view.results), view.shown_setting(regime)
+
+    def dots(places: Sequence[tuple[float, Record]], name: str, ink: Ink, marker: str) -> Curve:
+        lane = [0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5) for _, record in places]
+        y = [rows.index(family(record.quantity)) + shift for (_, record), shift in zip(places, lane, strict=True)]
+        return Curve(np.array([place for place, _ in places]), np.array(y), name, ink, line="", marker=marker)
+
+    limits = [(record.limit, record) for record in records if record.setting == shown_setting and record.limit]
+    curves = [dots((), name, names.index(name), "s") for name in lanes]
+    for marker, setting in zip(MARKERS, SETTINGS, strict=True):
+        mine = [record for record in records if record.setting == setting]
+        curves += [dots((), setting, "ink", marker)] if mine else []
+        for engine in dict.fromkeys(record.engine for record in mine):
+            places = [(max(r.error_max or 0.0, LEAST_ERROR), r) for r in mine if r.engine == engine]
+            curves.append(dots(places, "", names.index(engine), marker))
+    curves.append(dots(limits, f"limit ({shown_setting})", "limit", "|"))
+    marks = (Mark(len(quantities) - 0.5, along="y"),) if invariants else ()
+    words = tuple(plain(name) for name in rows)
+    panel = Panel(tuple(curves), "largest |error| / peak", "", marks, scale="logx", names="key", rows=words)
+    return Chart((panel,), ROW * len(rows) * (1.0 + 0.2 * max(len(lanes) - 1, 0)) + FRAME, wide=True)
+
+
+# The curves of every run of a mechanism, and all its errors, as the page's chart takes them: few samples, packed.
+
+
+# The closed form is shown by the extremes of so many stretches, a run by the worst sample of each of these.
+EXTREMES: Final = 400
+STRETCHES: Final = 300
+# Errors lie between ``LEAST_ERROR`` and this on their scale.
+GREATEST_ERROR: Final = 1e8
+
+
+def chart_data(view: View) -> dict[str, Any]:
+    """Data of the chart when the page opens: every regime's quantities and errors, and the engines, JSON-ready.
+
+    Of each error there are the numbers of its quantity, engine and setting, its size and its limit.
+    """
+    engines = list(all_engines(view.results))  # an engine has its colour by its place among all
+    settings = sorted({record.setting for record in view.records}, key=setting_rank)
+    regimes = [_regime(view, regime, engines, settings) for regime in view.regimes]
+    axis = ["travel of the drive, m", 1.0] if view.linkage.is_linear else ["crank angle φ, °", math.degrees(1.0)]
+    return {"engines": engines, "settings": settings, "axis": axis, "regimes": regimes}
+
+
+def curves(view: View) -> dict[str, dict[str, Any]]:
+    """The curves of each quantity under each regime that any run gave one of, by regime and quantity as in its data."""
+    return {
+        f"{number}-{place}": _curves(traces)
+        for number, regime in enumerate(view.regimes)
+        for place, name in enumerate(view.quantities(regime))
+        if (traces := view.traces(regime, name))
+    }
+
+
+def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequence[str]) -> dict[str, Any]:
+    records = view.of(regime)
+    names = view.quantities(regime)
+    first = {record.quantity: record for record in reversed(records)}
+    return {
+        "name": regime.name,
+        "conditions": regime.conditions,
+        "jumps": list(regime.motion.jumps) if regime.motion else [],
+        "setting": view.shown_setting(regime),
+        "quantities": [
+            {
+                "title": view.title(name),
+                "short": short_title(name),
+                "unit": first[name].unit,
+                "curves": bool(view.curved(regime, name)),
+                "vector": name.startswith(JOINT_FORCE),
+            }
+            for name in names
+        ],
+        "errors": [
+            [names.index(r.quantity), engines.index(r.engine), settings.index(r.setting), digits(r.error_max), r.limit]
+            for r in records
+            if r.error_max is not None and r.limit
+        ],
+    }
+
+
+def digits(value: float) -> float:
+    """An error to two digits, as it is printed."""
+    return float(f"{max(value, LEAST_ERROR):.1e}")
+
+
+def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
+    """JSON for the page's chart of one quantity: the closed form and the runs.
+
+    The closed form has time (s), crank angle (rad) and value, a run its time, value and decade of the error.
+    """
+    longest = max(traces, key=lambda trace: len(trace.time))
+    chosen = extreme_samples(longest.reference, EXTREMES)
+    truth = packed(longest.time[chosen], longest.angle[chosen], longest.reference[chosen])
+    return {"truth": truth, "runs": [_run(trace) for trace in traces]}
+
+
+def _run(trace: Trace) -> dict[str, Any]:
+    compared = np.flatnonzero(~np.isnan(trace.error))
+    chosen = compared[highest_samples(trace.error[compared], STRETCHES)]
+    decades = np.log10(np.clip(trace.error[chosen], LEAST_ERROR, GREATEST_ERROR))
+    return {
+        "engine": trace.record.engine,
+        "setting": trace.record.setting,
+        "limit": trace.record.limit,
+        "largest": digits(trace.record.error_max or 0.0),
+        "samples": packed(trace.time[chosen], trace.observed[chosen], decades),
+    }
+
+
+def packed(*columns: Array) -> str:
+    """Three columns (n,) after each other as numbers of 32 bits, the lower byte first, in base64."""
+    with np.errstate(over="ignore"):  # what is too large becomes infinite, and is not drawn
+        return base64.b64encode(np.concatenate(columns).astype("<f4").tobytes()).decode("ascii")

@@ -62,7 +62,7 @@ class Comparison(PrintedResult):
         Raises UnknownNameError for a name that was not compared.
         """
         from reports.charts.draw import figure  # noqa: PLC0415
-        from reports.charts.judged import errors_chart  # noqa: PLC0415
+        from reports.mechanism.engines import errors_chart  # noqa: PLC0415
         from reports.records.views import views  # noqa: PLC0415
 
         results = Results(self.campaign.document(self.judged), tuple(self.judged.runs))

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from reports.charts import draw, labels, scales
+from reports.charts import draw, scales
 from reports.charts.scales import DARK, PALETTE
 from reports.document.chart import Chart, Curve, Mark, Note, Panel
 from tests.reports.drawn_words import check_words, texts
@@ -74,7 +74,7 @@ def test_a_file_keeps_its_words_and_turns_every_colour_it_has(chart):
 
 
 def test_labels_move_apart_about_their_own_places_within_the_panel():
-    placed = labels.spread([0.5, 0.5, 0.52, 2.0], [0.2, 0.2, 0.4, 0.2], 2.0)
+    placed = draw.spread([0.5, 0.5, 0.52, 2.0], [0.2, 0.2, 0.4, 0.2], 2.0)
     assert np.all(np.diff(placed) >= np.array([0.2, 0.3, 0.3]) - 1e-12)
     assert abs(np.mean(placed[:3]) - 0.5) < 0.1
     assert max(placed) <= 2.0

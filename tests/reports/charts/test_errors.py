@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reports.charts.judged import MARKERS, errors_chart
+from reports.mechanism.engines import MARKERS, errors_chart
 from reports.records.views import views
 from tests.reports.made_up_results import made_up_results
 

@@ -10,8 +10,8 @@ import pytest
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import positions_over_range
-from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.moving import moving_scheme
+from reports.charts.scheme import KinematicScheme
 
 LINKAGES = Path(__file__).parents[2] / "linkages"
 NAMES = ("slotted-takeup", "spring-and-damper.toml", "drives/boom.toml")

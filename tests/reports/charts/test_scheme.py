@@ -10,8 +10,7 @@ from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import positions_over_range
 from reports.charts import symbols
-from reports.charts.kinematic_scheme import KinematicScheme
-from reports.charts.scheme import scheme_figure
+from reports.charts.scheme import KinematicScheme, scheme_figure
 
 LINKAGES = Path(__file__).parents[2] / "linkages"
 EACH_KIND = ("slotted-takeup", str(LINKAGES / "spring-and-damper.toml"), str(LINKAGES / "drives" / "boom.toml"))
