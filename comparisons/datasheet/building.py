@@ -142,7 +142,7 @@ def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = No
     """The sheet of curves, with the peaks of the signals ``names``."""
     peaks = curves.peaks(names)
     figures = figure_tables(curves, peaks)
-    return Sheet(
+    result = Sheet(
         linkage=curves.linkage,
         facts={},
         conditions=conditions(curves.case),
@@ -158,6 +158,7 @@ def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = No
         required=_required_feed(curves),
         open_end_warning=_open_end_warning(curves, peaks),
     )
+    return result.without_rounded_figures()
 
 
 def _open_end_warning(curves: Curves, peaks: Mapping[str, SignalFigure]) -> str:
@@ -237,7 +238,8 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     missing: dict[str, str] = {}
     names = _signals_besides_bodies(curves)
     whole, part = _build_sheet(curves, names), partial(_try_part, missing)
-    values = _thin_signals(curves, names, [whole.peaks[name].time or 0.0 for name in names])
+    thin = _thin_signals(curves, names, [whole.peaks[name].time or 0.0 for name in names])
+    values = {name: curve if np.any(whole.values[name]) else np.zeros_like(curve) for name, curve in thin.items()}
     chosen = {name: regime for name, regime in linkage.released.items() if name in regimes}
     tried = {
         name: part(f"released.{name}", partial(motion_of_file_regime, mechanism, regime), None)

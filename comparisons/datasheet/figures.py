@@ -36,6 +36,8 @@ SAME_SPEED: Final = 1e-9  # share of the largest speed within which an instant c
 NEGLIGIBLE: Final = 1e-12  # share of the largest value of a kind below which a value is zero but for rounding
 NEGLIGIBLE_MEAN: Final = 1e-9  # of its signal's peak: the integral of a mean is this near to the truth
 FEWEST: Final = 4  # instants of the grid at that speed that make it more than a moment
+PEAK_SPEED: Final = "peak speed"
+PEAK_TORQUE: Final = ("peak torque", "peak force")  # of a drive along a line
 BRAKING: Final = "peak braking power"
 MEAN: Final = "signed mean"
 DRIVE: Final[Mapping[str, Measure]] = {
@@ -92,7 +94,7 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     force = "force" if curves.linkage.is_linear else "torque"
     places = curves.places(DRIVE)
     if not curves.instants.is_steady:
-        places["peak speed"] = _peak_speed_time(curves)
+        places[PEAK_SPEED] = _peak_speed_time(curves)
     points = {what: curves.values(LOAD, time) for what, time in places.items()}
     least = NEGLIGIBLE * max(abs(power) for *_, power in points.values())
     for what, point in points.items():

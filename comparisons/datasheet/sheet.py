@@ -7,7 +7,7 @@ rounding, is answered here alone.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Final, Literal
 
@@ -20,10 +20,11 @@ from analytic.description.linkage import Linkage
 from analytic.description.written import FileUnit, file_unit
 from analytic.numerics.refine import in_turn
 from analytic.signals import MAGNITUDE
-from comparisons.datasheet.curves import TIME, SignalFigure
-from comparisons.datasheet.figures import NEGLIGIBLE, TABLES
+from comparisons.datasheet.curves import DIRECTION, TIME, SignalFigure
+from comparisons.datasheet.figures import NEGLIGIBLE, PEAK_SPEED, PEAK_TORQUE, TABLES
 
 ROUNDING: Final = 1e-6  # of a turn
+NOWHERE: Final[Mapping[str, Any]] = {"time": None, "phi": None, "at_open_end": False}  # of a figure without a place
 JOINT: Final = "joint_force:"
 
 
@@ -155,8 +156,52 @@ class Sheet:
         return 0.0 if abs(value) <= NEGLIGIBLE * self.scale(name) else value
 
     def scale(self, name: str) -> float:
-        """The largest magnitude of all signals of a signal's kind and unit, SI; 0 without any."""
-        return self._scales.get((name.partition(":")[0], self.units.get(name, "")), 0.0)
+        """The largest magnitude of all signals of a signal's kind and unit, SI, and of what it is computed from."""
+        own = self._scales.get((name.partition(":")[0], self.units.get(name, "")), 0.0)
+        return max(own, self._ingredients.get(name, 0.0))
+
+    @cached_property
+    def _ingredients(self) -> dict[str, float]:
+        """The sizes of the terms whose sum a signal is: rounding of them is what remains where they cancel."""
+        extent = self.linkage.extent()
+        torque = self._scales.get(("joint_force", "N"), 0.0) * (1.0 if self.is_linear else extent)
+        speed = self._scales.get(("omega", self.units.get("omega", "")), 0.0)
+        return {"Mkr": torque, "Peq": torque * speed, "shaking_moment": torque, "S": extent}
+
+    def without_rounded_figures(self) -> Sheet:
+        """The sheet with 0 for every number, and every curve, that is rounding; a peak of such a curve has no place."""
+        idle = {
+            name
+            for name, values in self.values.items()
+            if np.any(values) and np.all(np.abs(values) <= NEGLIGIBLE * self.scale(name))
+        }
+
+        def cleaned(figure: SignalFigure) -> SignalFigure:
+            if figure.signal.endswith(DIRECTION):
+                no_force = figure.signal.replace(DIRECTION, MAGNITUDE) in idle
+                return replace(figure, value=None, time=None, phi=None) if no_force else figure
+            value = None if figure.value is None else self.without_rounding(figure.signal, figure.value) + 0.0
+            has_place = figure.signal not in idle or figure.what == PEAK_SPEED
+            return replace(figure, value=value, **({} if has_place else NOWHERE))
+
+        def zeroed(values: ByName) -> ByName:
+            return {name: np.zeros_like(curve) if name in idle else curve for name, curve in values.items()}
+
+        figures = {name: tuple(map(cleaned, rows)) for name, rows in self.figures.items()}
+        if "Mkr" in idle:  # nor is there a power, or a speed at the peak of the torque
+            figures["drive"] = tuple(
+                replace(row, value=None, **NOWHERE) if row.signal == "omega" and row.what in PEAK_TORQUE else row
+                for row in figures["drive"]
+                if "power" not in row.what
+            )
+        return replace(
+            self,
+            values=zeroed(self.values),
+            chosen=None if self.chosen is None else zeroed(self.chosen),
+            peaks={name: cleaned(peak) for name, peak in self.peaks.items()},
+            figures=figures,
+            remarks=(*self.remarks, *(["The drive's torque is 0 at every instant."] if "Mkr" in idle else [])),
+        )
 
     @cached_property
     def _scales(self) -> dict[tuple[str, str], float]:

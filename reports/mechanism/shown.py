@@ -13,7 +13,7 @@ import numpy as np
 from analytic.description.law import FULL_TURN
 from analytic.description.written import FileUnit, fixed
 from comparisons.datasheet.curves import TIME, SignalFigure
-from comparisons.datasheet.figures import MEAN, SHAKING
+from comparisons.datasheet.figures import MEAN, PEAK_SPEED, SHAKING
 from comparisons.datasheet.linkage_check import warnings
 from comparisons.datasheet.sheet import Sheet
 from reports.document.chart import Chart, Curve, Panel
@@ -127,7 +127,7 @@ def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
     drive = [
         row
         for row in sheet.figures["drive"]
-        if row.what not in (MEAN, "peak speed") and row.signal == ("Peq" if "power" in row.what else "Mkr")
+        if row.what not in (MEAN, PEAK_SPEED) and row.signal == ("Peq" if "power" in row.what else "Mkr")
     ]
     rows = [(row.what, words(sheet, row), place(sheet, row)) for row in (*drive, *_further_figures(sheet))]
     inertia = [("mean Jeq", jeq(sheet, "mean"), "")] if "Jeq" in sheet.facts else []

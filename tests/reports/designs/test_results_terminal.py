@@ -15,7 +15,8 @@ from comparisons.imported.reading import read_results
 from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.designs.results_workbook import workbook
 from reports.document.terminal import rendered
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import FOLDER, from_text, mechanism
+from tests.commands import linkproof
 from tests.reports.designs.samples import CRANK, IMPERIAL, MASS, ROD, SPEED, TURN, engine, piston, piston_text, results
 
 # What one of the file's unit is in SI, for each unit that a column can have.
@@ -138,3 +139,16 @@ def test_joint_forces_without_bound_at_change_points_leave_those_elsewhere():
     assert [row[-3:] for row in rows[start + 1 : start + 4]] == [["–"] * 3, ["0", "19.83", "19.83"], ["–"] * 3]
     assert "nan" not in rendered(*printed(results(mechanism("parallelogram"))))
     assert "Joint forces have no bound at the change point" in rendered(*printed(found))
+
+
+def test_rounding_is_no_result_of_a_released_crank():
+    """A treadle's wheel turns by the foot's force alone: the drive gives no torque, and S is least at 0."""
+    done = linkproof("results", FOLDER / "designer" / "treadle.toml", "--regime", "foot", "--json")
+    document = json.loads(done.stdout)
+    drive = document["figures"]["drive"]
+    assert {one["value"] for one in drive if one["signal"] != "omega"} == {0.0}
+    assert {one["what"] for one in drive} == {"peak torque", "peak speed", "RMS torque", "signed mean"}
+    assert [one["phi"] for one in drive if one["what"] == "peak torque"] == [None] * 3
+    assert not any(document["values"]["Mkr"] + document["values"]["Peq"])
+    assert {one["what"]: one["value"] for one in document["figures"]["output"]}["least S"] == 0.0
+    assert document["peaks"]["Mkr"]["value"] == document["peaks"]["Peq"]["value"] == 0.0
