@@ -21,7 +21,7 @@ _MODULES = {
     "reports.python.campaign": ("Comparison", "compare"),
     "reports.python.checking": ("check", "check_engine", "judge"),
     "reports.python.evaluation": ("evaluate", "results"),
-    "reports.python.sweep": ("optimise", "sweep", "tolerance"),
+    "reports.python.designs": ("optimise", "sweep", "tolerance"),
 }
 
 

@@ -15,7 +15,7 @@ from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import document, save
 from engines.registry import engine, engine_names
 from reports.requests.campaign import request
-from reports.requests.campaign_options import CompareOptions
+from reports.requests.options import CompareOptions
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")

@@ -16,7 +16,7 @@ from comparisons.judging.quantities import all_quantities
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Setting
 from engines.registry import engine, engine_names
-from reports.requests.campaign_options import CompareOptions
+from reports.requests.options import CompareOptions
 
 BASELINE = read_rows(Path(__file__).with_name("baseline.csv"))
 RECORDED = {row.place[:6] for row in BASELINE}

@@ -11,25 +11,31 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reports.command_line.parameters import CommandGroup, command
-from reports.requests.campaign_options import (
+from reports.requests.options import (
+    NOT_STEADY,
+    Argument,
     BenchOptions,
     CompareOptions,
     Jobs,
+    Json,
+    JudgeOptions,
+    OptimiseOptions,
+    Option,
+    OutputOptions,
+    ResultsFiles,
+    ResultsOptions,
     RunLimits,
     StandardOptions,
     StressOptions,
-)
-from reports.requests.motion_options import (
-    JudgeOptions,
-    ResultsFiles,
-    ResultsOptions,
+    SweepOptions,
+    ToleranceOptions,
     Variant,
     WatchOptions,
 )
-from reports.requests.options import Argument, Json, Option, OutputOptions
 
 if TYPE_CHECKING:
     from reports.command_line.destination import Destination
+
 
 app = typer.Typer(
     name="linkproof",
@@ -58,7 +64,7 @@ def _own_study(command: str, output: OutputOptions, *bags: Any) -> tuple[bool, A
     """Whether the study in the folder of ``output`` is asked for and finished; the options of what is to be run."""
     if output.out is None:
         return False, bags
-    from reports.command_line.own_study import own_study
+    from reports.command_line.destination import own_study
 
     return own_study(app, command, output.out, bags)
 
@@ -109,9 +115,9 @@ def new(name: Annotated[str, Argument("NAME")]) -> None:
     Also writes linkproof.schema.json, so that editors complete and check the file (VS Code: Even Better TOML); one
     that is there already is renewed.
     """
-    from reports.command_line.commands import files
+    from reports.command_line.commands import mechanisms
 
-    files.new(name, destination(OutputOptions()))
+    mechanisms.new(name, destination(OutputOptions()))
 
 
 @command(
@@ -127,9 +133,9 @@ def check(mechanism: Mechanism, output: OutputOptions, variant: Variant = None, 
 
     Stops at the first error and states it in one sentence, with exit code 2.
     """
-    from reports.command_line.commands import files
+    from reports.command_line.commands import mechanisms
 
-    files.check(mechanism, variant, destination(output), strict=strict)
+    mechanisms.check(mechanism, variant, destination(output), strict=strict)
 
 
 @command(
@@ -307,3 +313,64 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None) -> 
     if is_finished:
         return stress.write_again(destination(output))
     return stress.run(options, destination(output), jobs)
+
+
+LEFT_OUT = (*NOT_STEADY, "out", "junit", "verbose")
+
+
+@command(
+    app,
+    summary="Compute figures of many designs, such as peak torque over a range of lengths.",
+    without=LEFT_OUT,
+    texts={"save": "Write every design (.csv .nc), a picture (.svg .png .pdf) or the summary (.json); repeatable."},
+)
+def sweep(options: SweepOptions, output: OutputOptions) -> None:
+    """Compute figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file.
+
+    Values are in the units of the file. The crank turns at constant speed; extremes are taken at 180 angles, or are
+    exact with --refine. A design that does not assemble at one of the angles has no figures.
+    """
+    from reports.command_line.commands import designs
+
+    designs.sweep(options, destination(output))
+
+
+@command(
+    app,
+    summary="Find the best lengths: the smallest peak torque at the same stroke, for example.",
+    without=LEFT_OUT,
+    texts={"save": "Write the new linkage (.toml), the curves (.svg .png .pdf) or the results (.json); repeatable."},
+)
+def optimise(options: OptimiseOptions, output: OutputOptions) -> None:
+    """Find the best values within bounds while holding the results you choose; in closed form.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file; values are in the units of the file.
+
+    Figures are those of sweep: a peak is the largest magnitude. joint_force.peak is that of all joints together.
+    """
+    from reports.command_line.commands import designs
+
+    designs.optimise(options, destination(output))
+
+
+@command(
+    app,
+    summary="Show which length, angle or mass changes which result by how much.",
+    without=(*LEFT_OUT, "speed"),  # which stands in the file of tolerances
+    texts={"save": "Write a row per result and number (.csv .json) or a picture (.svg .png .pdf); repeatable."},
+)
+def tolerance(options: ToleranceOptions, output: OutputOptions) -> None:
+    """Compute the effect of tolerances on results: one by one, the worst case, random designs; in closed form.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file. Example of TOLERANCES.toml:
+
+    results = ["Mkr.peak", "joint_force:A.peak", "stroke"]; speed = 1000; and under [tolerances] the ± of numbers of the
+    linkage's file, in its units or one of their own, and of the speed: "rod.B.x" = 0.05, "rod.B.length" = "50um",
+    "rocker.C.angle" = 0.1, speed = 10, "rod.mass" = { plus_minus = 0.01, distribution = "uniform" } (else normal: the ±
+    are three standard deviations).
+    """
+    from reports.command_line.commands import designs
+
+    designs.tolerance(options, destination(output))

@@ -1,4 +1,4 @@
-"""Where the results of a command go: the screen, JSON, a folder."""
+"""Where the results of a command go: the screen, JSON, a folder; what is unfinished in the folder."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
+from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
 from itertools import chain
@@ -15,14 +16,17 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+import typer
+
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.runs.environment import INCIDENTAL, environment
 from comparisons.runs.files import check_writable, write_bytes, write_file, write_text
 from comparisons.runs.plugins import engine
-from comparisons.runs.study import Journal, to_json
+from comparisons.runs.study import Journal, has_study, to_json, unfinished_command
+from reports.command_line.parameters import option_bag
 from reports.document.terminal import Printed, Printout, harmless, show, write
-from reports.requests.options import OutputOptions
+from reports.requests.options import Option, OutputOptions, command_line, declared_options
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -243,3 +247,35 @@ def report_interruption(folder: Path | None, command: str) -> Iterator[Callable[
             f"{finished} of {total} runs are saved in {folder}: repeat the command, or linkproof {command} --out "
             f"{shlex.quote(str(folder))}, to finish"
         ) from interrupt
+
+
+def own_study(app: typer.Typer, command: str, folder: Path, bags: tuple[Any, ...]) -> tuple[bool, tuple[Any, ...]]:
+    """Whether the folder's own study of a command is asked for and finished; the options of what is to be run.
+
+    It is asked for unless the ``bags`` have an option that affects the results. Of an unfinished study the options are
+    those that began it; nothing else is taken from the folder.
+    """
+    if command_line(command, *bags) != f"linkproof {command}":
+        return False, bags
+    words = _unfinished_words(command, folder)
+    if not words:
+        return has_study(folder, command), bags
+    commands: Any = typer.main.get_command(app)
+    typed = commands.commands[command].make_context(command, words).params
+    return False, tuple(replace(option_bag(type(bag), typed), **_without_effect(bag)) for bag in bags)
+
+
+def _unfinished_words(command: str, folder: Path) -> list[str]:
+    """The arguments and options of the command that began what is unfinished; empty if it is another command."""
+    try:
+        words = shlex.split(unfinished_command(folder))
+    except ValueError as error:
+        raise LinkproofError(f"'{folder}' has a damaged command ({error}): type the whole command") from error
+    return words[2:] if words[:2] == ["linkproof", command] else []
+
+
+def _without_effect(bag: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
+    """The given options that do not affect the results."""
+    infos = {option.field.name: option.info for option in declared_options(type(bag))}
+    names = [name for name, info in infos.items() if isinstance(info, Option) and not info.affects_results]
+    return {name: getattr(bag, name) for name in names}

@@ -23,8 +23,6 @@ def main() -> None:
 def _run_app() -> None:
     _start_fast()
     _open_closed_streams()
-    # It adds its commands to the app. ``from ... import`` would take an old module where a test runner dropped some.
-    import reports.command_line.designs_app  # noqa: F401
     from analytic.errors import LinkproofError
     from reports.command_line.app import app
     from reports.command_line.parameters import InterruptedRunError

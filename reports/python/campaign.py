@@ -1,12 +1,15 @@
-"""``linkproof.compare``: engines compared with the closed form."""
+"""``linkproof.compare``: engines compared with the closed form, and results that print as their commands print them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
+
+from markupsafe import escape
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.results import Results
@@ -15,20 +18,63 @@ from comparisons.judging.changes import Change, write_rows
 from comparisons.judging.limits import deciding
 from comparisons.judging.records import Record, Verdict
 from reports.campaign.terminal import printout
-from reports.document.terminal import Printout
+from reports.document.terminal import Printed, Printout, rendered
 from reports.python.keywords import with_keywords
-from reports.python.labels import PrintedResult, failed_rows
 from reports.requests import PASSED
-from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
+from reports.requests.campaign import Campaign, campaign
 from reports.requests.exit_codes import campaign_exit_code
-from reports.requests.standard import Campaign, campaign
+from reports.requests.options import CompareOptions, RunLimits, StandardOptions
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
     from matplotlib.figure import Figure
 
 Named = TypeVar("Named")
 RUN = ("mechanism", "variant", "regime", "engine", "setting")
+
+
+class PrintedResult(ABC):
+    """A result with the output of its command."""
+
+    @abstractmethod
+    def _printout(self) -> Printout:
+        """The output of the command."""
+
+    @abstractmethod
+    def _rows(self) -> Sequence[Any]:
+        """Dataclasses, one for each row of the table."""
+
+    def _sentence(self) -> Printed:
+        """The outcome in a sentence."""
+        return self._printout().closing[-1]
+
+    def __repr__(self) -> str:
+        """A line: the kind of result and the outcome."""
+        return f"<{type(self).__name__}: {rendered(self._sentence()).strip()}>"
+
+    def __str__(self) -> str:
+        """The output of the command."""
+        printed = self._printout()
+        return rendered(*printed.tables, *printed.closing).strip("\n")
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self))}</pre>"
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every record, verdict or finding, a column for each of its fields."""
+        import pandas  # noqa: PLC0415  half a second that results alone do not pay
+
+        return pandas.DataFrame([asdict(row) for row in self._rows()])
+
+
+def failed_rows(records: Iterable[Record]) -> list[str]:
+    """A line for each record, with its outcome and the reason: what ``check`` of a result raises."""
+    return [
+        f"{record.mechanism} ({record.variant}), {record.regime}, {record.engine} {record.setting}, {record.quantity}: "
+        f"{record.outcome}, {record.detail}"
+        for record in records
+    ]
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,10 +1,10 @@
-"""``linkproof.evaluate``: the closed form at any crank angles, of one design or of many."""
+"""``linkproof.evaluate`` and ``results``: the closed form at any crank angles, or over a motion, as labelled arrays."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import xarray
@@ -19,12 +19,75 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import evaluate as evaluate_signals
 from comparisons.datasheet.building import sheet
+from comparisons.datasheet.curves import TIME
 from reports.python.keywords import Words, load_linkage, resolve_linkage, with_keywords, words
-from reports.python.labels import label, labelled, unit
-from reports.requests.case import requested_results
-from reports.requests.motion_options import ResultsOptions
+from reports.requests.motions import requested_results
+from reports.requests.options import ResultsOptions
 
 Array = NDArray[np.float64]
+GROUP: Final = "transmission_angle"
+# Of a kind of signal the dimension of its parts; a shaking force has none.
+DIMENSIONS: Final = {"point": "point", "link": "link", "joint_force": "joint", GROUP: "group"}
+# Of a kind's components the variable that each belongs to.
+VARIABLES: Final[Mapping[str, Mapping[str, str]]] = {
+    "point": {
+        **{"x": "point_position", "y": "point_position", "vx": "point_velocity", "vy": "point_velocity"},
+        **{"ax": "point_acceleration", "ay": "point_acceleration"},
+    },
+    "link": {"angle": "link_angle", "omega": "link_omega", "alpha": "link_alpha"},
+    "joint_force": {"x": "joint_force", "y": "joint_force", "magnitude": "joint_force_magnitude"},
+    "shaking_force": {"x": "shaking_force", "y": "shaking_force", "magnitude": "shaking_force_magnitude"},
+}
+
+
+class Label(NamedTuple):
+    """The place of a signal: its variable, the dimension and name of its part, its component; "" if there is none."""
+
+    variable: str
+    dimension: str = ""
+    part: str = ""
+    component: str = ""
+
+
+def label(name: str) -> Label:
+    """The place of a signal in a dataset, from its name."""
+    kind, _, rest = name.partition(":")
+    if kind == GROUP:
+        return Label(kind, DIMENSIONS[kind], rest)
+    if kind not in VARIABLES:
+        return Label(name)
+    part, _, component = rest.rpartition(":")
+    axis = component[-1] if component[-1] in "xy" else ""
+    return Label(VARIABLES[kind][component], DIMENSIONS.get(kind, ""), part, axis)
+
+
+def unit(name: str, linkage: Linkage) -> str:
+    """SI unit of a signal or quantity."""
+    return "s" if name == TIME else signals.unit(name, linkage)
+
+
+def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Mapping[str, str]) -> xarray.Dataset:
+    """Signals (n,) by name over the signal ``axis``, with units, mechanism and further facts in the attributes."""
+    variables: dict[str, dict[Label, str]] = {}
+    for name in values:
+        variables.setdefault(label(name).variable, {})[label(name)] = name
+    arrays: dict[str, xarray.Variable] = {}
+    coordinates: dict[str, list[str]] = {}
+    for variable, names in variables.items():
+        first = next(iter(names))
+        sides = {
+            first.dimension: list(dict.fromkeys(entry.part for entry in names)),
+            "component": list(dict.fromkeys(entry.component for entry in names)),
+        }
+        sides = {side: places for side, places in sides.items() if places != [""]}
+        shape = [*map(len, sides.values()), -1]
+        stacked = np.stack([values[name] for name in names.values()]).reshape(shape)
+        units = {"units": unit(names[first], linkage)}
+        arrays[variable] = xarray.Variable((*sides, axis), stacked, units)
+        coordinates |= sides
+    beside = {name: arrays.pop(name) for name in (TIME, "phi") if name in arrays}
+    attributes = {"mechanism": linkage.name, "variant": linkage.variant, **about}
+    return xarray.Dataset(arrays, coords={**beside, **coordinates}, attrs=attributes)
 
 
 def evaluate(

@@ -17,9 +17,17 @@ from analytic.description.changes import without as without_part
 from analytic.description.linkage import Linkage
 from analytic.description.loading import in_variant, load
 from analytic.errors import LinkproofError, UnknownNameError, shortened
-from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
-from reports.requests.motion_options import JudgeOptions, ResultsOptions
-from reports.requests.options import DeclaredOption, Option, declared_options, member_type
+from reports.requests.options import (
+    DeclaredOption,
+    JudgeOptions,
+    OptimiseOptions,
+    Option,
+    ResultsOptions,
+    SweepOptions,
+    ToleranceOptions,
+    declared_options,
+    member_type,
+)
 
 Result = TypeVar("Result")
 LinkageOptions = TypeVar(

@@ -4,15 +4,51 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
+import numpy as np
+
+from analytic.description.changes import without
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import conditions
+from comparisons.datasheet.figures import NEGLIGIBLE
 from comparisons.designs.optimisation import OptimisationRequest, Optimum, optimise
-from comparisons.designs.parameters import mass_words, named_figures
+from comparisons.designs.parameters import SAMPLES, SteadyMotion, mass_words, named_figures, steady_motion
 from comparisons.designs.sweep import MOST, DesignSpace, SweepRequest, parameter_range, read_table, usual_figures
 from comparisons.designs.tolerances import ToleranceRequest, Tolerances, tolerance_request
-from reports.requests.case import SteadyCase, steady_case
-from reports.requests.designs_options import OptimiseOptions, SweepOptions, ToleranceOptions
+from reports.requests.motions import requested_case
+from reports.requests.options import OptimiseOptions, SteadyOptions, SweepOptions, ToleranceOptions
+
+
+class SteadyCase(NamedTuple):
+    """A mechanism under a motion at constant speed; ``conditions`` are both in words."""
+
+    mechanism: Mechanism
+    motion: SteadyMotion
+    conditions: str
+
+
+def steady_case(linkage: Linkage, options: SteadyOptions) -> SteadyCase:
+    """The requested motion, in the case of a linkage: a turn, the range of a driver that makes none, or --from to --to.
+
+    Raises LinkproofError for bad input.
+    """
+    linkage = replace(linkage, scales_mass=options.scale_mass)
+    mechanism = Mechanism(linkage if options.gravity else without(linkage, "gravity"))
+    case = requested_case(options, mechanism)
+    case.check_motion()
+    first, last = (float(case.motion.angle(np.array([time]))[0]) for time in (0.0, case.motion.duration))
+    speed = float(case.motion.speed(np.array([0.0]))[0])
+    turns = not (linkage.is_linear or options.swings) and abs(last - first) >= FULL_TURN * (1.0 - NEGLIGIBLE)
+    start, end = (None, None) if turns else (first, last)
+    motion = steady_motion(mechanism, speed, start=start, end=end)
+    how = f"refined between {SAMPLES}" if options.refine else f"sampled at {SAMPLES}"
+    places = "places" if linkage.is_linear else "crank angles"
+    newton = ", a numerical reference: Newton's method solves a group" if mechanism.is_numerical else ""
+    return SteadyCase(mechanism, motion, f"{conditions(case)}, {how} {places}{newton}")
 
 
 def sweep_request(linkage: Linkage, options: SweepOptions) -> SweepRequest:

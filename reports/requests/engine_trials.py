@@ -24,7 +24,7 @@ from comparisons.runs.run_engine import blamed_on
 from engines.contract import Engine
 from engines.registry import Unusable, engine_names, why_unavailable
 from reports.requests.campaign import request
-from reports.requests.campaign_options import CompareOptions
+from reports.requests.options import CompareOptions
 
 OPTIONAL: Final = re.compile(r"""^([\w.-]+).*;\s*extra\s*==\s*["']([\w-]+)["']""")
 NOT_FOR_USERS: Final = {"dev", "docs", "all"}  # extras

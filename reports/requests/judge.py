@@ -14,8 +14,8 @@ from comparisons.imported.columns import ImportedResults
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judge import judge as judge_results
 from comparisons.imported.reading import read_results
-from reports.requests.motion_options import JudgeOptions
 from reports.requests.motions import check_motion, requested_motion
+from reports.requests.options import JudgeOptions
 
 
 def check_judgement(options: JudgeOptions) -> None:

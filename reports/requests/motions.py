@@ -1,6 +1,7 @@
 """The motions of ``MotionOptions``: prescribed ones and the regimes of a linkage; refusals of impossible ones.
 
-A campaign takes ``requested_motions``; a command about one motion takes ``requested_motion`` or ``requested_case``.
+A campaign takes ``requested_motions``; a command about one motion takes ``requested_motion``, ``requested_case`` or,
+with the instants of a table, ``requested_results``.
 
 Of a drive along a line ``--from``, ``--to`` and ``--speed`` are in the file's unit of length; without a speed its
 motion has the mean speed of one second, without ends it goes over the range of the drive.
@@ -13,6 +14,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import without
 from analytic.description.crank_motion import (
     LARGEST,
     LAWS,
@@ -27,12 +32,14 @@ from analytic.description.crank_motion import (
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
+from analytic.description.written import file_unit
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case, Motion, case_of_file_regime
 from comparisons.datasheet.building import STEADY, range_motion
+from comparisons.datasheet.curves import Instants
 from comparisons.datasheet.open_ends import inset_ends
-from reports.requests.motion_options import TIMED, MotionOptions
+from reports.requests.options import TIMED, MotionOptions, ResultsOptions
 
 EVERYTHING = "all"
 OWN = "own"  # every regime that a linkage defines for itself
@@ -73,6 +80,26 @@ def requested_case(options: MotionOptions, mechanism: Mechanism) -> Case:
     if case is None or (options.regime == (STEADY,) and not has_length):
         return _default_case(options, mechanism)
     return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
+
+
+class RequestedResults(NamedTuple):
+    """A linkage under a motion, and the instants (n,), s, of its tables; None for the whole motion."""
+
+    case: Case
+    chosen: NDArray[np.float64] | None
+
+
+def requested_results(linkage: Linkage, options: ResultsOptions) -> RequestedResults:
+    """The motion and the instants of a request; raises LinkproofError for impossible ones."""
+    if options.at is not None and options.time is not None:
+        raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
+    case = requested_case(options, Mechanism(linkage if options.gravity else without(linkage, "gravity")))
+    linkage, instants = case.mechanism.linkage, Instants(case.motion, turns=not case.mechanism.linkage.is_linear)
+    if options.at is not None:
+        length = file_unit("m", linkage)
+        unit, size = (f" {length.name}", length.size) if linkage.is_linear else ("°", math.radians(1.0))
+        return RequestedResults(case, instants.times_of_angles(np.array(options.at), unit, size))
+    return RequestedResults(case, None if options.time is None else instants.checked_times(np.array(options.time)))
 
 
 def _named_case(options: MotionOptions, mechanism: Mechanism) -> Case | None:

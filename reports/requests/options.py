@@ -1,4 +1,4 @@
-"""The declaration of options, and the command that repeats a request.
+"""The options of every request, how they are declared, and the command that repeats a request.
 
 An option is an annotated field of a frozen dataclass: the command line, the keywords of the Python function and the
 command in saved results are all derived from it.
@@ -10,7 +10,7 @@ import shlex
 from collections.abc import Iterable
 from dataclasses import Field, dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,6 @@ def typed_word(value: Any) -> str:  # noqa: ANN401 - of any option
 
 # The files of a command's results, and the amount of its output.
 
-
 Json = Annotated[bool, Option("Print JSON on stdout in place of the tables.")]
 
 
@@ -124,3 +123,314 @@ class OutputOptions:
     junit: Annotated[Path | None, Option("Write every verdict as a test case, in JUnit's XML.", "FILE")] = None
     quiet: Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))] = False
     verbose: Annotated[bool, Option("Add the details of every record.", flags=("-v", "--verbose"))] = False
+
+
+# The motion of the crank: options of every command that moves a linkage.
+
+USUAL_SPEED = 1000.0  # rpm
+TIMED = ("ramp_time", "hold_time", "start_angle")  # of a crank that turns on: no swing has them
+
+Variant = Annotated[str | None, Option("Variant of the file; default: its own values.", "NAME", names="variants")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionOptions:
+    """The requested motion of the crank: names, rpm, seconds and degrees; without a regime the default.
+
+    A negative ``speed`` turns clockwise; None is ``USUAL_SPEED``, of a drive along a line its mean. With ``from_angle``
+    and ``to_angle`` the crank swings from one to the other, and the regime is the law of motion. Of a drive along
+    a line ``speed``, ``from_angle`` and ``to_angle`` are in its file's unit of length.
+    """
+
+    variant: Variant = None
+    regime: Annotated[
+        tuple[str, ...],
+        Option(
+            "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, a regime of the file, own "
+            "(all of these), or all; with --from and --to: constant-speed, cubic, polynomial, cycloidal, "
+            "modified-sine, or all; repeatable; default: run-up (bench: run-up-quintic and run-up; results: one "
+            "turn at constant speed), with --from and --to constant-speed.",
+            "NAME",
+            names="regimes",
+        ),
+    ] = ()
+    speed: Annotated[
+        float | None,
+        Option("Final crank speed, or the largest of a swing; negative turns clockwise; default: 1000.", "RPM"),
+    ] = None
+    ramp_time: Annotated[float, Option("Time to reach this speed.", "SECONDS")] = 0.6
+    hold_time: Annotated[float, Option("Time at this speed.", "SECONDS")] = 0.1
+    start_angle: Annotated[float, Option("Crank angle at the start.", "DEGREES")] = 0.0
+    from_angle: Annotated[float | None, Option("Crank angle at the start of a swing.", "DEGREES", ("--from",))] = None
+    to_angle: Annotated[float | None, Option("Crank angle at the end of a swing.", "DEGREES", ("--to",))] = None
+    clockwise: Annotated[bool, Option("Turn the crank clockwise.")] = False
+    gravity: Annotated[bool, Option("Switch gravity off.", flags=("--no-gravity",))] = True
+
+    @property
+    def motion(self) -> MotionOptions:
+        """The options of the motion alone."""
+        return MotionOptions(**{field.name: getattr(self, field.name) for field in fields(MotionOptions)})
+
+    @property
+    def rpm(self) -> float:
+        """The speed, rpm, negative if clockwise."""
+        return USUAL_SPEED if self.speed is None else self.speed
+
+    @property
+    def turns_back(self) -> bool:
+        """Whether the crank turns clockwise."""
+        return self.clockwise or self.rpm < 0.0
+
+    @property
+    def swings(self) -> bool:
+        """Whether the crank goes from one angle to another."""
+        return self.from_angle is not None or self.to_angle is not None
+
+    @property
+    def conditions(self) -> str:
+        """Speed, direction, times and angles in words, without gravity, which belongs to the linkages."""
+        turns_back = self.turns_back
+        if self.from_angle is not None and self.to_angle is not None:
+            turns_back = self.to_angle < self.from_angle
+        turning = f"{abs(self.rpm):g} rpm {'clockwise' if turns_back else 'counter-clockwise'}"
+        if self.swings:
+            return f"from {self.from_angle:g}° to {self.to_angle:g}°, at most {turning}"
+        return f"{turning}, {self.ramp_time:g} s + {self.hold_time:g} s, from {self.start_angle:g}°"
+
+
+# The commands about one linkage under one motion: results, watch and judge.
+
+DEFAULT_LIMIT = 0.01  # of the peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultsOptions(MotionOptions):
+    """The motion and the instants of ``linkproof results``."""
+
+    mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)] = ""
+    at: Annotated[tuple[float, ...] | None, Option("Every signal at these crank angles: 0,30,60.", "DEGREES")] = None
+    time: Annotated[tuple[float, ...] | None, Option("Every signal at these times: 0.1,0.2.", "SECONDS")] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class WatchOptions(ResultsOptions):
+    """The motion of ``linkproof watch``, and whether it ``opens`` a browser."""
+
+    opens: Annotated[bool, Option("Open no browser, only print the address.", flags=("--no-open",))] = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultsFiles:
+    """The form of the files of ``linkproof results``.
+
+    ``decimal`` is the point or comma in the numbers of a CSV file, ``figure`` the single picture to draw instead of
+    all.
+    """
+
+    decimal: Annotated[str, Option("Decimal mark of a .csv; with a comma, semicolons between columns.", ".|,")] = "."
+    figure: Annotated[
+        str | None,
+        Option(
+            "Draw one figure alone, as wide as a paper's column: scheme, curves, torque, power, energy, inertia, "
+            "output, forces, transmission.",
+            "NAME",
+        ),
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgeOptions(MotionOptions):
+    """The results for ``linkproof judge``; ``limit`` is a share of the peak."""
+
+    mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)] = ""
+    results: Annotated[tuple[Path, ...], Argument("RESULTS", is_required=True)] = ()
+    mapping: Annotated[Path | None, Option("The meaning of each column, and accepted corrections.", "FILE")] = None
+    limit: Annotated[float, Option("Largest error allowed, as a share of the closed form's peak.", "SHARE")] = (
+        DEFAULT_LIMIT
+    )
+
+
+# Runs of engines that compare, bench and stress make.
+
+Engines = Annotated[
+    tuple[str, ...], Option("Engine; repeatable; default: all that are installed.", "NAME", names="engines")
+]
+Settings = Annotated[
+    tuple[str, ...],
+    Option(
+        "naive, tuned, best, or all; repeatable; default: tuned (stress: a setting or a fixed-step method; default: "
+        "those of each map).",
+        "NAME",
+        names="settings",
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    Option("Worker processes; default: one per core; compare: 0 for none, no limits.", "N", affects_results=False),
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunsOptions(MotionOptions):
+    """Linkages, engines, settings and quantities of runs; empty means the default."""
+
+    mechanisms: Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")] = ()
+    engine: Engines = ()
+    setting: Settings = ()
+    quantity: Annotated[
+        tuple[str, ...],
+        Option(
+            "Quantity, such as Mkr; repeatable; default: all (bench: Mkr, Jeq, phi, joint_force).",
+            "NAME",
+            names="quantities",
+        ),
+    ] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions(RunsOptions):
+    """The runs of ``linkproof compare``."""
+
+    full: Annotated[bool, Option("Run the files' regimes in every setting, not only in tuned.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchOptions(RunsOptions):
+    """The runs of ``linkproof bench``, which has settings and methods of its own."""
+
+    quick: Annotated[bool, Option("Measure only the fronts, over one turn, in under a minute.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class StressOptions:
+    """Stability maps or cells for ``linkproof stress``; empty means the default."""
+
+    words: Annotated[tuple[str, ...], Argument("AXIS|CELL", "axes")] = ()
+    engine: Engines = ()
+    setting: Settings = ()
+    quick: Annotated[bool, Option("Fewer cells, coarser borders: about a minute.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class StandardOptions:
+    """Files of limits, and of results recorded before."""
+
+    limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None
+    against: Annotated[
+        Path | None,
+        Option(
+            "Compare with results that --record wrote or that are in a folder of --out: what newly fails, has grown "
+            "threefold, has vanished or has changed fails.",
+            "FILE|DIR",
+        ),
+    ] = None
+    record: Annotated[
+        Path | None,
+        Option(
+            "Write errors, and figures of the closed form, into this CSV file for --against.",
+            "FILE",
+            affects_results=False,
+        ),
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunLimits:
+    """Limits of each run, s and GiB, and worker processes; None means the default."""
+
+    time_limit: Annotated[float | None, Option("Wall time that one run may take; default: 600.", "SECONDS")] = None
+    memory_limit: Annotated[float | None, Option("Memory that one run may add; default: 4.", "GIB")] = None
+    jobs: Jobs = None
+
+
+# The commands about many designs of one linkage: sweep, optimise, tolerance.
+
+NOT_STEADY: Final = (*TIMED, "regime")  # options of a motion that is not at constant speed
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyOptions(MotionOptions):
+    """A motion at constant speed, without the options ``NOT_STEADY``."""
+
+    mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)] = ""
+    scale_mass: Annotated[
+        bool, Option("Scale mass and inertia of a link with its lengths; default: as in the file.")
+    ] = False
+    refine: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Designs:
+    """The designs of a sweep, and the figures to compute; the first in the help."""
+
+    vary: Annotated[
+        tuple[str, ...],
+        Option(
+            "Values of a number of the file or of the speed, in the file's units or others: rod.B.x=17cm:18cm:100; "
+            "several make a grid.",
+            "NAME=FIRST:LAST:COUNT",
+            names="parameters",
+        ),
+    ] = ()
+    table: Annotated[Path | None, Option("Designs one by one: columns rod.B.x or rod.B.x [mm].", "CSV")] = None
+    quantity: Annotated[
+        tuple[str, ...],
+        Option(
+            "Figure of a design: SIGNAL.peak, .mean, .rms, .max, .min or .range, SIGNAL@DEGREES, joint_force.peak of "
+            "every joint, stroke; repeatable; default: peaks of torque and joint forces, least transmission angles, "
+            "the stroke.",
+            "NAME",
+            names="figures",
+        ),
+    ] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepOptions(SteadyOptions, _Designs):
+    """The designs of ``linkproof sweep``."""
+
+    refine: Annotated[bool, Option("Find the exact extremes between the sampled angles.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Aim:
+    """The aim of an optimisation, its variables, and the figures to hold; the first in the help."""
+
+    minimise: Annotated[str | None, Option("Minimise this figure, such as Mkr.peak.", "FIGURE", names="figures")] = None
+    maximise: Annotated[str | None, Option("Maximise it: transmission_angle.min.", "FIGURE", names="figures")] = None
+    over: Annotated[
+        tuple[str, ...],
+        Option(
+            "A number of the file, or the speed, to vary within bounds, or NAME=±10%; repeatable.",
+            "NAME=LOW:HIGH",
+            names="parameters",
+        ),
+    ] = ()
+    keep: Annotated[
+        tuple[str, ...],
+        Option(
+            "Hold a figure at its present value, at =VALUE, or in a range; repeatable.",
+            "FIGURE[=LOW:HIGH]",
+            names="figures",
+        ),
+    ] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class OptimiseOptions(SteadyOptions, _Aim):
+    """The optimisation of ``linkproof optimise``."""
+
+    everywhere: Annotated[bool, Option("Search the whole region within the bounds.", flags=("--global",))] = False
+    step: Annotated[
+        str | None, Option("Round lengths to this step, such as 0.1mm, and report the loss.", "STEP", ("--round",))
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToleranceOptions(SteadyOptions):
+    """The tolerances of ``linkproof tolerance``."""
+
+    tolerances: Annotated[Path, Argument("TOLERANCES.toml", is_required=True)] = Path()
+    samples: Annotated[
+        int | None, Option("Random designs; default: 10000, 200 where a group has no closed form.", "N")
+    ] = None

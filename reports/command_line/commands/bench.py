@@ -18,10 +18,8 @@ from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination, journal, report_interruption
 from reports.requests.campaign import missing_engines, request
-from reports.requests.campaign_options import BenchOptions, RunsOptions
 from reports.requests.exit_codes import bench_exit_code
-from reports.requests.motion_options import MotionOptions
-from reports.requests.options import command_line
+from reports.requests.options import BenchOptions, MotionOptions, RunsOptions, command_line
 from reports.work_precision.terminal import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)

@@ -11,10 +11,9 @@ from comparisons.judging.changes import write_rows
 from comparisons.runs.study import to_json
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination, Writers, journal, report_interruption
-from reports.requests.campaign import missing_engines
-from reports.requests.campaign_options import CompareOptions, RunLimits, StandardOptions
+from reports.requests.campaign import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign, check_record, missing_engines
 from reports.requests.exit_codes import campaign_exit_code
-from reports.requests.standard import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign, check_record
+from reports.requests.options import CompareOptions, RunLimits, StandardOptions
 
 PAGE = "index.html"
 WRITERS: Final[Writers] = {

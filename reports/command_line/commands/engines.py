@@ -24,7 +24,6 @@ from reports.document.terminal import Printed, Printout
 from reports.records.origins import printout, readout_table
 from reports.requests import FAILED, PASSED
 from reports.requests.campaign import request
-from reports.requests.campaign_options import CompareOptions
 from reports.requests.engine_trials import (
     SelfTest,
     engine_findings,
@@ -33,7 +32,7 @@ from reports.requests.engine_trials import (
     optional_packages,
     places,
 )
-from reports.requests.options import command_line
+from reports.requests.options import CompareOptions, command_line
 
 REPORT = (
     "With a bug report, send the output of `linkproof engines --try`, the linkage file, the command and what it "

@@ -31,8 +31,7 @@ from reports.imported import (
 )
 from reports.requests import FAILED, PASSED
 from reports.requests.judge import check_judgement, judge_files
-from reports.requests.motion_options import JudgeOptions
-from reports.requests.options import command_line
+from reports.requests.options import JudgeOptions, command_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

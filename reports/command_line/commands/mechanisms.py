@@ -1,23 +1,113 @@
-"""``linkproof list``: the linkages that are known by name, and what can be asked and varied of one."""
+"""``linkproof new``, ``check`` and ``list``: a linkage file to fill in, its review, the linkages known by name."""
 
 from __future__ import annotations
 
+import json
+import shlex
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from analytic.description.changes import SPEED
+from analytic.description.json_schema import TITLE, json_schema
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature, load
 from analytic.description.written import finite, in_unit
 from analytic.designs.figures import figure_names
+from analytic.errors import LinkproofError, is_safe
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet import linkage_check
+from comparisons.datasheet.linkage_check import check_slips
 from comparisons.designs.parameters import named_figures, parameters, speed_unit
-from reports.command_line.destination import Destination
+from comparisons.runs.files import check_writable, write_text
+from comparisons.runs.study import to_json
+from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
 from reports.mechanism import terminal
-from reports.requests.designs_options import SteadyOptions
+from reports.requests.options import SteadyOptions
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
+SCHEMA_FILE: Final = "linkproof.schema.json"
+
+
+def new(name: str, destination: Destination) -> None:
+    """Write a linkage file to fill in, and the schema with which an editor completes and checks it."""
+    path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
+    if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
+        raise LinkproofError(f"expected a name for the new file, got '{name}': give one of letters and digits")
+    if path.exists() or path.is_symlink():
+        raise LinkproofError(f"'{path}' exists already: give another name; linkproof new overwrites nothing")
+    check_writable(path)
+    schema = path.with_name(SCHEMA_FILE)
+    title = json.dumps(path.stem, ensure_ascii=False)[1:-1]
+    write_text(path, TEMPLATE.read_text(encoding="utf-8").replace("{title}", title))
+    beside = ""
+    if _is_ours(schema):
+        beside = f" and {'renewed ' if schema.exists() else ''}{schema}, by which editors complete and check it"
+        write_text(schema, json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n")
+    argument = shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
+    destination.print(f"wrote {path}{beside}; next: linkproof check {argument}")
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether a schema file can be written: it does not exist, or is ours, perhaps of an older version."""
+    try:
+        return bool(json.loads(path.read_text(encoding="utf-8")).get("title") == TITLE)
+    except FileNotFoundError:
+        return True
+    except (OSError, ValueError, AttributeError):
+        return False
+
+
+def check(name: str, variant: str | None, destination: Destination, *, strict: bool = False) -> None:
+    """Print or write the facts of a linkage up to its first fault, draw it, and raise the fault.
+
+    With ``strict`` a likely mistake is a fault.
+    """
+    linkage = load(name, variant)
+    destination.check_saves({**FACTS, **DRAWINGS}, {"the linkage's file": Path(name)})
+    facts, fault = linkage_check.check(linkage)
+    destination.print(*terminal.printed(facts, linkage.written))
+    destination.write_json(facts)
+    destination.write_saves(FACTS, facts)
+    if fault is not None:
+        raise fault
+    if strict:
+        check_slips(linkage)
+    destination.write_saves(DRAWINGS, linkage)
+    for file in destination.save:
+        destination.print(f"wrote {file}")
+    if not destination.save:
+        destination.print("", f"scheme       linkproof check {shlex.quote(name)} --save scheme.svg draws it")
+
+
+# The writers of the files of ``check``: of its facts, and of the scheme in twelve positions of its range.
+
+
+def _scheme(linkage: Linkage) -> Figure:
+    from comparisons.datasheet.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second
+    from reports.charts.scheme import scheme_figure  # noqa: PLC0415
+
+    return scheme_figure(linkage, positions_over_range(Mechanism(linkage)))
+
+
+def _dxf(linkage: Linkage) -> str:
+    from comparisons.datasheet.building import positions_over_range  # noqa: PLC0415 - ezdxf takes half a second
+    from reports.designs.results_dxf import dxf  # noqa: PLC0415
+
+    return dxf(linkage, positions_over_range(Mechanism(linkage)))
+
+
+FACTS: Final[Writers] = {".json": to_json}
+DRAWINGS: Final[Writers] = {**picture_writers(_scheme), ".dxf": _dxf}
+
 
 SHELVES: Final = {
     "catalogue": "The catalogue, taken where nothing is named",
@@ -38,7 +128,7 @@ def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> Non
 
     A number has the digits that give its value back.
     """
-    from reports.requests.case import steady_case  # noqa: PLC0415 - for this list alone
+    from reports.requests.designs import steady_case  # noqa: PLC0415 - for this list alone
 
     mechanism, motion, conditions = steady_case(linkage, SteadyOptions())
     every = named_figures(mechanism, figure_names(mechanism))

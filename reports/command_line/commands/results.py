@@ -17,8 +17,8 @@ from comparisons.runs.files import claim
 from reports.command_line.destination import PICTURES, Destination, Writers, picture_writers, write_to_stdout
 from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.document.terminal import show
-from reports.requests.case import requested_results
-from reports.requests.motion_options import ResultsFiles, ResultsOptions
+from reports.requests.motions import requested_results
+from reports.requests.options import ResultsFiles, ResultsOptions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,9 +12,8 @@ from comparisons.stress.campaign import KIND, StressRequest, load, make_cells, s
 from comparisons.stress.cells import chosen_axes, find_cell
 from reports.command_line.destination import Destination, journal, report_interruption
 from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
-from reports.requests.campaign_options import RunLimits, StressOptions
 from reports.requests.exit_codes import stress_exit_code
-from reports.requests.options import command_line
+from reports.requests.options import RunLimits, StressOptions, command_line
 from reports.stress import cell_details, printout
 
 

@@ -25,8 +25,8 @@ from reports.document import html
 from reports.document.parts import Page, Paragraph, Widget
 from reports.document.terminal import show
 from reports.mechanism.page import page
-from reports.requests.case import requested_results
-from reports.requests.motion_options import WatchOptions
+from reports.requests.motions import requested_results
+from reports.requests.options import WatchOptions
 
 
 def watch(options: WatchOptions) -> None:

@@ -11,7 +11,7 @@ from comparisons.runs.workers import LocalPool
 from engines.contract import Outcome
 from engines.registry import engine, engine_names, why_unavailable
 from reports.requests.campaign import request
-from reports.requests.campaign_options import CompareOptions
+from reports.requests.options import CompareOptions
 from tests.analytic.swinging import double_rocker_text
 
 REGIMES = """

@@ -12,7 +12,7 @@ from analytic.signals import signal
 from comparisons.case import Case, case_of_file_regime
 from comparisons.datasheet.curves import Instants
 from comparisons.datasheet.figures import BRAKING, MEAN, drive_figures
-from reports.command_line.commands.files import TEMPLATE
+from reports.command_line.commands.mechanisms import TEMPLATE
 from tests.analytic.linkages import FULL_TURN, from_text, mechanism
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, curves, engine, piston, piston_text, results
 

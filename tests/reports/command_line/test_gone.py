@@ -5,7 +5,6 @@ import typer
 
 from analytic.errors import LinkproofError
 from reports.command_line import app as main_app
-from reports.command_line import designs_app  # noqa: F401 - adds its commands
 from tests.commands import refused
 
 MOTION = "variant regime speed ramp-time hold-time start-angle from to clockwise no-gravity"

@@ -7,11 +7,9 @@ import pytest
 
 from comparisons.runs.study import Journal
 from reports.command_line.app import app
-from reports.command_line.destination import journal, report_interruption
-from reports.command_line.own_study import own_study
+from reports.command_line.destination import journal, own_study, report_interruption
 from reports.requests.campaign import request
-from reports.requests.campaign_options import BenchOptions, CompareOptions, RunLimits
-from reports.requests.options import command_line
+from reports.requests.options import BenchOptions, CompareOptions, RunLimits, command_line
 
 OPTIONS = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",))
 

@@ -9,7 +9,7 @@ import xarray
 
 import linkproof
 from analytic.description.loading import load, parse
-from reports.python.labels import Label, label, labelled
+from reports.python.evaluation import Label, label, labelled
 from tests.commands import linkproof as command
 
 DRIVES = Path(__file__).parents[2] / "linkages" / "drives"

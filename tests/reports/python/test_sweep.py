@@ -5,9 +5,9 @@ import pytest
 import xarray
 
 import linkproof
-from reports.command_line.commands.sweep import sweep
+from reports.command_line.commands.designs import sweep
 from reports.command_line.destination import Destination
-from reports.requests.designs_options import SweepOptions
+from reports.requests.options import SweepOptions
 
 da = pytest.importorskip("dask.array")
 

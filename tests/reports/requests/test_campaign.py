@@ -15,8 +15,7 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.requests.campaign import RunResources, installed, request, run_resources
-from reports.requests.campaign_options import CompareOptions, RunLimits
-from reports.requests.options import changed_options, command_line
+from reports.requests.options import CompareOptions, RunLimits, changed_options, command_line
 
 JUKI = "juki-mf7923d"
 

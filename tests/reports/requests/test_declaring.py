@@ -13,8 +13,7 @@ import linkproof as package
 from analytic.errors import LinkproofError
 from reports.command_line.parameters import command
 from reports.python.keywords import with_keywords
-from reports.requests.motion_options import ResultsOptions
-from reports.requests.options import Option, command_line
+from reports.requests.options import Option, ResultsOptions, command_line
 
 
 @dataclass(frozen=True, kw_only=True)

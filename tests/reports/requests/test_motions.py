@@ -10,10 +10,8 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.open_ends import MARGIN
 from reports.requests.campaign import request
-from reports.requests.campaign_options import CompareOptions
-from reports.requests.motion_options import MotionOptions
 from reports.requests.motions import requested_motions
-from reports.requests.options import changed_options
+from reports.requests.options import CompareOptions, MotionOptions, changed_options
 from tests.analytic.drives import driven, path_of
 
 SWING = {"from_angle": 20.0, "to_angle": 110.0}

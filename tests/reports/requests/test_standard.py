@@ -8,10 +8,8 @@ import pytest
 from analytic.description.loading import read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.judging.limits import read_limits
-from reports.requests.campaign import files
-from reports.requests.campaign_options import CompareOptions, StandardOptions
-from reports.requests.options import command_line
-from reports.requests.standard import campaign
+from reports.requests.campaign import campaign, files
+from reports.requests.options import CompareOptions, StandardOptions, command_line
 
 ROOT = Path(__file__).parents[3]
 

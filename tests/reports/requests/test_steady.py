@@ -8,8 +8,8 @@ import pytest
 
 import linkproof as package
 from analytic.description.loading import load
-from reports.requests.case import steady_case
-from reports.requests.designs_options import SweepOptions
+from reports.requests.designs import steady_case
+from reports.requests.options import SweepOptions
 from tests.analytic.drives import path_of
 from tests.commands import linkproof
 

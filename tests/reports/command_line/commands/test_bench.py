@@ -10,7 +10,7 @@ from comparisons.work_precision.records import load
 from reports.command_line.commands import bench as bench_command
 from reports.command_line.commands.bench import bench
 from reports.command_line.destination import Destination
-from reports.requests.campaign_options import BenchOptions, RunsOptions
+from reports.requests.options import BenchOptions, RunsOptions
 from tests.comparisons.faults import PATIENCE
 
 SHORT = Extent((12.0, 24.0, 48.0), budget=PATIENCE, repeats=2, patience=PATIENCE)

@@ -16,7 +16,7 @@ from engines.registry import engine_names
 from reports.command_line.commands import engines
 from reports.command_line.destination import Destination
 from reports.requests import engine_trials
-from reports.requests.campaign_options import CompareOptions
+from reports.requests.options import CompareOptions
 from tests.commands import linkproof, refused
 from tests.comparisons.conformance.wrong_engines import Direct, PrintingEngine
 from tests.test_economy import EXTRAS

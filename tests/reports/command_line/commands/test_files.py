@@ -11,7 +11,7 @@ from analytic.description.json_schema import json_schema
 from analytic.description.loading import load
 from analytic.errors import DescriptionError, LinkproofError, StructureError
 from analytic.kinematics.mechanism import Mechanism
-from reports.command_line.commands import files
+from reports.command_line.commands import mechanisms as files
 from reports.command_line.destination import Destination
 from tests.analytic.textbook import DOUBLE_ROCKER
 

@@ -11,7 +11,7 @@ from comparisons.stress.verdict import StressVerdict, blank_result
 from reports.command_line.commands import stress
 from reports.command_line.commands.stress import run
 from reports.command_line.destination import Destination
-from reports.requests.campaign_options import StressOptions
+from reports.requests.options import StressOptions
 from tests.commands import linkproof
 from tests.comparisons.faults import PATIENCE
 

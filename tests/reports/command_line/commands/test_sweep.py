@@ -10,9 +10,9 @@ import pytest
 import xarray
 
 from analytic.errors import LinkproofError
-from reports.command_line.commands.sweep import sweep
+from reports.command_line.commands.designs import sweep
 from reports.command_line.destination import Destination
-from reports.requests.designs_options import SweepOptions
+from reports.requests.options import SweepOptions
 
 VARY = ("rod.B.x=160:18cm:5", "rod.mass=100g:0.2:3")
 PLAIN = {"mechanism": "rimoldi-164", "vary": VARY, "quantity": ("Mkr.peak", "stroke")}

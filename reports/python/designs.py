@@ -20,10 +20,15 @@ from comparisons.designs.sweep import sweep as sweep_space
 from comparisons.designs.tolerances import QUANTILES, SEED, Tolerances, ToleranceStudy, read_tolerances, tolerance_study
 from reports.designs.optimise_terminal import document
 from reports.python.keywords import Words, resolve_linkage, with_keywords, words
-from reports.requests.case import steady_case
-from reports.requests.designs import build_sweep_request, build_tolerance_request, find_optimum
-from reports.requests.designs_options import NOT_STEADY, OptimiseOptions, SweepOptions, ToleranceOptions
-from reports.requests.options import command_line, typed_word
+from reports.requests.designs import build_sweep_request, build_tolerance_request, find_optimum, steady_case
+from reports.requests.options import (
+    NOT_STEADY,
+    OptimiseOptions,
+    SweepOptions,
+    ToleranceOptions,
+    command_line,
+    typed_word,
+)
 
 Array = NDArray[np.float64]
 
