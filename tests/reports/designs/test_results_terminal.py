@@ -66,6 +66,9 @@ def test_a_peak_is_at_its_stated_place():
         for name, peak in document["peaks"].items():
             values = np.array(document["values"][name])
             size = float(np.max(np.abs(values)))
+            if peak["at"] is None:  # of a signal that is 0 but for rounding
+                assert not np.any(values), name
+                continue
             assert np.interp(peak["at"], along, values) == pytest.approx(peak["value"], abs=2e-3 * size + 1e-9), name
 
 
