@@ -464,7 +464,7 @@ MOST_OPERATIONS: Final = 3000  # compiling a longer list takes longer than it sa
 def is_worthwhile(path: str, operations: int, poses: float) -> bool:
     """Whether to compile a list of so many operations for so many poses; raises for a wrong ``path``.
 
-    ``path`` is ``numpy``, ``compile_source``, or ``auto``: compiled where NumPy would take longer than compiling does.
+    ``path`` is ``numpy``, ``compiled``, or ``auto``: compiled where NumPy would take longer than compiling does.
     Raises UnknownNameError for another, LinkproofError where numba is missing for "compiled".
     """
     if path not in PATHS:
@@ -545,11 +545,9 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def in_threads(function: Callable[[Any], object], parts: Sequence[Any], count: int | None) -> None:
-    """Call the function with every part on so many threads, all cores if None: machine code runs side by side."""
-    if count is not None and count < 1:
-        raise LinkproofError(f"cores: expected a positive number of threads, or none for all, got {count}; correct it")
-    threads = min(len(parts), cores() if count is None else count)
+def in_threads(function: Callable[[Any], object], parts: Sequence[Any]) -> None:
+    """Call the function with every part, on all cores: machine code runs side by side."""
+    threads = min(len(parts), cores())
     if threads <= 1:
         for part in parts:
             function(part)

@@ -104,7 +104,7 @@ class _DesignSums:
 
 
 def reduced_figures(
-    request: FigureRequest, arrays: Mapping[str, Array], listed: LinkageTrace, cores: int | None
+    request: FigureRequest, arrays: Mapping[str, Array], listed: LinkageTrace
 ) -> tuple[Array, Booleans]:
     """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,), and which are doubtful.
 
@@ -132,7 +132,7 @@ def reduced_figures(
             doubtful[here] |= unsettled
         doubtful[here] &= moves
 
-    in_threads(part, range(0, count, CHUNK), cores)
+    in_threads(part, range(0, count, CHUNK))
     return values, doubtful
 
 
@@ -159,7 +159,6 @@ def design_figures(
     speed: float,
     period: float | Literal["auto"] | None = "auto",
     refine: bool = False,
-    cores: int | None = None,
     path: str = "auto",
 ) -> Array:
     """Figures of every design, (figures, designs), SI; the crank turns at a constant ``speed``, rad/s, signed.
@@ -173,8 +172,8 @@ def design_figures(
     same, whatever the samples, and of S from the true top.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at or between any of the angles are
-    nan, and so are those of one that passes a change point where the linkage as described passes none. ``cores`` and
-    ``path`` are as for ``analytic.signals.evaluate``. Raises UnknownNameError and LinkproofError as
+    nan, and so are those of one that passes a change point where the linkage as described passes none. ``path`` is
+    as for ``analytic.machine_code.is_worthwhile``. Raises UnknownNameError and LinkproofError as
     ``evaluate_designs`` does.
     """
     places = _checked_places(angle, LEAST_ANGLES if refine else 1)
@@ -187,13 +186,12 @@ def design_figures(
     request = FigureRequest(mechanism, tuple(figures), places, speed, closes, refine, path)
     designs = request.designs(arrays)
     if designs.trace is None or not can_reduce(request) or not designs.is_compiled:
-        return request.values_for(arrays, cores)
-    reduced, doubtful = reduced_figures(request, arrays, designs.trace, cores)
+        return request.values_for(arrays)
+    reduced, doubtful = reduced_figures(request, arrays, designs.trace)
     if np.any(doubtful):
         some = {name: values[doubtful] for name, values in arrays.items()}
-        reduced[:, doubtful] = replace(request, path="auto").values_for(
-            some, cores
-        )  # few: another function rarely pays
+        # They are few: another function rarely pays.
+        reduced[:, doubtful] = replace(request, path="auto").values_for(some)
     return reduced
 
 

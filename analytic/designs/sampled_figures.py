@@ -80,7 +80,7 @@ class FigureRequest:
         has_zero_at_sample = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
         return self.period is not None and len(self.crank_angles) % 2 == 0 and not has_zero_at_sample
 
-    def values_for(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
+    def values_for(self, arrays: Mapping[str, Array]) -> Array:
         """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers by name.
 
         They are nan where a design has no motion at one of the crank angles; numbers are not checked.
@@ -90,7 +90,7 @@ class FigureRequest:
         def work(rows: Integers, sampler: Sampler) -> None:
             values[:, rows] = _Chunk(self, sampler, rows).figures(self.figures)
 
-        self.designs(arrays).in_blocks(CHUNK, work, cores)
+        self.designs(arrays).in_blocks(CHUNK, work)
         return values
 
 

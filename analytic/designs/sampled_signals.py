@@ -97,8 +97,8 @@ class Designs:
             all_groups=self.all_groups,
         )
 
-    def in_blocks(self, size: int, work: Callable[[Integers, Sampler], None], cores: int | None) -> None:
-        """Call ``work`` with the rows of up to ``size`` designs and their sampler, block by block, on so many threads.
+    def in_blocks(self, size: int, work: Callable[[Integers, Sampler], None]) -> None:
+        """Call ``work`` with the rows of up to ``size`` designs and their sampler, block by block, on all cores.
 
         A design that cannot be assembled as its sketch shows it, where it has to be followed from there, is left out.
         """
@@ -110,7 +110,7 @@ class Designs:
                 elif (design := self._single_design(start)) is not None:
                     work(np.array([start]), lambda rows, phi, names: self._swept_samples(design, rows, phi, names))
 
-        in_threads(part, range(0, self.count, size if self.trace else 1), cores)
+        in_threads(part, range(0, self.count, size if self.trace else 1))
 
     def _traced_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
         """Samples of some designs, computed from the list of operations."""
@@ -194,7 +194,6 @@ def evaluate_designs(
     *,
     speed: ArrayLike | None = None,
     acceleration: ArrayLike = 0.0,
-    cores: int | None = None,
     path: str = "auto",
 ) -> dict[str, NDArray[Any]]:
     """Signals by name for every design and crank angle, (designs, angles), SI; S counts from the ground's origin.
@@ -204,8 +203,8 @@ def evaluate_designs(
     ``angle`` (angles,) is in rad; ``speed`` (rad/s) and ``acceleration`` (rad/s²) are scalar or one per angle.
 
     Where a design cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``,
-    which is returned besides; that counts for the links that the signals need. ``cores`` is the number of threads, all
-    of the machine's if None; ``path`` is as for ``analytic.signals.evaluate``.
+    which is returned besides; that counts for the links that the signals need. ``path`` is as for
+    ``analytic.machine_code.is_worthwhile``.
     """
     places = np.asarray(angle, dtype=float)
     if places.ndim != 1 or not np.all(np.isfinite(places)):
@@ -229,7 +228,7 @@ def evaluate_designs(
         for row, name in zip(values, chosen, strict=True):
             row[rows] = np.where(samples.moves, samples.signals[name], np.nan)
 
-    designs.in_blocks(max(1, BLOCK // max(1, len(places))), work, cores)
+    designs.in_blocks(max(1, BLOCK // max(1, len(places))), work)
     return {**dict(zip(chosen, values, strict=True)), ASSEMBLED: moves}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from analytic import signals
+from analytic import machine_code, signals
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.description.loading import literature
@@ -145,11 +145,13 @@ def test_blocks_and_threads_change_nothing(monkeypatch):
     every = [Figure(name, ways[row % len(ways)], 0.4) for row, name in enumerate(signals.names(sample)[::6])]
     for refine, figures in ((False, every), (True, every[:4])):
         settings = {"speed": SPEED, "refine": refine, "path": "numpy"}
-        whole = design_figures(sample, parameters, figures, TURN, cores=1, **settings)
+        monkeypatch.setattr(machine_code, "cores", lambda: 1)
+        whole = design_figures(sample, parameters, figures, TURN, **settings)
         assert 0 < np.count_nonzero(np.isnan(whole[0])) < 30
         monkeypatch.setattr(sampled_figures, "BLOCK", 24 * 21)
         monkeypatch.setattr(sampled_figures, "CHUNK", 11)
-        parts = design_figures(sample, parameters, figures, TURN, cores=3, **settings)
+        monkeypatch.setattr(machine_code, "cores", lambda: 3)
+        parts = design_figures(sample, parameters, figures, TURN, **settings)
         assert np.array_equal(parts, whole, equal_nan=True)
         monkeypatch.undo()
 

@@ -27,7 +27,7 @@ class Sweep:
 
 
 class Designs:
-    """Jeq of six-bars of other rods, compiled, one core."""
+    """Jeq of six-bars of other rods, compiled."""
 
     timeout = 300.0
 
@@ -40,11 +40,11 @@ class Designs:
         self.time_inertia()
 
     def time_inertia(self):
-        return self.evaluate(self.mechanism, self.rods, self.angle, ("Jeq",), cores=1, path="compiled")
+        return self.evaluate(self.mechanism, self.rods, self.angle, ("Jeq",), path="compiled")
 
 
 class DesignFigures:
-    """Peaks of twice as many six-bars over 72 crank angles, compiled, one core."""
+    """Peaks of twice as many six-bars over 72 crank angles, compiled."""
 
     timeout = 300.0
     params = ("Mkr", "joint_force:A:magnitude")
@@ -61,6 +61,4 @@ class DesignFigures:
         self.time_peak(signal)
 
     def time_peak(self, _signal):
-        return self.figures(
-            self.mechanism, self.rods, self.requested, self.angle, speed=100.0, cores=1, path="compiled"
-        )
+        return self.figures(self.mechanism, self.rods, self.requested, self.angle, speed=100.0, path="compiled")
