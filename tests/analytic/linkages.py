@@ -211,3 +211,14 @@ def slider_cranks(draw: st.DrawFn) -> str:
         along=_pair(along, 1.0),
         d=_pair(through + rod * along, 1.0),
     )
+
+
+def path_of(name: str) -> str:
+    """The file of a linkage."""
+    return str(FOLDER / "drives" / f"{name}.toml")
+
+
+@cache
+def driven(name: str) -> Mechanism:
+    """A linkage of the folder."""
+    return Mechanism(load(path_of(name)))

@@ -13,9 +13,9 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import linkage_trace
 from analytic.signals import evaluate, names
-from tests.analytic.drives import driven
 from tests.analytic.exact_forces import forces_of, signals_of
 from tests.analytic.fifty_digits import Exact
+from tests.analytic.linkages import driven
 from tests.analytic.loaded_linkages import ALL, laden, on_trial
 
 SAME = 1e-13  # of the peak

@@ -27,8 +27,7 @@ from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle
 from engines.scene import Channel, Scene
-from tests.analytic.drives import driven
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import driven, from_text, mechanism
 from tests.analytic.swinging import double_rocker
 
 SIX_BAR, SPRUNG = "rimoldi-164", "spring-and-damper"

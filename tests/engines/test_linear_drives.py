@@ -19,7 +19,7 @@ from engines.contract import Outcome, Setting
 from engines.mechanics.states import driven as travelled
 from engines.mechanics.states import with_ground
 from engines.scene import Channel, Free
-from tests.analytic.drives import driven
+from tests.analytic.linkages import driven
 from tests.engines.closed_form import installed
 
 ENGINES = ["exudyn", "mujoco", "ondsel", "pymunk", "simbody"]

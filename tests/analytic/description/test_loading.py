@@ -1,14 +1,31 @@
-"""Linkage files by path and by name, their variants, and names of files that do not exist."""
+"""Linkage files: found, read and written anew."""
 
+import math
 import os
 import re
+import tomllib
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from analytic.description.loading import catalogue, find, literature, load, parse, read
+from analytic.description import changes, conversion
+from analytic.description.loading import (
+    CATALOGUE,
+    LITERATURE,
+    MARK,
+    catalogue,
+    find,
+    literature,
+    load,
+    parse,
+    read,
+    rewritten,
+)
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
 from tests.analytic.faults import JUKI
 from tests.analytic.linkages import FOLDER
+from tests.analytic.mutations import mutated_files
 
 
 @pytest.mark.parametrize(
@@ -69,3 +86,138 @@ def test_catalogue_literature_and_paths():
     assert read("andrews-squeezer").origin == "andrews-squeezer.toml"
     with pytest.raises(UnknownNameError):
         find("andrews")
+
+
+FILES = {
+    path.stem: path.read_text(encoding="utf-8")
+    for path in (*CATALOGUE.glob("*.toml"), *FOLDER.rglob("*.toml"), LITERATURE / "stephenson-six-bar.toml")
+}
+DESIGNS = [(name, variant) for name, text in FILES.items() for variant in parse(text, name, name).variants]
+RIMOLDI = FILES["rimoldi-164"]
+COMMENTS = re.compile(r"#.*$", re.MULTILINE)
+
+
+def numbers_of(text, variant=None):
+    return changes.numbers(parse(text, "sample", "sample.toml", variant))
+
+
+def expected(text, variant, numbers):
+    """The numbers of the linkage as ``changed`` makes it; loads that changed their order are sorted again."""
+    linkage = changes.changed(
+        parse(text, "sample", "sample.toml", variant), lambda name, _, old: numbers.get(name, old)
+    )
+    loads = {kind: tuple(sorted(getattr(linkage, kind), key=conversion.sort_key)) for kind in changes.LOADS}
+    return changes.numbers(changes.replace(linkage, **loads))
+
+
+def assert_written(text, variant, numbers, ulps=1):
+    new = numbers_of(rewritten(text, "sample", variant, numbers))
+    meant = expected(text, variant, numbers)
+    assert new.keys() == meant.keys()
+    for name, value in new.items():
+        size = 4 * math.ulp(1.0) if ".along." in name else ulps * math.ulp(meant[name])
+        assert abs(value - meant[name]) <= size, name
+
+
+@settings(max_examples=30)
+@given(st.sampled_from(DESIGNS), st.data())
+def test_any_numbers_are_written_to_the_last_digit(design, data):
+    name, variant = design
+    old = numbers_of(FILES[name], variant)
+    chosen = data.draw(st.lists(st.sampled_from(sorted(old)), unique=True, max_size=6))
+    factor = st.floats(0.6, 1.6)  # what is zero gets numbers far from each other: points of a link stay apart
+    numbers = {one: (old[one] or 1e-3 * 3.0**place) * data.draw(factor) for place, one in enumerate(chosen)}
+    assert_written(FILES[name], variant, numbers)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_all_numbers_at_once_and_writing_twice(name):
+    numbers = {one: value * 1.1 + 1e-3 for one, value in numbers_of(FILES[name]).items()}
+    once = rewritten(FILES[name], name, None, numbers)
+    assert_written(FILES[name], None, numbers)
+    again = rewritten(once, name, None, {})
+    assert again.partition("\n")[2] == once.partition("\n")[2]
+    assert again.count(MARK) == 1
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_without_a_change_the_variant_is_the_file_with_its_comments(name):
+    text = FILES[name]
+    new = rewritten(text, name, None, {}, new_variant="as it was")
+    linkage = parse(new, name, name)
+    assert changes.numbers(linkage) == numbers_of(text)
+    assert (linkage.variant, linkage.variants) == ("as it was", ("as it was",))
+    assert not linkage.published
+    for part in re.split(r"\n(?=\[)", text):
+        if not part.startswith(("[variants", "[[published]]")):
+            assert set(COMMENTS.findall(part)) <= set(COMMENTS.findall(new))
+
+
+def test_only_what_changes_is_touched():
+    new = rewritten(RIMOLDI, "rimoldi-164", "as-printed", {"rod.B.x": 0.176, "crank.mass": 0.51}, new_variant="longer")
+    first, _, body = new.partition("\n")
+    assert first == f"{MARK}rimoldi-164, variant as-printed: rod.B.x = 176.0 mm"
+    own = RIMOLDI.partition("\n[variants")[0].replace('"as-built"', '"longer"', 1).replace("[175, 0]", "[176.0, 0]")
+    own = own.replace("[69, 0]", "[0.069, 0]").replace("[9.5, 0]", "[-9.5, 0]")
+    assert body == own
+
+
+def test_points_by_radius_and_angle_become_coordinates():
+    text = FILES["slotted-takeup"]
+    new = rewritten(text, "slotted-takeup", None, {"coupler.P4.x": 1e-3})
+    assert tomllib.loads(new)["links"]["coupler"]["points"]["P4"] == pytest.approx([1.0, -10.0])
+    assert_written(text, None, {"coupler.P4.x": 1e-3}, ulps=2)
+
+
+def test_the_stroke_stays_along_its_direction_where_a_guide_turns():
+    text = FILES["force-over-angle"]  # its output has no direction of its own
+    new = parse(rewritten(text, "sample", None, {"piston.along.x": 0.0}), "sample", "sample.toml")
+    assert new.sliders[0].guide.along == (0.0, 1.0)
+    assert new.output.along == pytest.approx((12 / 13, 5 / 13), abs=1e-15)
+
+
+LOADED = """
+forces = [{ point = "D", force = [[1, 0]], link = "rod" }, { point = "D", force = [3, 0], link = "rod" }]
+torques = [{ link = "rod", torque = [5] }]
+"""
+
+
+def test_loads_in_another_order_than_the_file_has_them():
+    text = FILES["juki-mf7923d"].replace("title ", f"{LOADED}title ", 1)
+    rod = next(name for name, link in parse(FILES["juki-mf7923d"], "j", "j").links.items() if "D" in link.points)
+    text = text.replace('"rod"', f'"{rod}"')
+    new = tomllib.loads(rewritten(text, "sample", None, {"forces.D.x": 2.0, f"torques.{rod}": 6.0}))
+    assert [table["force"] for table in new["forces"]] == [[[1, 0]], [2.0, 0]]
+    assert new["torques"][0]["torque"] == [6.0]
+    assert_written(text, None, {"forces.D.x": 7.0})
+
+
+@settings(max_examples=40)
+@given(mutated_files())
+def test_what_can_be_read_can_be_written(text):
+    try:
+        old = numbers_of(text)
+    except LinkproofError:
+        return
+    assert numbers_of(rewritten(text, "sample", None, {})) == old
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ({"rod.B.z": 1.0}, "unknown parameter of 'rimoldi-164' 'rod.B.z': did you mean 'rod.B.y'"),
+        ({"rod.B.x": math.nan}, "rod.B.x: expected a finite number, got nan"),
+        ({"needle_bar.along.y": 0.0}, "needle_bar.along.y: expected a direction, got [0, 0]"),
+        ({"rod.mass": -1.0}, "links.rod.mass: expected"),
+        ({"rod.B.x": 0.0}, "links.rod.points: expected a positive length"),
+        ({"rod.mass": 1e80}, "links.rod.mass: expected a magnitude"),
+    ],
+)
+def test_numbers_that_are_no_design(numbers, words):
+    with pytest.raises(LinkproofError, match=re.escape(words)):
+        rewritten(RIMOLDI, "rimoldi-164", None, numbers)
+
+
+def test_a_variant_that_there_is_not():
+    with pytest.raises(UnknownNameError, match="known are as-built"):
+        rewritten(RIMOLDI, "rimoldi-164", "as-bulit", {})

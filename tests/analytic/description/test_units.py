@@ -1,4 +1,4 @@
-"""Factors of units follow from SI prefixes, base units, and the yard and pound agreement of 1959."""
+"""Units of a file, and numbers as they are printed."""
 
 from fractions import Fraction
 from math import radians
@@ -6,6 +6,7 @@ from math import radians
 import pytest
 
 from analytic.description.units import UNITS, factor
+from analytic.description.written import change, csv_text, fixed, signed
 from analytic.errors import UnknownNameError
 
 PREFIXES = {"k": Fraction(1000), "c": Fraction(1, 100), "m": Fraction(1, 1000), "u": Fraction(1, 10**6)}
@@ -45,3 +46,26 @@ def test_the_rule_above_gives_what_handbooks_give():
 def test_an_unknown_unit():
     with pytest.raises(UnknownNameError, match=r"unknown inertia unit 'kg\*m\^3': did you mean 'kg\*m\^2'\?"):
         factor("inertia", "kg*m^3")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (fixed(-0.0, 2), "0.00"), (fixed(-1e-17, 2), "0.00"), (fixed(-0.004, 2), "0.00"), (fixed(-0.006, 2), "-0.01"),
+        (fixed(-0.4, 0), "0"), (signed(0.0, ".2f"), "0.00"), (signed(-0.0, ".2g"), "0"),
+        (signed(-1e-9, ".3f"), "0.000"),
+        (signed(1e-9, ".3f"), "0.000"), (signed(-0.0, ".0e"), "0e+00"), (signed(-3e-16, ".0e"), "-3e-16"),
+        (signed(0.25, ".1%"), "+25.0%"), (signed(-1e-5, ".1%"), "0.0%"), (signed(10.0, ".4g"), "+10"),
+        (change(3.2e-16), "0.00 %"), (change(-3.2e-16), "0.00 %"), (change(-0.0111), "-1.11 %"),
+        (change(0.1), "+10.00 %"),
+    ],
+)  # fmt: skip
+def test_a_rounded_zero_has_no_sign(text, expected):
+    assert text == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "cell"), [("=1+1", "'=1+1"), ("+a", "'+a"), ("-a", "'-a"), ("@a", "'@a"), ("a=b", "a=b")]
+)
+def test_a_name_in_a_csv_table_is_no_formula(name, cell):
+    assert csv_text(name) == cell

@@ -20,8 +20,7 @@ from analytic.signals import MovingSweep
 from comparisons.case import Case
 from comparisons.datasheet.curves import Curves
 from tests.analytic.designs.one_by_one import PATHS, built, signals_of, varied
-from tests.analytic.drives import driven
-from tests.analytic.linkages import FOLDER, MADE_UP, from_text, mechanism
+from tests.analytic.linkages import FOLDER, MADE_UP, driven, from_text, mechanism
 from tests.analytic.loaded_linkages import ALL, on_trial
 from tests.analytic.swinging import double_rocker
 

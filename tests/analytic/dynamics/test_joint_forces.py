@@ -10,8 +10,7 @@ from analytic.description.linkage import PointForce, Spring
 from analytic.dynamics import joint_forces, reduced
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
-from tests.analytic.drives import driven
-from tests.analytic.linkages import angles, from_text, mechanism, text_of
+from tests.analytic.linkages import angles, driven, from_text, mechanism, text_of
 from tests.analytic.loaded_linkages import ALL, laden, on_trial
 from tests.analytic.tolerances import FEW_ROUNDINGS
 

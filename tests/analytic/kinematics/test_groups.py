@@ -14,9 +14,8 @@ from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import ErrorBounds
 from analytic.kinematics.group_solver import GroupSolver, Problem, follow_branch, newton
 from analytic.kinematics.structure import Group, Revolute
-from tests.analytic.drives import driven, path_of
 from tests.analytic.fifty_digits import exact
-from tests.analytic.linkages import from_text
+from tests.analytic.linkages import driven, from_text, path_of
 from tests.analytic.tolerances import FIFTY_DIGITS, ORACLE
 
 SOLVED = ("boom", "cylinder-in-the-loop", "linear-motor", "ternary-on-rods")

@@ -1,13 +1,12 @@
-"""Assembly modes are taken from the sketch."""
+"""Assembly modes are taken from the sketch, and links that do not meet, or cannot move, say where and by how much."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from analytic.errors import StructureError
-from tests.analytic.drives import path_of
-from tests.analytic.linkages import angles, from_text, mechanism, text_of
+from analytic.errors import AssemblyError, LinkproofError, StructureError
+from tests.analytic.linkages import angles, from_text, mechanism, path_of, text_of
 
 
 @pytest.mark.parametrize(("sketch", "height"), [("[64, 30]", 1.0), ("[64, -30]", -1.0)])
@@ -47,3 +46,69 @@ def test_modes_that_no_named_point_tells_apart():
     )
     with pytest.raises(StructureError, match=message):
         from_text(text)
+
+
+SHORT_ROD = (
+    r"'sample' cannot be assembled at 180°: 'coupler' \(47 mm\) and 'rocker' \(25 mm\) together are 3 mm shorter than "
+    r"the gap of 75 mm between 'A' and 'O2'; lengthen one of them, shorten the crank or move the pivots closer together"
+)
+LONG_ROD = (
+    r"'sample' cannot be assembled at 0°: 'coupler' \(90 mm\) and 'rocker' \(40 mm\) differ by 10 mm more than the gap "
+    r"of 40 mm between 'A' and 'O2'; shorten 'coupler', lengthen 'rocker' or move the pivots apart"
+)
+FAR_GUIDE = (
+    r"'sample' cannot be assembled at [\d.]+°: 'rod' \(20 mm\) is [\d.]+ mm too short to reach the guide of "
+    r"'piston', [\d.]+ mm away from 'A'; lengthen it or move the guide closer"
+)
+OFFSET = (
+    r"the slide between 'A in rocker' and 'rocker' is offset by [\d.]+ mm, [\d.]+ mm more than the distance "
+    r"between 'A' and 'O2'; lessen the offset or move the pivot away"
+)
+PARALLEL = r"'sample' is undetermined at [\d.]+°: the guides of 'A in yoke' and 'yoke' are parallel"
+
+
+def _four_bar(frame, crank, coupler, rocker):
+    text = text_of("parallelogram").replace('"parallelogram"', '"sample"')
+    text = text.replace("O2 = [60, 0]\n", f"O2 = [{frame}, 0]\n").replace("A = [25, 0]", f"A = [{crank}, 0]")
+    return text.replace("B = [60, 0]", f"B = [{coupler}, 0]").replace("B = [25, 0]", f"B = [{rocker}, 0]")
+
+
+# Centric: the rod of 0.04 m has to reach across the crank's 0.05 m.
+CENTRIC = text_of("centric-slider-crank").replace("D = [0.2, 0] }", "D = [0.04, 0] }").replace("0.25", "0.09")
+CASES = {
+    "short rod": (_four_bar(50, 25, 47, 25), SHORT_ROD),
+    "long rod": (_four_bar(60, 20, 90, 40), LONG_ROD),
+    "far guide": (text_of("force-over-angle").replace("D = [-70, 12]", "D = [-20, 0]"), FAR_GUIDE),
+    "the missing length": (CENTRIC, r"at (90|270)°: 'rod' \(0.04 m\) is 0.01 m too short .* 0.05 m away from 'A'"),
+    "offset": (text_of("slot-without-mass").replace("through = [6, 4]", "through = [6, 40]"), OFFSET),
+    "parallel guides": (text_of("scotch-yoke").replace("along = [0, 1]", "along = [1, 0]"), PARALLEL),
+    "the sketch itself": (_four_bar(60, 25, 30, 25), r"'sample' cannot be assembled at 90°: "),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_linkage_that_cannot_be_assembled_says_where_and_why(case):
+    text, message = CASES[case]
+    with pytest.raises(AssemblyError, match=message):
+        from_text(text).check_full_turn()
+
+
+def test_coinciding_pins_leave_a_position_undetermined():
+    slotted = from_text(text_of("shaper").replace("O2 = [0, -50]", "O2 = [0, -22]"))
+    message = r"is undetermined at 270°: 'A' and 'O2' coincide, so the direction of the slide .* undefined"
+    with pytest.raises(AssemblyError, match=message):
+        slotted.sweep(np.radians(270.0) + np.array([0.1, 0.0])).poses("rocker")
+    kite = _four_bar(25, 25, 40, 40).replace("angle  = 90", "angle = 45").replace("B = [60, 25]", "B = [60, 1]")
+    message = r"is undetermined at 0°: .* have their outer pins on top of each other; move one of the pivots"
+    with pytest.raises(AssemblyError, match=message):
+        from_text(kite).sweep(np.array([0.3, 0.0])).poses("rocker")
+
+
+def test_links_that_just_touch_are_assembled():
+    sweep = mechanism("parallelogram").sweep(np.radians([0.0, 180.0]))
+    assert np.all(sweep.closure_error() <= 1e-16)
+
+
+def test_a_crank_angle_that_is_not_finite_is_refused():
+    with pytest.raises(LinkproofError, match="crank angle: expected finite numbers, got nan or infinity"):
+        mechanism("juki-mf7923d").sweep(np.array([0.0, np.nan])).poses("coupler")

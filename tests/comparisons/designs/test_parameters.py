@@ -13,8 +13,7 @@ from analytic.designs.figures import REDUCTIONS, figure_names
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import named_figures, steady_motion
-from tests.analytic.drives import driven, path_of
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import driven, from_text, mechanism, path_of
 from tests.comparisons.designs.sweeps import BARE
 
 

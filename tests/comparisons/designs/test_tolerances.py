@@ -24,8 +24,7 @@ from comparisons.designs.tolerances import (
     tolerance_study,
     tolerances,
 )
-from tests.analytic.drives import driven
-from tests.analytic.linkages import IN_LINE, from_text
+from tests.analytic.linkages import IN_LINE, driven, from_text
 
 RIMOLDI = Mechanism(load("rimoldi-164"))
 

@@ -14,7 +14,7 @@ from analytic.errors import LinkproofError
 from comparisons.imported.columns import Column, Correction, MappingNeededError
 from comparisons.imported.headers import HeaderParser, NotJudgedError, parse_unit
 from comparisons.imported.reading import read_results, with_proposals
-from tests.analytic.drives import driven
+from tests.analytic.linkages import driven
 from tests.comparisons.imported.layouts import Channel, solidworks
 
 READ = HeaderParser(load("juki-mf7923d"))

@@ -5,13 +5,16 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from analytic.description.crank_motion import crank_motion
+from analytic.description.law import FULL_TURN, Law
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.case import scene
 from engines.contract import Abilities, History, Origin, Outcome, ReadOut, Setting, Signal
 from engines.scene import Channel, Free, Prescribed, SliderJoint
-from engines.stepping.stepped_engine import Recipe, SteppedEngine
+from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, run_stepping, whole_steps
+from engines.stepping.stepped_engine import Recipe, SteppedEngine, plain_law
 from tests.analytic.linkages import mechanism
 
 MOTION = crank_motion("run-up", ramp_time=0.06, hold_time=0.02)
@@ -138,3 +141,51 @@ def test_a_method_takes_the_callers_step_and_effort(engine):
         engine.run_method(_model(), dataclasses.replace(method, name="other"), 1e-3)
     with pytest.raises(LinkproofError, match="positive"):
         engine.run_method(_model(), dataclasses.replace(method, effort=-1.0), 1e-3)
+
+
+KNOTS = np.radians([-40.0, 15.0, 80.0, 170.0, 250.0])
+VALUES = np.array([[1.0, -3.0], [2.5, 0.0], [-1.0, 4.0], [0.5, 1.0], [2.0, -2.0]])
+CLOSED = np.append(KNOTS, KNOTS[0] + FULL_TURN), np.vstack([VALUES, VALUES[:1]])
+AROUND = CubicSpline(*CLOSED, bc_type="periodic")
+ALONG = CubicSpline(KNOTS, VALUES)
+
+LAWS = {
+    "over a turn": (Law(VALUES, KNOTS), AROUND),
+    "over a travel": (Law(VALUES, KNOTS, periodic=False), lambda x: ALONG(np.clip(x, KNOTS[0], KNOTS[-1]))),
+    "lines over a turn": (
+        Law(VALUES, KNOTS, linear=True),
+        lambda x: [np.interp(x, KNOTS, column, period=FULL_TURN) for column in VALUES.T],
+    ),
+}
+
+
+@pytest.mark.parametrize("loop", ["pymunk_adapter.loop", "exudyn_adapter.loop", "mujoco_loop", "simbody_loop"])
+@pytest.mark.parametrize("name", LAWS)
+def test_a_load_at_an_angle_is_the_splines(loop, name):
+    at = pytest.importorskip(f"engines.{loop}").law_values
+    law, true = LAWS[name]
+    plain = plain_law(law)
+    for angle in (*np.linspace(-9.0, 9.0, 37).tolist(), *KNOTS.tolist()):
+        assert at(plain, angle) == pytest.approx(np.asarray(true(angle)), abs=1e-12)
+
+
+def test_steps_are_whole():
+    assert whole_steps(0.3, 0.1, 2) == 3  # 0.3 / 0.1 is a rounding more than 3
+    assert whole_steps(0.31, 0.1, 2) == 4
+    assert whole_steps(0.3, 1.0, 8) == 8
+
+
+@pytest.mark.parametrize(
+    ("error", "outcome"), [(DivergedError("gone"), Outcome.DIVERGED), (UnsupportedError("gone"), Outcome.UNSUPPORTED)]
+)
+def test_a_run_that_stops_keeps_its_reason_and_what_it_cost(error, outcome):
+    cost = Cost(details={"method": "any"})
+
+    def history():
+        with cost.stepping():
+            cost.steps += 7
+            raise error
+
+    run = run_stepping(cost, history)
+    assert (run.outcome, run.reason, run.steps, run.details) == (outcome, "gone", 7, {"method": "any"})
+    assert run.seconds > 0.0

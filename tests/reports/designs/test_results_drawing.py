@@ -13,8 +13,7 @@ from analytic.errors import LinkproofError
 from reports.charts.draw import picture
 from reports.designs.results_drawing import results_figure
 from reports.designs.results_terminal import printed
-from tests.analytic.drives import driven
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import driven, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.reports.designs.samples import IMPERIAL, piston_text, shown, shown_piston
 

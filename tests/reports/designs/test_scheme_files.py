@@ -9,8 +9,7 @@ from ezdxf.lldxf.validator import is_valid_layer_name
 
 from analytic.description.crank_motion import swing
 from reports.designs.results_dxf import dxf
-from tests.analytic.drives import driven
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import driven, from_text, mechanism
 from tests.reports.designs.samples import SPEED, TURN, piston_text, results
 
 

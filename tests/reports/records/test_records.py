@@ -5,7 +5,7 @@ import pytest
 
 from comparisons.judging.records import Verdict
 from reports.records.views import View, anchor, blank_repeats, limit_table, short_title, views
-from tests.analytic.drives import driven
+from tests.analytic.linkages import driven
 from tests.reports.made_up_results import made_up_results
 
 

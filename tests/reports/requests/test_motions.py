@@ -12,7 +12,7 @@ from comparisons.datasheet.open_ends import MARGIN
 from reports.requests.campaign import request
 from reports.requests.motions import requested_motions
 from reports.requests.options import CompareOptions, MotionOptions, changed_options
-from tests.analytic.drives import driven, path_of
+from tests.analytic.linkages import driven, path_of
 
 SWING = {"from_angle": 20.0, "to_angle": 110.0}
 MOTOR = driven("linear-motor")

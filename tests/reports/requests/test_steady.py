@@ -10,7 +10,7 @@ import linkproof as package
 from analytic.description.loading import load
 from reports.requests.designs import steady_case
 from reports.requests.options import SweepOptions
-from tests.analytic.drives import path_of
+from tests.analytic.linkages import path_of
 from tests.commands import linkproof
 
 

@@ -10,7 +10,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.loading import load
 from comparisons.faults.fault import Simulation
-from tests.analytic.drives import path_of
+from tests.analytic.linkages import path_of
 from tests.commands import linkproof, refused
 from tests.comparisons.imported.layouts import Channel, csv, samples
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from tests.analytic.drives import path_of
+from tests.analytic.linkages import path_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
 from tests.reports.designs.samples import piston_text

@@ -6,7 +6,7 @@ import json
 import pytest
 
 import linkproof as package
-from tests.analytic.drives import path_of
+from tests.analytic.linkages import path_of
 from tests.commands import linkproof, refused
 
 TEXT = """results = ["Mkr.peak", "stroke"]

@@ -1,20 +1,95 @@
-"""Laws of motion against 50 digits, their joins, sequences of them, tables, and the regimes of a linkage file."""
+"""Crank motions: run-ups, and swings by every law, against formulas of their own."""
 
 import math
 
 import mpmath
 import numpy as np
 import pytest
+from numpy.polynomial import polynomial
 
-from analytic.description.crank_motion import LAWS, RPM, Move, sequence, swing, table_motion
+from analytic.description.crank_motion import (
+    LAWS,
+    RAMPS,
+    REGIMES,
+    RPM,
+    Move,
+    crank_motion,
+    degrees,
+    sequence,
+    swing,
+    table_motion,
+)
 from analytic.description.linkage import PrescribedRegime
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError, UnknownNameError
 from tests.analytic.faults import JUKI
+from tests.analytic.tolerances import FEW_ROUNDINGS
+
+TIME = np.linspace(0.0, 0.7, 1401)
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_a_segment_is_its_polynomial_to_the_last_bit(regime):
+    """Steppers compare clocks and kinks to rounding: NumPy's own evaluation, derivatives of any order included."""
+    for segment in crank_motion(regime, clockwise=True, start_angle=0.3).segments:
+        for order in range(4):
+            series = polynomial.polyder(np.array(segment.coefficients), order)
+            for time in (TIME, TIME.reshape(3, -1), TIME[:0], np.float64(0.3), 0.3):
+                expected = polynomial.polyval(np.asarray(time) - segment.start, series)
+                assert np.array_equal(segment.value(time, order), expected)
+
+
+@pytest.mark.parametrize("regime", RAMPS)
+def test_a_run_up_ends_at_its_speed_and_continues_at_it(regime):
+    motion = crank_motion(regime)
+    step, inside = 1e-4, TIME[(np.abs(TIME - 0.6) > 2e-4) & (TIME > 1e-3) & (TIME < 0.699)]
+    for value, slope in ((motion.angle, motion.speed), (motion.speed, motion.acceleration)):
+        difference = (value(inside + step) - value(inside - step)) / (2.0 * step)
+        assert slope(inside) == pytest.approx(difference, abs=1e-6 * np.max(np.abs(slope(inside))))
+    assert motion.speed(0.0) == 0.0
+    assert motion.speed(TIME[TIME >= 0.6]) == pytest.approx(1000.0 * RPM, rel=FEW_ROUNDINGS)
+    assert np.all(np.diff(motion.speed(TIME)) >= -FEW_ROUNDINGS * 1000.0)
+    assert motion.angle(0.6) == pytest.approx(0.5 * 0.6 * 1000.0 * RPM, rel=FEW_ROUNDINGS)  # each ramp's mean is half
+    assert motion.duration == pytest.approx(0.7)
+    assert motion.peak_speed == pytest.approx(1000.0 * RPM, rel=FEW_ROUNDINGS)
+    assert motion.jumps == ((0.0, 0.6) if regime == "run-up" else ())
+
+
+def test_constant_speed_either_way_and_a_ramp_without_a_hold():
+    motion = crank_motion("constant-speed", speed=3.0, start_angle=0.4, clockwise=True)
+    assert motion.angle(0.5) == pytest.approx(0.4 - 1.5)
+    assert np.all(motion.acceleration(TIME) == 0.0)
+    assert motion.jumps == ()
+    assert crank_motion(hold_time=0.0).duration == 0.6
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"speed": -3.0}, "speed: expected a positive finite number of rad/s, got -3; correct it"),
+        ({"ramp_time": np.nan}, "ramp time: expected a positive finite number of s, got nan"),
+        ({"ramp_time": 1e-300}, "ramp time: expected a positive finite number of s, got 1e-300"),
+        ({"hold_time": -0.1}, "hold time: expected a finite, not negative number of s, got -0.1"),
+        ({"start_angle": np.nan}, "start angle: expected a finite number of rad, got nan"),
+    ],
+)
+def test_numbers_that_make_no_motion(values, message):
+    with pytest.raises(LinkproofError, match=message):
+        crank_motion(**values)
+    with pytest.raises(UnknownNameError, match="unknown regime 'runup': did you mean 'run-up'"):
+        crank_motion("runup")
+
+
+@pytest.mark.parametrize(
+    ("angle", "written"), [(np.pi, "180°"), (-1e-9, "0°"), (2.0 * np.pi - 1e-7, "0°"), (7.0, "41.07°")]
+)
+def test_an_angle_is_written_below_a_full_turn(angle, written):
+    assert degrees(angle) == written
+
 
 FIFTY = mpmath.mp.clone()
 FIFTY.dps = 50
-START, END, TIME = 0.3, -1.7, 0.37
+START, END, SWING_TIME = 0.3, -1.7, 0.37
 ROUNDINGS = 1e-15  # of the peak of angle, speed or acceleration
 
 
@@ -41,25 +116,27 @@ TEXTBOOK = {
 @pytest.mark.parametrize("law", LAWS)
 def test_a_law_is_its_formula_in_50_digits_with_the_peaks_of_textbooks(law):
     formula, speed, acceleration = TEXTBOOK[law]
-    motion = swing(law, START, END, time=TIME)
-    time = np.linspace(0.0, TIME, 43)[1:-1]
+    motion = swing(law, START, END, time=SWING_TIME)
+    time = np.linspace(0.0, SWING_TIME, 43)[1:-1]
     for order, values in enumerate((motion.angle, motion.speed, motion.acceleration)):
-        scale = (FIFTY.mpf(END) - FIFTY.mpf(START)) / FIFTY.mpf(TIME) ** order
-        slopes = [FIFTY.diff(formula, FIFTY.mpf(float(t)) / FIFTY.mpf(TIME), order) for t in time]
+        scale = (FIFTY.mpf(END) - FIFTY.mpf(START)) / FIFTY.mpf(SWING_TIME) ** order
+        slopes = [FIFTY.diff(formula, FIFTY.mpf(float(t)) / FIFTY.mpf(SWING_TIME), order) for t in time]
         exact = [scale * slope + (START if order == 0 else 0) for slope in slopes]
         errors = [abs(FIFTY.mpf(float(got)) - of) for got, of in zip(values(time), exact, strict=True)]
         assert max(errors) <= ROUNDINGS * max(*map(abs, exact), 1e-300)
-    peak = np.max(np.abs(motion.acceleration(np.linspace(0.0, TIME, 20001))))
-    assert motion.peak_speed == pytest.approx(speed * 2.0 / TIME, rel=3e-5)
-    assert peak == pytest.approx(acceleration * 2.0 / TIME**2, rel=3e-5, abs=0.0)
+    peak = np.max(np.abs(motion.acceleration(np.linspace(0.0, SWING_TIME, 20001))))
+    assert motion.peak_speed == pytest.approx(speed * 2.0 / SWING_TIME, rel=3e-5)
+    assert peak == pytest.approx(acceleration * 2.0 / SWING_TIME**2, rel=3e-5, abs=0.0)
     assert swing(law, START, END, speed=3.0).peak_speed == pytest.approx(3.0, rel=1e-15)
     assert swing(law, START, END, speed=3.0).reach == pytest.approx((END, START), rel=1e-15)
 
 
 def test_pieces_of_a_law_meet_without_a_jump_and_a_true_jump_is_seen():
-    moves = {law: swing(law, START, END, time=TIME, dwell=0.5, back=True) for law in LAWS if law != "constant-speed"}
+    moves = {
+        law: swing(law, START, END, time=SWING_TIME, dwell=0.5, back=True) for law in LAWS if law != "constant-speed"
+    }
     assert {law for law, motion in moves.items() if motion.jumps} == {"cubic"}
-    assert moves["cubic"].jumps == pytest.approx((0.0, TIME, TIME + 0.5))
+    assert moves["cubic"].jumps == pytest.approx((0.0, SWING_TIME, SWING_TIME + 0.5))
     for motion in moves.values():
         for before, after in zip(motion.segments, motion.segments[1:], strict=False):
             assert before.value(before.end) == pytest.approx(after.value(after.start), abs=4e-15)
