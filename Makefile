@@ -7,16 +7,13 @@ READY  := $(VENV)/.installed
 FULL   ?=
 # make report EXTENT= takes every step and cell of the benchmark and the stability maps: half an hour.
 EXTENT ?= --quick
-# make speed BASE=v0.1.0 compares HEAD with another commit than the one before it.
-BASE   ?= HEAD~1
-SPEED  := --config tests/speed/asv.conf.json
 
 DOCUMENTED := $(VENV)/.documented
 BROWSER    := $(VENV)/.browser
 # drake is not one of all, and has an environment of its own.
 DRAKE      := .venv-drake
 
-.PHONY: report pages pictures docs pins browser test nightly nightly-drake lint baseline speed release-check clean
+.PHONY: report pages pictures docs pins browser test nightly nightly-drake lint baseline release-check clean
 
 report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
 	rm -rf build/report/bench build/report/stress  # --out alone, without --quick, would only write their pages again
@@ -55,10 +52,6 @@ lint: $(READY)  ## style, types and the direction of imports
 
 baseline: $(READY)  ## record today's deviations as those to be held in future, in tests/baseline.csv
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --setting tuned --setting best --record tests/baseline.csv
-
-speed: $(READY)  ## time the hot paths at two commits, turn and turn about; fails where one got a tenth slower
-	$(BIN)/asv machine --yes $(SPEED)
-	$(BIN)/asv continuous --interleave-rounds --no-only-changed --factor 1.1 $(SPEED) $(BASE) HEAD
 
 release-check: $(READY)  ## sdist and wheel in build/release, each installed anew, with README's commands and the type checker
 	$(BIN)/python -m tests.linkproof.release build/release
