@@ -55,6 +55,13 @@ class Law:
         """Whether the law ignores φ, so that an engine can set it once."""
         return self.angles is None
 
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Where the law has a corner, rad or m: the angles of straight lines, and the ends of a table over a travel."""
+        if self.angles is None or not (self.linear or not self.periodic):
+            return ()
+        return tuple((self.angles if self.linear else self.angles[[0, -1]]).tolist())
+
     @cached_property
     def _curve(self) -> PPoly:
         """The spline, or the straight lines, through the table."""

@@ -19,9 +19,10 @@ from enum import StrEnum
 from typing import Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, degrees
-from analytic.description.law import Law, TimeLaw
+from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.schema import EyeReference, Published
 from analytic.description.units import factor
 
@@ -305,6 +306,15 @@ class Linkage:
     def coordinate(self, value: float) -> str:
         """A value of φ, rad or m, in words with its name: "crank angle 30°"."""
         return f"{'crank angle' if not self.is_linear else f'a {self.driver} at'} {self.place(value)}"
+
+    def load_corners(self, low: float, high: float) -> NDArray[np.float64]:
+        """The values of φ between two others, rad or m, ascending, at which a load over φ has a corner."""
+        laws = [*(force.force for force in self.forces), *(torque.torque for torque in self.torques)]
+        places = np.array([corner for law in laws for corner in law.corners])
+        if not self.is_linear:
+            turns = np.arange(np.floor(low / FULL_TURN) - 1.0, np.ceil(high / FULL_TURN) + 1.0)
+            places = np.ravel(places[:, None] + FULL_TURN * turns)
+        return np.unique(places[(places > low) & (places < high)])
 
     @property
     def released(self) -> dict[str, ReleasedRegime]:

@@ -244,7 +244,9 @@ class _Design:
             spikes = [1.0 / np.broadcast_to(size, phi.shape) for size in sizes]
             return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *spikes])
 
-        means = averages(integrands, mean_cells(_with_period_end(places)))[:, 0].tolist() if figures else []
+        means = (
+            averages(integrands, mean_cells(_with_period_end(places), self.linkage))[:, 0].tolist() if figures else []
+        )
         result = {}  # behind the figures are the determinants
         for figure, first in zip(figures, range(0, len(means), count + 1), strict=False):
             value, slopes = figure.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])

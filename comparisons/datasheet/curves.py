@@ -21,7 +21,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
-from analytic.numerics.roots import root
+from analytic.numerics.roots import root, roots
 from comparisons.case import Case, Motion, Truth
 from comparisons.datasheet.open_ends import OpenEnd, open_ends
 
@@ -276,8 +276,18 @@ class Curves:
 
     @cached_property
     def grid(self) -> Array:
-        """Instants over the whole motion, s, closer to each other near dead positions."""
-        return refine_near_toggles(self.case, self.instants.grid)
+        """Instants over the whole motion, s, closer to each other near dead positions, and those of corners."""
+        return np.union1d(refine_near_toggles(self.case, self.instants.grid), self.corners)
+
+    @cached_property
+    def corners(self) -> Array:
+        """The instants, s, at which the drive passes a corner of a load over φ: peaks are there, and means change."""
+        time = self.instants.grid
+        angle = self.case.motion.angle(time)
+        places = self.linkage.load_corners(float(np.min(angle)), float(np.max(angle)))
+        row, step = np.nonzero((angle[:-1] < places[:, None]) != (angle[1:] < places[:, None]))
+        low, high = time[step], time[step + 1]
+        return roots(lambda at: self.case.motion.angle(at) - places[row], low, low, high)
 
     @cached_property
     def on_grid(self) -> Truth:
@@ -354,5 +364,5 @@ class Curves:
             truth = self.truth_at(time.ravel())
             return np.stack([measure(truth).reshape(time.shape) for measure in measures])
 
-        edges = np.unique(np.concatenate([self.grid[::CELL], jumps, self.grid[-1:]]))
+        edges = np.unique(np.concatenate([self.grid[::CELL], jumps, self.corners, self.grid[-1:]]))
         return [float(mean) for (mean,) in averages(integrands, edges)]

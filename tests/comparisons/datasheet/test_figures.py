@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion, swing
+from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import signal
 from comparisons.case import Case, case_of_file_regime
 from comparisons.datasheet.curves import Instants
 from comparisons.datasheet.figures import BRAKING, MEAN, drive_figures
+from linkproof import sweep
 from reports.command_line.commands.mechanisms import TEMPLATE
-from tests.analytic.linkages import FULL_TURN, from_text, mechanism
+from tests.analytic.linkages import FOLDER, FULL_TURN, from_text, mechanism
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, curves, engine, piston, piston_text, results
 
 RUN_UP = crank_motion("run-up", speed=600 * RPM, ramp_time=0.1, hold_time=0.1, start_angle=math.radians(20))
@@ -201,3 +204,19 @@ def test_a_drive_that_never_brakes_has_no_braking_power():
     whats = {one.what for one in drive_figures(found, found.peaks(found.names))}
     assert "peak power" in whats
     assert BRAKING not in whats
+
+
+def test_peaks_and_means_of_a_load_of_straight_lines_are_exact():
+    """Its corners are the peaks; between them the torque of a massless linkage is linear, and so is its integral."""
+    file = FOLDER / "designer" / "kink.toml"
+    angle = np.radians([10.3, 100.123, 200.0, 300.0, 370.3])
+    torque = np.array([0.0, 1.0, 0.0, -0.2, 0.0])
+    first, two = torque[:-1], torque[1:]
+    mean = np.diff(angle) @ (0.5 * (first + two)) / (2.0 * np.pi)
+    rms = math.sqrt(np.diff(angle) @ ((first**2 + first * two + two**2) / 3.0) / (2.0 * np.pi))
+    found = rows(results(Mechanism(load(str(file)))), "drive")
+    exact = {"peak torque": 1.0, "peak power": 1.0, BRAKING: -0.2, "RMS torque": rms, MEAN: mean}
+    assert {what: found[what, "Mkr"].value for what in exact} == pytest.approx(exact, rel=1e-14)
+    swept = sweep(file, {"crank.A.x": [19.0, 21.0]}, ("Mkr.max", "Mkr.min", "Mkr.rms", "Mkr.mean"), refine=True)
+    for name, value in zip(swept, (1.0, -0.2, rms, mean), strict=True):
+        assert swept[name].to_numpy() == pytest.approx(np.full(2, value), rel=1e-14), name
