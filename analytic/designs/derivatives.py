@@ -245,7 +245,9 @@ class _Design:
             return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *spikes])
 
         means = (
-            averages(integrands, mean_cells(_with_period_end(places), self.linkage))[:, 0].tolist() if figures else []
+            averages(integrands, mean_cells(_with_period_end(places), self.mechanism.linkage))[:, 0].tolist()
+            if figures
+            else []
         )
         result = {}  # behind the figures are the determinants
         for figure, first in zip(figures, range(0, len(means), count + 1), strict=False):
