@@ -43,8 +43,7 @@ from reports.document.parts import (
 )
 from reports.document.templates import plain, sentence, worded
 from reports.document.terminal import Printed, Printout
-from reports.records.origins import environment_facts
-from reports.records.views import blank_repeats
+from reports.records import blank_repeats, environment_facts
 
 # The display of a stress test: signs of verdicts, values of axes, borders, errors beside their limits.
 

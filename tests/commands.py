@@ -38,7 +38,7 @@ def linkproof(*words, cwd=None, stderr=None):
     argv, thresholds = ["linkproof", *map(str, words)], gc.get_threshold()
     out, code = io.StringIO(), 0
     err = out if stderr == subprocess.STDOUT else io.StringIO()
-    here = patch("reports.site.site.run_jobs", run_here)
+    here = patch("reports.site.run_jobs", run_here)
     place = nullcontext() if cwd is None else chdir(cwd)
     drawing = patch("reports.document.html._PageFiles.picture", empty_picture)
     with here, drawing, place, patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):

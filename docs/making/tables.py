@@ -11,7 +11,7 @@ from engines.registry import engine, engine_names
 from reports.document.markdown import table, written
 from reports.document.parts import Bullets, Section
 from reports.mechanism.published import notes, published_table
-from reports.records.origins import readout_table
+from reports.records import readout_table
 
 MARK = "<!-- below: python -m docs.making.tables docs/{} -->"
 

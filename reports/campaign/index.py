@@ -36,9 +36,20 @@ from reports.document.templates import lines, sentence
 from reports.mechanism.engines import errors_section
 from reports.mechanism.page import file_of
 from reports.mechanism.shown import key_figures
-from reports.records.changes import appeared_note, changes_table
-from reports.records.origins import computed_or_shared, concurrency_note, environment_facts, origin_words, readout_table
-from reports.records.views import every_record, family_title, limit_table, share, views
+from reports.records import (
+    appeared_note,
+    changes_table,
+    computed_or_shared,
+    concurrency_note,
+    environment_facts,
+    every_record,
+    family_title,
+    limit_table,
+    origin_words,
+    readout_table,
+    share,
+    views,
+)
 
 # A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
 

@@ -20,8 +20,7 @@ from reports.document.markdown import written
 from reports.document.numbers import ROUND_OFF, bound
 from reports.document.parts import Mono, Paragraph, Part, Section
 from reports.mechanism.engines import errors_section
-from reports.records.changes import changes_table
-from reports.records.views import limit_table, views
+from reports.records import changes_table, limit_table, views
 
 
 def markdown(results: Results) -> str:

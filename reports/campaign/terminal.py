@@ -13,9 +13,15 @@ from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
-from reports.records.changes import appeared_note, changes_table
-from reports.records.origins import computed_or_shared, concurrency_note, origin_words
-from reports.records.views import family, remedy
+from reports.records import (
+    appeared_note,
+    changes_table,
+    computed_or_shared,
+    concurrency_note,
+    family,
+    origin_words,
+    remedy,
+)
 
 ACROSS = 4  # runs side by side in a table of 80 columns
 DETAILS = (

@@ -15,8 +15,7 @@ from comparisons.judging.records import CONTROL, Record, Verdict
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
-from reports.records.origins import concurrency_note
-from reports.records.views import family, share
+from reports.records import concurrency_note, family, share
 
 # Quantities that go together; any other quantity that is no check stands under OTHER.
 FAMILIES: Final = {

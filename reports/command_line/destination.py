@@ -127,7 +127,7 @@ class Destination(OutputOptions):
         """
         if self.out is None:
             return
-        from reports.site.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
+        from reports.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
 
         try:
             self.remark(f"report: {write_site(self.out, processes=processes)}")

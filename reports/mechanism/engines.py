@@ -19,22 +19,24 @@ from reports.document import numbers
 from reports.document.chart import Array, Chart, Curve, Ink, Mark, Panel
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.templates import plain, sentence
-from reports.records.origins import computed_or_shared, concurrency_note, origin_words
-from reports.records.views import (
+from reports.records import (
     SETTINGS,
     Regime,
     Trace,
     View,
     anchor,
     columns,
+    computed_or_shared,
+    concurrency_note,
     engines,
     family,
+    origin_words,
     remedy,
     setting_rank,
     short_title,
     worst,
 )
-from reports.records.views import engines as all_engines
+from reports.records import engines as all_engines
 
 
 def engines_section(view: View) -> Section:

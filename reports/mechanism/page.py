@@ -37,7 +37,7 @@ from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.published import published_section
 from reports.mechanism.shown import chart, figures_table, key_table, open_end_note, page_figure, panel, required_table
-from reports.records.views import anchor, views
+from reports.records import anchor, views
 
 # Sections of a mechanism's page that some linkages have: the thread, and released cranks.
 

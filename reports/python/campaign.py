@@ -109,7 +109,7 @@ class Comparison(PrintedResult):
         """
         from reports.charts.draw import figure  # noqa: PLC0415
         from reports.mechanism.engines import errors_chart  # noqa: PLC0415
-        from reports.records.views import views  # noqa: PLC0415
+        from reports.records import views  # noqa: PLC0415
 
         results = Results(self.campaign.document(self.judged), tuple(self.judged.runs))
         seen = {view.linkage.name: view for view in views(results)}

@@ -21,7 +21,7 @@ from reports.imported import add_cause, blank_record_of, sentence
 from reports.imported import printout as judgement_printout
 from reports.python.campaign import PrintedResult, failed_rows
 from reports.python.keywords import load_linkage, resolve_linkage, with_keywords
-from reports.records.origins import printout
+from reports.records import printout
 from reports.requests.engine_trials import engine_findings
 from reports.requests.judge import check_judgement, judge_files
 from reports.requests.options import JudgeOptions

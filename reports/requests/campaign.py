@@ -31,7 +31,7 @@ from comparisons.runs.study import Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
-from reports.records.origins import CONCURRENT_RUNS
+from reports.records import CONCURRENT_RUNS
 from reports.requests.motions import EVERYTHING, requested_motions
 from reports.requests.options import CompareOptions, RunLimits, RunsOptions, StandardOptions, command_line
 

@@ -1,15 +1,31 @@
-"""The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods."""
+"""The page of a benchmark: the cheapest engines, the diagram of error over cost, what to use for an error, methods."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
 from typing import Any
+
+import numpy as np
 
 from comparisons.judging.limits import grouped
 from comparisons.runs.files import RECORDS
-from comparisons.work_precision.analysis import EngineFacts, PlaceFacts, Regimes, by_regime, places
-from comparisons.work_precision.records import KIND, Bench, BenchRecord
-from reports.document.numbers import ABSENT, error, seconds
+from comparisons.work_precision.analysis import (
+    WANTED,
+    EngineFacts,
+    MethodSweep,
+    PlaceFacts,
+    Regimes,
+    by_regime,
+    on_front,
+    places,
+    split_by_runs,
+)
+from comparisons.work_precision.records import KIND, METHOD, SETTING, Bench, BenchRecord
+from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
+from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import (
     Bullets,
     Command,
@@ -18,6 +34,7 @@ from reports.document.parts import (
     Fold,
     Mono,
     Page,
+    PageFigure,
     PageLink,
     Paragraph,
     Part,
@@ -27,10 +44,7 @@ from reports.document.parts import (
     Widget,
 )
 from reports.document.templates import lines, plain, sentence
-from reports.records.origins import environment_facts
-from reports.records.views import anchor, blank_repeats
-from reports.work_precision import choices
-from reports.work_precision.overview import drawn_error, figures, inks
+from reports.records import anchor, blank_repeats, environment_facts
 from reports.work_precision.words import (
     comparison_words,
     effort_words,
@@ -42,7 +56,170 @@ from reports.work_precision.words import (
     method_words,
     noise_note,
     noise_share,
+    way_words,
 )
+
+# Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
+LEAST, MOST = 1e-16, 10.0
+COLUMNS, PANEL = 3, 3.2
+COLOURS = 6  # of the palette
+MARKERS = {"naive": "o", "tuned": "s", "best": "*"}
+LINES = ("-", "--")  # of single runs, and of several extrapolated
+
+
+def inks(labels: Mapping[str, str]) -> dict[str, Ink]:
+    """The colours of engines: by name order, as in all of a report, and the control's, which its label names, muted."""
+    order = sorted(labels)
+    return {name: order.index(name) % COLOURS if labels[name] == name else "muted" for name in labels}
+
+
+def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, ...]:
+    """A figure for every regime."""
+    alt = "error over the time of set-up and stepping, {}, every engine, {} mechanisms"
+    return tuple(
+        PageFigure(name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours))
+        for name, places in regimes.items()
+    )
+
+
+def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink]) -> Chart:
+    """Work and precision of one regime over its mechanisms, in the quantity each is judged by."""
+    panels = tuple(_panel(place, colours) for place in places)
+    columns = min(COLUMNS, math.ceil(math.sqrt(len(panels))))
+    return Chart(panels, height=PANEL * -(-len(panels) // columns), columns=columns, wide=True)
+
+
+def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
+    """The front over all engines is a broad grey staircase."""
+    fronts = zip(_fronts(place.rankable_records(place.foremost)), LINES, strict=True)
+    curves = [
+        Curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], ink="reference", line=line, width=5.0)
+        for (x, y), line in fronts
+        if len(x)
+    ]
+    notes = []
+    for facts in place.engines(place.foremost):
+        curves += _engine(facts, colours[facts.engine])
+        notes += [_order_note(sweep) for sweep in facts.sweeps if sweep.order]
+    title, names = f"{place.mechanism}: {plain(place.foremost)}", ("set-up and stepping, s", "largest |error| / peak")
+    return Panel(tuple(curves), *names, notes=tuple(notes), scale="loglog", title=title)
+
+
+def _order_note(sweep: MethodSweep) -> Note:
+    """The observed order, at the least error of a method."""
+    return Note(sweep.least.total_seconds, drawn_error(sweep.least), f"{sweep.order:.0f}")
+
+
+def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
+    """The curves of one engine: its sweeps, floors, fronts and settings."""
+    for sweep in facts.sweeps:
+        line = LINES[sweep.first.is_extrapolated]
+        yield Curve(*_places(sweep.records), ink=ink, line=line, width=0.6, marker=".")
+        if sweep.has_floor:
+            yield Curve(*_places([sweep.least]), ink=ink, line="", marker="_", size=11.0)
+    fronts = _fronts(facts.records)
+    lowest = min((y[-1] for _, y in fronts if len(y)), default=0.0)
+    for (x, y), line in zip(fronts, LINES, strict=True):
+        if len(x):
+            name = "control" if facts.is_control else facts.engine
+            yield Curve(x, y, name=name if y[-1] == lowest else "", ink=ink, line=line, width=1.9)
+    for record in facts.records:
+        if record.kind == SETTING and record.finished:
+            yield Curve(*_places([record]), ink=ink, line="", marker=MARKERS.get(record.setting, "D"))
+
+
+def _fronts(records: Sequence[BenchRecord]) -> list[tuple[Array, Array]]:
+    """The front of methods' single runs, and that of several extrapolated; a setting alone is no front."""
+    return [_places(on_front(part)) for part in split_by_runs(record for record in records if record.kind == METHOD)]
+
+
+def _places(records: Sequence[BenchRecord]) -> tuple[Array, Array]:
+    """Times, s, and errors over the peak of points (n,)."""
+    return np.array([record.total_seconds for record in records]), np.array([drawn_error(record) for record in records])
+
+
+def drawn_error(record: BenchRecord) -> float:
+    """The largest error over the peak, between the least and the most that a decade is worth."""
+    return min(max(record.error_max or 0.0, LEAST), MOST)
+
+
+# Errors that the page begins with, by their places among those wanted.
+NAMED = (0, 1, 4)
+
+
+def verdicts(regimes: Regimes) -> tuple[Paragraph, ...]:
+    """The cheapest engines for a few errors, in a sentence for every regime."""
+    return tuple(
+        Paragraph(sentence("bench_verdict", regime=name, judged=judged_by({name: places}), count=len(places),
+                           wins=[(_share(WANTED[column]), _winners(places, column)) for column in NAMED]), "verdict")
+        for name, places in regimes.items()
+    )  # fmt: skip
+
+
+def _share(error: float) -> str:
+    """An error over the peak as a reader says it."""
+    return f"{100.0 * error:g} %" if error >= 0.01 else bound(error)
+
+
+def _winners(places: Sequence[PlaceFacts], column: int) -> list[tuple[str, str, int]]:
+    """The engines that are the cheapest somewhere, their times and in how many places, those of most first."""
+    best = []
+    for place in places:
+        engines = [facts for facts in place.engines(place.foremost) if not facts.is_control]
+        records = [record for _, record in _points_reaching(engines, column)]
+        best += sorted(records, key=lambda record: record.total_seconds)[:1]
+    wins = grouped((record.engine, record) for record in best)
+    return [(name, _time_span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
+
+
+def _points_reaching(engines: Iterable[EngineFacts], column: int) -> list[tuple[EngineFacts, BenchRecord]]:
+    """Every engine that reaches the error of a column, with its cheapest point that does."""
+    return [(engine, record) for engine in engines if engine.choices and (record := engine.choices[column].record)]
+
+
+def _time_span(records: Sequence[BenchRecord]) -> str:
+    """The shortest and the longest time, set-up and stepping; one where they read alike."""
+    times = [record.total_seconds for record in records]
+    return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
+
+
+def choices_section(regimes: Regimes, note: str) -> Section:
+    """The section on the cheapest way to an error: all mechanisms, then each in a fold; ``note`` is in small print."""
+    each = {f"{place.mechanism}, {name}": (place,) for name, places in regimes.items() for place in places}
+    whole = _table(sentence("bench_use", judged=judged_by(regimes)), "Regime", regimes)
+    folds = (Fold("By mechanism", (_table("Each mechanism by itself.", "Mechanism", each),)),)
+    return Section(
+        "use",
+        "What to use for an error",
+        (whole, *(folds if len(each) > len(regimes) else ()), Paragraph(note, "small")),
+    )
+
+
+def _table(caption: str, corner: str, groups: Mapping[str, Sequence[PlaceFacts]]) -> Table:
+    """A row for every engine of a group; cells that say the same are one."""
+    head = (corner, "Engine", *map(bound, WANTED))
+    return Table(caption, head, tuple(blank_repeats(_rows(groups))), "l", style="choices")
+
+
+def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[TableCell | str, ...]]:
+    """A row per group and engine; equal cells side by side become one."""
+    for name, group in groups.items():
+        engines = grouped((label_of(facts), facts) for place in group for facts in place.engines(place.foremost))
+        for label, mine in engines.items():
+            cells = [(cell, len(list(same))) for cell, same in groupby(_cell(mine, n) for n in range(len(WANTED)))]
+            yield name, label, *(TableCell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)
+
+
+def _cell(engines: Sequence[EngineFacts], column: int) -> TableCell:
+    """The times of one engine to one error over the mechanisms, and the way that most of them take."""
+    met = _points_reaching(engines, column)
+    if not met:
+        least = [facts.choices[column].closest.error_max or 0.0 for facts in engines if facts.choices]
+        return TableCell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
+    share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
+    taken = Counter(way_words(record) for _, record in met).most_common(1)[0][0]
+    return TableCell(_time_span([record for _, record in met]), note=f"{taken}{share}")
+
 
 # The diagram of error over cost, as data for its script: any mechanism, quantity and measure of the cost.
 
@@ -182,9 +359,9 @@ def page(bench: Bench) -> Page:
     if groups := by_regime(every):
         as_figures = Fold("The same as figures", (FigureGroup(figures(groups, inks(labels))),))
         reading = Paragraph(sentence("bench_reading"), "small")
-        first = (*choices.verdicts(groups), widget(groups, labels), reading, as_figures)
+        first = (*verdicts(groups), widget(groups, labels), reading, as_figures)
         methods = method_section(groups, bench.document["methods"], noise_share(bench))
-        sections += [choices.section(groups, noise_note(bench)), methods]
+        sections += [choices_section(groups, noise_note(bench)), methods]
     if failed := _failures(every):
         sections.append(Section("failed", "What gave nothing", (Fold(f"Failures: {len(failed)}", (Bullets(failed),)),)))
     heading, about = "How accurate is an engine for its cost?", sentence("bench_subtitle")

@@ -1,13 +1,27 @@
-"""Orders, steps and comparisons of settings in words."""
+"""A benchmark in words and tables: orders, steps, comparisons of settings, and what the terminal shows."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
 from comparisons.judging.limits import grouped
-from comparisons.work_precision.analysis import SATURATED, EngineFacts, MethodSweep, Regimes, SettingComparison
+from comparisons.work_precision.analysis import (
+    SATURATED,
+    WANTED,
+    EngineFacts,
+    MethodSweep,
+    PlaceFacts,
+    Regimes,
+    SettingComparison,
+    places,
+)
 from comparisons.work_precision.records import Bench, BenchRecord
 from engines.contract import Setting
-from reports.document.numbers import bound, error, figure, seconds
+from reports.document.numbers import ABSENT, bound, error, figure, seconds
+from reports.document.parts import Paragraph, Table
 from reports.document.templates import plain, sentence
+from reports.document.terminal import Printed, Printout
 
 # Times closer than this are the same time, however quiet the machine.
 LEAST_NOISE = 0.05
@@ -101,3 +115,83 @@ def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
     names = grouped((reasons[name], name or facts.engine) for name in every if name not in finished)
     left_out = dict.fromkeys(r.error.detail for r in facts.records if r.finished and r.error and r.error.detail)
     return (*(f"{', '.join(same)}: {reason}" for reason, same in names.items()), *left_out)
+
+
+# The benchmark for a terminal: what each method comes to, what to use for an error, how the settings stand.
+
+
+CHOICES = ("engine", "to get", "time", "by")
+METHODS = ("engine", "method", "order", "least error", "steps/turn", "time")
+POINTS = (
+    *("mechanism", "regime", "engine", "method", "runs", "effort", "step s", "quantity", "outcome", "error", "RMS"),
+    *("set-up", "stepping", "steps", "why"),
+)
+
+
+def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
+    """A block per mechanism, regime and quantity: the requested ones, else the one each place is judged by."""
+    blocks: list[Printed] = []
+    for place in places(bench):
+        for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
+            blocks += _place_printout(place, name, noise_share(bench))
+    return Printout(blocks, [noise_note(bench)], [_points(bench), ""])
+
+
+def _points(bench: Bench) -> Table:
+    """Every point measured."""
+    rows = [
+        (
+            record.mechanism, record.regime, engine_label(record.engine, record.is_control), record.setting,
+            f"{record.runs}", "" if record.effort is None else f"{record.effort:g}",
+            "" if record.step is None else f"{record.step:.4g}", record.quantity, record.outcome,
+            error(record.error_max), error(record.error.error_rms if record.error else None),
+            seconds(record.setup_seconds), seconds(record.seconds), f"{record.steps}", record.detail,
+        )
+        for record in bench.records
+    ]  # fmt: skip
+    return Table("", POINTS, tuple(rows), "l")
+
+
+def _place_printout(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
+    name, engines = f"{place.mechanism} ({place.variant}), {place.regime}", place.engines(quantity)
+    measured = plain(quantity) if place.quantities else ""
+    sentence = f"{measured}, largest error over the peak" if measured else "nothing finished"
+    yield Paragraph(f"{name}: {sentence}", colour="bold")
+    if measured:
+        yield from (_methods(place, quantity), "", _choices(place, quantity), "")
+    for facts in engines if measured else ():
+        for comparison in facts.setting_comparisons:
+            record, standing = comparison.record, comparison_words(comparison, noise)
+            cost = f"{error(record.error_max)} in {seconds(record.total_seconds)}"
+            yield f"{facts.engine} {record.setting}: {cost}{standing}"
+    for facts in engines:
+        for reason in failed_methods(facts):
+            yield Paragraph(f"{label_of(facts)} {reason}", colour="yellow")
+    if measured:
+        yield ""
+
+
+def _methods(place: PlaceFacts, quantity: str) -> Table:
+    """Order, least error with the step and the time there."""
+    rows = []
+    for facts, sweep in [(entry, sweep) for entry in place.engines(quantity) for sweep in entry.sweeps]:
+        least = sweep.least
+        order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
+        names = (error(least.error_max), per_turn(least), seconds(least.total_seconds))
+        rows.append((label_of(facts), method_words(sweep.first), order, *names))
+    return Table("", METHODS, tuple(rows), "llrrrr")
+
+
+def _choices(place: PlaceFacts, quantity: str) -> Table:
+    """The cheapest way to an error: a row for all errors that one point of an engine serves."""
+    rows = []
+    for facts in place.engines(quantity):
+        for choice, part in groupby(zip(facts.choices, WANTED, strict=False), key=lambda pair: pair[0]):
+            errors = [bound(error) for _, error in part]
+            span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
+            if record := choice.record:
+                names = (seconds(record.total_seconds), way_words(record))
+            else:
+                names = (ABSENT, f"not reached; least {error(choice.closest.error_max)}")
+            rows.append((label_of(facts), span, *names))
+    return Table("", CHOICES, tuple(rows), "llrl")

@@ -16,7 +16,7 @@ from comparisons.datasheet.building import usual_sheet
 from comparisons.stress.campaign import save as save_stress
 from comparisons.work_precision.records import save as save_bench
 from reports.document.html import _PageFiles
-from reports.site.site import write_site
+from reports.site import write_site
 from tests.commands import empty_picture
 from tests.pages.browser import WIDTHS, opened, started
 from tests.reports.made_up_bench import made_up_bench

@@ -8,7 +8,7 @@ from tests.commands import empty_picture, run_here
 @pytest.fixture(autouse=True, scope="session")
 def _pages_here():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("reports.site.site.run_jobs", run_here)
+        patch.setattr("reports.site.run_jobs", run_here)
         yield
 
 

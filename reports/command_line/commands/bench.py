@@ -20,7 +20,7 @@ from reports.command_line.destination import Destination, journal, report_interr
 from reports.requests.campaign import missing_engines, request
 from reports.requests.exit_codes import bench_exit_code
 from reports.requests.options import BenchOptions, MotionOptions, RunsOptions, command_line
-from reports.work_precision.terminal import printout
+from reports.work_precision.words import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 

@@ -21,7 +21,7 @@ from engines.registry import Unusable, engine_names, why_unavailable
 from reports.command_line.destination import Destination
 from reports.document.parts import Paragraph, Table, TableCell
 from reports.document.terminal import Printed, Printout
-from reports.records.origins import printout, readout_table
+from reports.records import printout, readout_table
 from reports.requests import FAILED, PASSED
 from reports.requests.campaign import request
 from reports.requests.engine_trials import (

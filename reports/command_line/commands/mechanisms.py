@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -20,13 +21,15 @@ from analytic.errors import LinkproofError, is_safe
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
 from comparisons.datasheet.linkage_check import check_slips
+from comparisons.datasheet.open_ends import BINDS
 from comparisons.designs.parameters import named_figures, parameters, speed_unit
 from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.study import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
-from reports.mechanism import terminal
+from reports.document.templates import lines
+from reports.document.terminal import Printed
 from reports.requests.options import SteadyOptions
 
 if TYPE_CHECKING:
@@ -74,7 +77,7 @@ def check(name: str, variant: str | None, destination: Destination, *, strict: b
     linkage = load(name, variant)
     destination.check_saves({**FACTS, **DRAWINGS}, {"the linkage's file": Path(name)})
     facts, fault = linkage_check.check(linkage)
-    destination.print(*terminal.printed(facts, linkage.written))
+    destination.print(*printed_facts(facts, linkage.written))
     destination.write_json(facts)
     destination.write_saves(FACTS, facts)
     if fault is not None:
@@ -86,6 +89,28 @@ def check(name: str, variant: str | None, destination: Destination, *, strict: b
         destination.print(f"wrote {file}")
     if not destination.save:
         destination.print("", f"scheme       linkproof check {shlex.quote(name)} --save scheme.svg draws it")
+
+
+def printed_facts(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[Printed]:
+    """A line for each fact, then the links; ``written`` writes a length, m, in the file's unit."""
+    heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
+    about = {"facts": facts, "written": written, "binds": math.degrees(BINDS)}
+    warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in lines("check_warnings", **about)]
+    head = ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points")
+    links = Table("", head, list(_links(facts["links"])), "lrrrl")
+    return [heading, *_lines("check", 12, **about), "", links, *warnings]
+
+
+def _lines(macro: str, width: int, **values: object) -> list[Printed]:
+    """The lines of a macro of ``sentences.txt``, each with a name of so many characters before its first colon."""
+    return [f"{name:<{width}} {fact}" for name, _, fact in (words.partition(": ") for words in lines(macro, **values))]
+
+
+def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
+    for name, link in links.items():
+        inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
+        mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
+        yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
 
 
 # The writers of the files of ``check``: of its facts, and of the scheme in twelve positions of its range.
@@ -165,10 +190,20 @@ def _list_mechanisms(destination: Destination) -> None:
     """Print or write the suite's linkages, shelf by shelf."""
     names = (catalogue(), literature())
     shelves = {shelf: [load(name) for name in shelf_names] for shelf, shelf_names in zip(SHELVES, names, strict=True)}
-    destination.print(*terminal.catalogue({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()}))
+    destination.print(*_shelves({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()}))
     destination.write_json({"records": [_linkage_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
 
 
 def _linkage_entry(linkage: Linkage, shelf: str) -> dict[str, object]:
     facts = {"title": linkage.title, "source": linkage.source, "variants": list(linkage.variants)}
     return {"mechanism": linkage.name, "shelf": shelf, **facts}
+
+
+def _shelves(shelves: Mapping[str, Sequence[Linkage]]) -> list[Printed]:
+    """Mechanisms with their variants and sources, shelf by shelf: a table each, its heading before it."""
+    blocks: list[Printed] = []
+    for heading, linkages in shelves.items():
+        rows = [(linkage.name, linkage.title, ", ".join(linkage.variants), linkage.source) for linkage in linkages]
+        table = Table("", ("mechanism", "what", "variants", "source"), rows, "l")
+        blocks += ["", Paragraph(f"{heading}:", colour="bold"), table] if rows else []
+    return blocks[1:]

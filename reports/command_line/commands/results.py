@@ -71,7 +71,7 @@ def _check(files: ResultsFiles, destination: Destination, *, opens: bool) -> Non
 def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
     """Save a case among those of a report's folder, and write the report's pages."""
     from reports.mechanism.page import file_of  # noqa: PLC0415  figures cost a second
-    from reports.site.site import write_site  # noqa: PLC0415
+    from reports.site import write_site  # noqa: PLC0415
 
     _claimed = claim(out)  # until the pages are written
     save_case(out, case)

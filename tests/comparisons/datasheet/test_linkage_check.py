@@ -8,8 +8,8 @@ import pytest
 from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
 from comparisons.datasheet.linkage_check import check, warnings
+from reports.command_line.commands.mechanisms import printed_facts
 from reports.document.terminal import rendered
-from reports.mechanism.terminal import printed
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.faults import JUKI
 from tests.analytic.linkages import EVERY, text_of
@@ -49,7 +49,7 @@ def test_the_linkages_of_the_literature_are_without_warnings():
 def test_a_chain_so_long_that_no_bound_can_be_given():
     facts, _ = check(parse(chain_of_dyads(100), "chain", "chain.toml"))
     assert set(facts["error_bound"].values()) == {None}
-    assert "no error bound can be given" in rendered(*printed(facts, str))
+    assert "no error bound can be given" in rendered(*printed_facts(facts, str))
 
 
 def test_transmission_angle_of_a_crank_rocker_is_least_with_the_crank_on_the_frame():

@@ -3,7 +3,7 @@
 import numpy as np
 
 from reports.mechanism.engines import MARKERS, errors_chart
-from reports.records.views import views
+from reports.records import views
 from tests.reports.made_up_results import made_up_results
 
 

@@ -9,7 +9,7 @@ import pytest
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.mechanism.engines import STRETCHES, chart_data, curves
-from reports.records.views import views
+from reports.records import views
 from tests.reports.made_up_results import made_up_results
 
 

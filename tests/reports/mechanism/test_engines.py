@@ -10,7 +10,7 @@ from engines.contract import Setting
 from reports.charts import draw
 from reports.document.parts import Bullets, Fold, Table, TableCell, Widget
 from reports.mechanism.engines import engines_section, errors_section
-from reports.records.views import views
+from reports.records import views
 from tests.reports.made_up_results import changed_results, made_up_results
 
 

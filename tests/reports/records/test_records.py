@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from comparisons.judging.records import Verdict
-from reports.records.views import View, anchor, blank_repeats, limit_table, short_title, views
+from reports.records import View, anchor, blank_repeats, limit_table, short_title, views
 from tests.analytic.linkages import driven
 from tests.reports.made_up_results import made_up_results
 

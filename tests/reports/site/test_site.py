@@ -20,7 +20,7 @@ from comparisons.stress.campaign import save as save_stress
 from comparisons.work_precision.records import KIND as BENCH
 from comparisons.work_precision.records import save as save_bench
 from engines.contract import Setting
-from reports.site.site import write_site
+from reports.site import write_site
 from tests.commands import refused
 from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_results import made_up_results
@@ -72,7 +72,7 @@ def test_every_page_is_there_and_every_link_leads_to_a_file(site):
 
 
 def test_worker_processes_write_the_same(saved, site, tmp_path, monkeypatch):
-    monkeypatch.setattr("reports.site.site.run_jobs", run_jobs)
+    monkeypatch.setattr("reports.site.run_jobs", run_jobs)
     shutil.copytree(saved, tmp_path, dirs_exist_ok=True)
     write_site(tmp_path, processes=1)
     assert files_of(tmp_path) == files_of(site)
@@ -118,7 +118,7 @@ def test_pages_are_written_where_no_process_can_be_started(tmp_path, monkeypatch
     def refuse(*_, **__):
         raise LinkproofError("no process")
 
-    monkeypatch.setattr("reports.site.site.run_jobs", refuse)
+    monkeypatch.setattr("reports.site.run_jobs", refuse)
     save_case(tmp_path, usual_case(Mechanism(load(NAME))))
     assert write_site(tmp_path).is_file()
 

@@ -7,8 +7,7 @@ import pytest
 from comparisons.work_precision.analysis import by_regime, on_front, places, split_by_runs
 from comparisons.work_precision.records import METHOD, Bench, load, save
 from reports.document import html
-from reports.work_precision.overview import chart, inks
-from reports.work_precision.page import page, widget
+from reports.work_precision.page import chart, inks, page, widget
 from reports.work_precision.words import engine_labels
 from tests.comparisons.bench_rows import points, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench, nothing_finished

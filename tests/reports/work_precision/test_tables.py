@@ -3,9 +3,8 @@
 from comparisons.work_precision.analysis import by_regime, places
 from comparisons.work_precision.records import Bench
 from reports.document.terminal import rendered
-from reports.work_precision.choices import section, verdicts
-from reports.work_precision.terminal import printout
-from reports.work_precision.words import comparison_words, least_words
+from reports.work_precision.page import choices_section, verdicts
+from reports.work_precision.words import comparison_words, least_words, printout
 from tests.comparisons.bench_rows import points, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -59,7 +58,7 @@ def test_the_winner_of_an_error_is_the_cheapest_engine_of_most_mechanisms():
 
 
 def test_what_an_engine_does_not_reach_says_how_near_it_comes():
-    whole, *_ = section(_regimes(setting_row("tuned", 3e-4, 0.5), setting_row("best", 2e-6, 0.9)), "").parts
+    whole, *_ = choices_section(_regimes(setting_row("tuned", 3e-4, 0.5), setting_row("best", 2e-6, 0.9)), "").parts
     ((regime, label, *found),) = whole.rows
     assert (regime, label) == ("run-up-quintic", "alpha")
     assert [(cell.words, cell.span) for cell in found] == [("500 ms", 2), ("900 ms", 2), ("–", 3)]

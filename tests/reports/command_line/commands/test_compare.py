@@ -11,7 +11,7 @@ import pytest
 
 from analytic.description.loading import read
 from comparisons.campaign.results import load
-from reports.records.views import limit_table
+from reports.records import limit_table
 from tests.commands import linkproof
 from tests.comparisons.faults import announce
 

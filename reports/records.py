@@ -1,26 +1,33 @@
-"""The results seen one mechanism at a time: its records in a stable order, its regimes, its curves."""
+"""Saved records for pages, tables and the terminal: by mechanism, beside recorded ones, and where they come from."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
+from typing import Final
 
 import numpy as np
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
+from analytic.description.written import change
 from comparisons.campaign.results import Results
+from comparisons.conformance.mutants import MUTANT
+from comparisons.conformance.trial import CheckResult, Finding
+from comparisons.judging.changes import CLOSED_FORM, Change, Kind
 from comparisons.judging.limits import LimitTable, grouped
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
 from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
-from engines.contract import Setting
+from engines.contract import Origin, Setting
 from reports.document.chart import Array
-from reports.document.numbers import bound
-from reports.document.parts import Table, TableCell
+from reports.document.numbers import ABSENT, bound, error
+from reports.document.parts import Table, TableCell, Words
 from reports.document.templates import plain, worded
+from reports.document.terminal import Printout
 
 SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
 SETTINGS = tuple(setting.value for setting in Setting)
@@ -250,3 +257,129 @@ def limit_table(results: Results) -> Table:
     ordered_rows = tuple(cells for _, _, cells in sorted(rows, key=lambda entry: entry[:2]))
     caption = "What a largest error over the reference's peak may be, and why."
     return Table(caption, ("Quantities", "Settings", "Regimes", "Limit", "Reason"), ordered_rows, align="lllrl")
+
+
+# What has changed since results were recorded, in a table and in a line.
+
+
+CAPTION = "What is not as it was recorded: errors over the peak, and figures of the closed form in SI."
+HEAD = ("mechanism", "regime", "engine", "quantity", "", "before", "now", "unit", "change")
+
+
+def changes_table(changes: Sequence[Change]) -> tuple[Table, ...]:
+    """A table with a row for every change that fails; no table without any.
+
+    Quantities of a run that have no value any more share a row.
+    """
+    rows = [_row(entry) for entry in changes if entry.fails and entry.after is not None]
+    gone = grouped(((entry.run, entry.kind), entry) for entry in changes if entry.fails and entry.after is None)
+    rows += [_row(entries[0], len(entries)) for entries in gone.values()]
+    return (Table(CAPTION, HEAD, rows, align="lllllrrlr"),) if rows else ()
+
+
+def _row(entry: Change, count: int = 1) -> tuple[str, ...]:
+    """The row of a change, or of ``count`` quantities of a run that have vanished or failed alike."""
+    place = (f"{entry.mechanism} ({entry.variant})", entry.regime, f"{entry.engine} {entry.setting}".rstrip())
+    is_figure = entry.engine == CLOSED_FORM
+    what = f"{entry.kind}: {entry.outcome}" if entry.kind is Kind.FAILING else entry.kind.value
+    if count > 1:
+        return (*place, f"{count} quantities", what, "", "", "", "")
+    values = (ABSENT if v is None else f"{v:.9g}" if is_figure else error(v) for v in (entry.before, entry.after))
+    share = entry.share
+    words = ABSENT if share is None else change(share, ".2g") if is_figure else f"{1.0 + share:.1f} times"
+    return (*place, entry.quantity, what, *values, entry.unit, words)
+
+
+def appeared_note(changes: Sequence[Change]) -> tuple[str, ...]:
+    """A line about what was not recorded, which is no failure; none if everything was."""
+    new = [entry for entry in changes if not entry.fails]
+    if not new:
+        return ()
+    runs = list(dict.fromkeys(entry.run for entry in new))
+    more = f", and {len(runs) - 1} more" if len(runs) > 1 else ""
+    what = "1 result" if len(new) == 1 else f"{len(new)} results"
+    return (f"not recorded, which is no failure: {what} of {runs[0]}{more}",)
+
+
+# Where figures come from: those of a run in words, those of an engine in the table of its read-outs.
+
+
+READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
+
+
+def origin_words(records: Sequence[Record]) -> str:
+    """Of the records of one run: "1 run, read", "read in part", "4 runs, extrapolated", "control", "imported"."""
+    words = [record for record in records if record.origin]
+    if not words:
+        return ""
+    if words[0].origin in (CONTROL, IMPORTED):
+        return words[0].origin
+    runs = max(record.runs for record in words)
+    if runs > 1:
+        return f"{runs} runs, {Origin.EXTRAPOLATED}"
+    return "read in part" if any(r.origin != Origin.READ for r in words) else f"1 run, {Origin.READ}"
+
+
+def computed_or_shared(records: Sequence[Record]) -> str:
+    """The quantities that the adapter computes or shares with the reference, in words; empty without any."""
+    families = {
+        origin: ", ".join(dict.fromkeys(family(record.quantity) for record in records if record.origin == origin))
+        for origin in (Origin.COMPUTED, Origin.PARTLY)
+    }
+    shared = dict.fromkeys(f"{r.shared} of {r.quantity.replace('_', ' ')}" for r in records if r.shared)
+    words = [f"{origin} by its adapter: {names}" for origin, names in families.items() if names]
+    return "; ".join([*words, *([f"shared with the reference: {', '.join(shared)}"] if shared else [])])
+
+
+def readout_table(engine_name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
+    """The read-outs of an engine, as ``Abilities.as_dict`` has them."""
+    rows = tuple(
+        (plain(channel), names["source"], names["frame"], names["instant"], names["drive"] or ABSENT)
+        for channel, names in groups.items()
+    )
+    return Table(f"{engine_name}: where its figures come from.", READOUTS, rows, align="l")
+
+
+# The environment of results: date, machine and commit, then all versions on one line.
+
+CONCURRENT_RUNS: Final = "runs at a time"  # how many ran side by side, each on a share of the machine
+
+
+def environment_facts(environment: Mapping[str, str], leave_out: Container[str] = ()) -> list[tuple[str, str]]:
+    """Name and value of each fact; names in ``leave_out`` are given elsewhere."""
+    first = [name for name in ("date", "machine", "hosts", "commit", CONCURRENT_RUNS) if name in environment]
+    rest = [f"{name} {version}" for name, version in environment.items() if name not in first and name not in leave_out]
+    return [*((name.capitalize(), environment[name]) for name in first), ("Versions", ", ".join(rest))]
+
+
+def concurrency_note(environment: Mapping[str, str]) -> str:
+    """A note on times: "while 4 ran" where runs were made side by side, else empty."""
+    return f"while {environment[CONCURRENT_RUNS]} ran" if CONCURRENT_RUNS in environment else ""
+
+
+# The checks of an engine's adapter, as the terminal and Python print them.
+
+STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
+
+
+def printout(engine_name: str, checks: Sequence[CheckResult]) -> Printout:
+    """A line of every check, and how many came to what."""
+    counts = Counter(each.finding for each in checks)
+    closing = f"{engine_name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
+    return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
+
+
+def _rows(results: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
+    """A line of every check; of mutants that say the same, one line."""
+    groups: Counter[tuple[str, Finding, str]] = Counter()
+    for each in results:
+        alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
+        groups[MUTANT if alike else each.check, each.finding, each.detail] += 1
+    return [
+        (
+            f"{count} mutant{'s' if count > 1 else ''}" if name == MUTANT else name,
+            TableCell(finding.value, colour=STYLES.get(finding, "dim")),
+            detail,
+        )
+        for (name, finding, detail), count in groups.items()
+    ]

@@ -1,1 +1,0 @@
-"""Saved records as plain data for pages, tables and the terminal."""
