@@ -28,7 +28,7 @@ from comparisons.case import Case, motion_of_file_regime
 from comparisons.datasheet.curves import Curves, Instants, SignalFigure, choose_samples, extreme_samples
 from comparisons.datasheet.figures import compare_published, figure_tables, required_feed
 from comparisons.datasheet.linkage_check import file_facts, mechanism_facts
-from comparisons.datasheet.open_ends import INSET, inset_ends, open_end_warning
+from comparisons.datasheet.open_ends import inset_ends, open_end_warning
 from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
 
 Array = NDArray[np.float64]
@@ -43,11 +43,13 @@ LAST_TURN_SAMPLES: Final = 361
 
 
 def positions_over_range(mechanism: Mechanism) -> Positions:
-    """Where a linkage's bodies are over a turn of its crank from φ = 0, or over the range that its driver reaches."""
+    """Where a linkage's bodies are over a turn of its crank from φ = 0, or over its range, short of the limits.
+
+    At a limit where guides are parallel its bodies are infinitely far away.
+    """
     reach = mechanism.crank_range()
-    low, high = (0.0, FULL_TURN) if reach.is_full_turn else reach.limits
-    inset = 0.0 if reach.is_full_turn else INSET * (high - low)
-    angle = np.linspace(low + inset, high - inset, POSITIONS_SHOWN)
+    low, high = (0.0, FULL_TURN) if reach.is_full_turn else inset_ends(reach)
+    angle = np.linspace(low, high, POSITIONS_SHOWN)
     return positions_at(mechanism, angle, closed=reach.is_full_turn)
 
 

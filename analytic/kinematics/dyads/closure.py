@@ -119,7 +119,7 @@ def dead_determinant(k: Constants, closure: Closure) -> Scalar:
 
 def reach_margin(k: Constants, host_poses: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """No length is missing, but parallel lines do not cross."""
-    return np.sign(abs(closure.determinant) - LEAST_SINE), 0.0
+    return np.sign(abs(closure.determinant) - ROUNDING), 0.0
 
 
 def dead_position_text(dyad: Dyad, closure: Closure) -> str:

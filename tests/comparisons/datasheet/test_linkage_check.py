@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 from analytic.description.loading import literature, load, parse
@@ -12,7 +13,7 @@ from reports.command_line.commands.mechanisms import printed_facts
 from reports.document.terminal import rendered
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.faults import JUKI
-from tests.analytic.linkages import EVERY, text_of
+from tests.analytic.linkages import EVERY, FOLDER, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 
 
@@ -87,6 +88,14 @@ def test_of_a_swing_where_the_transmission_angle_is_good():
     for end in found["good"]:
         gap = math.sqrt(100**2 + 80**2 - 2 * 100 * 80 * math.cos(end))
         assert math.degrees(folded(gap, 60.0, 90.0)) == pytest.approx(40.0, abs=1e-6)
+
+
+def test_a_range_may_end_at_parallel_guides():
+    facts, fault = check(load(str(FOLDER / "designer" / "S_negative.toml")))
+    assert fault is None
+    assert np.degrees([facts["range"]["low"], facts["range"]["high"]]) == pytest.approx([-40.2187, 139.7813], abs=1e-4)
+    (found,) = facts["transmission"].values()
+    assert np.degrees(found["good"]) == pytest.approx([-0.2187, 99.7813], abs=1e-4)  # 40° inside either end
 
 
 def test_a_point_that_is_not_pinned_leaves_mobility_and_a_fault():
