@@ -51,12 +51,12 @@ def linkproof(*words, cwd=None, stderr=None):
     return subprocess.CompletedProcess(argv, code, out.getvalue(), err.getvalue())
 
 
-def process(*words, cwd=None, stdout=subprocess.PIPE, text=True, **environment):
+def process(*words, cwd=None, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **environment):
     """The same of a process of its own, with more in its environment."""
     path = os.pathsep.join(filter(None, [environment.pop("PYTHONPATH", ""), str(ROOT)]))
     return subprocess.run(
         [*COMMAND, *map(str, words)],
-        stdout=stdout, stderr=subprocess.PIPE, text=text, cwd=cwd, check=False,
+        stdout=stdout, stderr=stderr, text=text, cwd=cwd, check=False,
         env=os.environ | environment | {"PYTHONPATH": path},
     )  # fmt: skip
 

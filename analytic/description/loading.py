@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import sys
 import tomllib
@@ -24,6 +25,7 @@ from analytic.description.lookup import Reader, reader_of
 from analytic.description.schema import Document
 from analytic.description.written import in_unit
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, is_safe, listed, printable, shortened
+from analytic.files import file_fault, read_file
 
 CATALOGUE = Path(__file__).parents[1] / "catalogue"
 LITERATURE = CATALOGUE / "literature"
@@ -75,42 +77,32 @@ def find(name: str) -> Path:
     if not path.suffix and path.parent == Path():
         if name in ours:
             return (CATALOGUE if name in catalogue() else LITERATURE) / f"{name}.toml"
-        if _fault(Path(f"{name}.toml")) is None:
+        if file_fault(Path(f"{name}.toml")) is None:
             raise DescriptionError(
                 f"unknown mechanism '{name}': did you mean the file '{name}.toml'? give its whole name"
             )
-        if name and _fault(path) == "is a folder":
+        if name and os.path.isdir(name):
             raise DescriptionError(f"expected the path of a linkage file, got the folder '{name}'; name its files")
         raise UnknownNameError("mechanism", name, ours)
     known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(ours)}"
     if path.suffix.lower() != ".toml":
         raise DescriptionError(f"expected {known}, got '{name}'; give one of them")
-    fault = _fault(path)
+    fault = file_fault(path)
     if fault:
-        raise DescriptionError(f"expected {known}, got '{name}', which {fault}; check the path")
+        raise DescriptionError(f"expected {known}, got '{name}', which {fault}")
     return path
-
-
-def _fault(path: Path) -> str | None:
-    """Why a path cannot be read: it is a folder, or does not exist."""
-    try:
-        return None if path.is_file() else "is a folder" if path.is_dir() else "does not exist"
-    except (OSError, ValueError):  # a name too long for the system, or with a null character
-        return "does not exist"
 
 
 def read(name: str | Path) -> LinkageFile:
     """Read a mechanism's file by catalogue name or path; raises DescriptionError or UnknownNameError."""
     path = find(str(name))
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_file(path, "a linkage file").decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise DescriptionError(
             f"{path}:{line}: expected a text file in UTF-8, got other bytes; save it as UTF-8"
         ) from error
-    except OSError as error:
-        raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
     is_known = path.parent in (CATALOGUE, LITERATURE)
     return LinkageFile(printable(path.stem), path.name if is_known else str(path), text, is_known)
 
@@ -247,9 +239,7 @@ def read_document(path: Path, what: str, model: type[M]) -> M:
     Raises LinkproofError with the path, or DescriptionError with file, line and key.
     """
     try:
-        return parse_document(Source(printable(str(path)), path.read_text(encoding="utf-8-sig")), model)
-    except OSError as error:
-        raise LinkproofError(f"expected {what} at '{path}', got '{error.strerror}'; check it") from error
+        return parse_document(Source(printable(str(path)), read_file(path, what).decode("utf-8-sig")), model)
     except UnicodeDecodeError as error:
         raise LinkproofError(f"expected {what} in UTF-8 at '{path}', got other bytes; save it so") from error
 

@@ -5,11 +5,12 @@ The designs of a grid are numbered in C order, its last axis fastest. Values are
 
 from __future__ import annotations
 
+import io
 import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,6 +22,7 @@ from analytic.description.linkage import Linkage
 from analytic.designs.figures import STROKE
 from analytic.designs.results import usual_path
 from analytic.errors import AssemblyError, LinkproofError, shortened
+from analytic.files import read_file
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names
 from comparisons.designs.parameters import (
@@ -117,6 +119,7 @@ def parameter_range(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
 
 # Designs as a table in a CSV file: a column per parameter, a row per design.
 
+LARGEST_TABLE: Final = 1 << 27  # bytes
 OTHER_MARKS: Final = {";": "semicolons", "\t": "tabs"}  # of spreadsheets
 
 
@@ -129,15 +132,17 @@ def read_table(path: Path, linkage: Linkage) -> DesignSpace:
     import pandas  # noqa: PLC0415 - half a second that only a table pays for
 
     start = f"--table '{path}': expected"
-    read = partial(
-        pandas.read_csv, path, header=None, index_col=False, dtype=str, keep_default_na=False, skip_blank_lines=False,
-        encoding="utf-8-sig",
-    )  # fmt: skip
+    content = read_file(path, "a table of designs", LARGEST_TABLE)
+
+    def read(rows: int | None = None) -> pandas.DataFrame:
+        return pandas.read_csv(
+            io.BytesIO(content), header=None, index_col=False, dtype=str, keep_default_na=False, skip_blank_lines=False,
+            encoding="utf-8-sig", nrows=rows,
+        )  # fmt: skip
+
     try:
-        columns = _read_head(start, read(nrows=1).iloc[0].tolist(), linkage)
+        columns = _read_head(start, read(1).iloc[0].tolist(), linkage)
         cells = read().fillna("")
-    except OSError as error:
-        raise LinkproofError(f"{start} a file, got {error.strerror}; correct the path") from error
     except UnicodeDecodeError as error:
         raise LinkproofError(f"{start} text in UTF-8, got other bytes; save it as CSV") from error
     except pandas.errors.EmptyDataError as error:

@@ -22,6 +22,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import parse_document
 from analytic.description.schema import Finite, Tables, TomlTable
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, listed, printable, shortened
+from analytic.files import LARGEST_TEXT
 from comparisons.faults.fault import Correction
 from comparisons.imported.columns import (
     TIME,
@@ -38,7 +39,6 @@ from comparisons.imported.headers import UNITS_BY_NAME, HeaderParser, Meaning, N
 from comparisons.imported.result_files import number_headers, result_tables
 from comparisons.imported.text_tables import read_text
 
-LARGEST: Final = 1 << 20  # characters
 HEAD: Final = """# Columns of result files as signals of {}: correct what is wrong, and give this file
 # to judge with --mapping. Corrections that a [[column]] has are applied as they stand here, as
 # the value sign * factor * value + offset (in the column's unit) at the time time + time_shift (s).
@@ -140,9 +140,7 @@ def _comparable(header: str) -> str:
 
 def read_mapping(path: Path) -> ColumnMapping:
     """Read a mapping; raises LinkproofError with file and line."""
-    file = read_text(path, "a mapping file (TOML)")
-    if len(file.text) > LARGEST:
-        raise file.fail(1, "expected a mapping of some lines, got more than a megabyte; give the mapping file")
+    file = read_text(path, "a mapping file (TOML)", LARGEST_TEXT)
     source = Source(file.name, file.text)
     document = parse_document(source, MappingDocument)
     if not document.column and not document.ignore:

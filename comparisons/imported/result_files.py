@@ -25,13 +25,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError, printable
+from analytic.files import check_file, read_file
 from comparisons.imported.columns import Column, ResultTable
 from comparisons.imported.text_tables import (
+    EXPECTED,
     LARGEST,
     LARGEST_NUMBER,
     MOST_NUMBERS,
     ResultText,
-    check_file,
     read_tables,
     read_text,
 )
@@ -60,10 +61,11 @@ def read_workbook(path: Path) -> Iterator[ResultText]:
             f"{path}: expected openpyxl to read a workbook, got none installed; pip install 'linkproof[xlsx]', or "
             "export the results as CSV"
         ) from None
+    content = io.BytesIO(read_file(path, EXPECTED, LARGEST))
     try:
-        with zipfile.ZipFile(path) as parts:
+        with zipfile.ZipFile(content) as parts:
             size = sum(part.file_size for part in parts.infolist())
-        for sheet in load_workbook(io.BytesIO(path.read_bytes()), read_only=True, data_only=True).worksheets:
+        for sheet in load_workbook(content, read_only=True, data_only=True).worksheets:
             lines, numbers = [], 0
             for row in sheet.iter_rows(values_only=True):
                 lines.append("\t".join("" if cell is None else " ".join(str(cell).split()) for cell in row))
@@ -118,6 +120,7 @@ def matlab_columns(path: Path) -> tuple[bool, list[list[Column]]]:
 
     Raises LinkproofError for one that cannot be read.
     """
+    check_file(path, EXPECTED, LARGEST)
     try:
         data = {name[1:]: array for name, array in _read_arrays(path).items()}
         is_trajectory = all(name in data for name in TRAJECTORY)
@@ -190,7 +193,6 @@ MODELICA_NAME: Final = re.compile(r"[^()\[\]/ ]+(?:\[[\d,]+\])?")
 
 def result_tables(path: Path) -> list[ResultTable]:
     """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
-    check_file(path, "expected a file of results, such as a CSV")
     kind, name = path.suffix.lower(), printable(str(path))
     every: list[ResultTable] = []
     if kind == ".fmu":

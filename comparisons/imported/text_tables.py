@@ -9,7 +9,6 @@ import codecs
 import csv
 import io
 import re
-import stat
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -20,11 +19,13 @@ import numpy as np
 import pandas
 
 from analytic.errors import LinkproofError, printable, shortened
+from analytic.files import read_file
 from comparisons.imported.columns import Array, Column
 from comparisons.imported.headers import parse_unit
 
 # Bytes of a file, or of what is packed in it, and its numbers: what is read takes less than a GiB of memory.
 LARGEST: Final = 1 << 27
+EXPECTED: Final = "a file of results, such as a CSV"
 MOST_NUMBERS: Final = 10_000_000
 BYTE_ORDER_MARKS: Final = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -73,10 +74,9 @@ class ResultText:
         return LinkproofError(f"{self.name}:{line}: {message}")
 
 
-def read_text(path: Path, expected: str = "a text file of results, such as a CSV") -> ResultText:
+def read_text(path: Path, expected: str = EXPECTED, largest: int = LARGEST) -> ResultText:
     """The text of a file; raises LinkproofError if it is not readable text."""
-    check_file(path, f"expected {expected}")
-    content, name = path.read_bytes(), printable(str(path))
+    content, name = read_file(path, expected, largest), printable(str(path))
     encoding = next(
         (encoding for mark, encoding in BYTE_ORDER_MARKS if content.startswith(mark)), None
     ) or _guess_encoding(content)
@@ -97,24 +97,6 @@ def read_text(path: Path, expected: str = "a text file of results, such as a CSV
         for sign, simple in PLAIN_SIGNS.items():
             text = text.replace(sign, simple)
     return ResultText(name, text)
-
-
-def check_file(path: Path, expected: str) -> None:
-    """Raise LinkproofError for a path that is no file that can be read, or one that is too large."""
-    try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):  # a pipe would wait for whoever writes into it
-            kind = "folder" if path.is_dir() else "pipe or device"
-            raise LinkproofError(f"{expected}, got the {kind} '{path}'; give a file")
-        if status.st_size > LARGEST:
-            raise LinkproofError(
-                f"{expected} of at most {LARGEST >> 20} MB, got '{path}' of {status.st_size >> 20} MB; export fewer "
-                "columns or a coarser step"
-            )
-        path.open("rb").close()
-    except (OSError, ValueError) as error:  # a name with a zero character is a ValueError
-        reason = getattr(error, "strerror", None) or "no file can have this name"
-        raise LinkproofError(f"{expected}, got '{path}' ({reason}); check the path") from error
 
 
 def _guess_encoding(content: bytes) -> str:

@@ -19,6 +19,7 @@ import numpy as np
 
 from analytic.description.written import change
 from analytic.errors import LinkproofError, shortened
+from analytic.files import read_file
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.files import write_text
 
@@ -43,6 +44,7 @@ class Place(NamedTuple):
 
 
 COLUMNS: Final = (*Place._fields, "outcome", "value")
+LARGEST: Final = 1 << 25  # bytes of a file of rows
 
 
 @dataclass(frozen=True)
@@ -81,26 +83,25 @@ def write_rows(rows: Iterable[Row], file: Path) -> None:
 def read_rows(file: Path) -> list[Row]:
     """The rows of a file; raises LinkproofError, with the line, for a file of another form."""
     cure = "record it again with --record, or correct the line"
+    content = read_file(file, "recorded results", LARGEST)
     try:
-        with file.open(encoding="utf-8", newline="") as opened:
-            reader = csv.reader(opened)
-            if (head := next(reader, [])) != [*COLUMNS]:
-                got = shortened(",".join(head))
-                raise LinkproofError(f"'{file}', line 1: expected the columns {','.join(COLUMNS)}, got '{got}'; {cure}")
-            rows: dict[Place, Row] = {}
-            for cells in reader:
-                try:
-                    row = _row(cells)
-                    if row.place in rows:
-                        raise ValueError("the same row stands above")
-                except ValueError as error:
-                    raise LinkproofError(f"'{file}', line {reader.line_num}: {error}; {cure}") from error
-                rows[row.place] = row
+        reader = csv.reader(io.StringIO(content.decode(), newline=""))
+        if (head := next(reader, [])) != [*COLUMNS]:
+            got = shortened(",".join(head))
+            raise LinkproofError(f"'{file}', line 1: expected the columns {','.join(COLUMNS)}, got '{got}'; {cure}")
+        rows: dict[Place, Row] = {}
+        for cells in reader:
+            try:
+                row = _row(cells)
+                if row.place in rows:
+                    raise ValueError("the same row stands above")
+            except ValueError as error:
+                raise LinkproofError(f"'{file}', line {reader.line_num}: {error}; {cure}") from error
+            rows[row.place] = row
     except UnicodeDecodeError as error:
         raise LinkproofError(f"'{file}' is no text in UTF-8: name a file that --record wrote") from error
-    except (OSError, csv.Error) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise LinkproofError(f"'{file}' cannot be read: {reason}; name a file that --record wrote") from error
+    except csv.Error as error:
+        raise LinkproofError(f"'{file}' cannot be read: {error}; name a file that --record wrote") from error
     return list(rows.values())
 
 

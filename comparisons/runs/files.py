@@ -13,10 +13,11 @@ import json
 import math
 import os
 import shutil
+import stat
 import tempfile
 import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.util import get_temp_dir
 from pathlib import Path
@@ -28,6 +29,12 @@ from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
 
+STUDIES: Final = ("compare", "judge", "bench", "stress", "results")
+# What linkproof writes into a folder.
+ENTRIES: Final = (
+    *STUDIES, *(f".{study}.{state}" for study in STUDIES for state in ("new", "old")), "unfinished", ".unfinished",
+    "index.html", "bench.html", "stress.html", "RESULTS.md", "assets", "data", "figures", "mechanisms",
+)  # fmt: skip
 _OPEN_FILES: Final = Path("/proc/self/fd")  # a file without a name has one there
 
 Array = NDArray[np.float64]
@@ -56,10 +63,11 @@ _CLAIMS: weakref.WeakValueDictionary[Path, Claim] = weakref.WeakValueDictionary(
 
 
 def claim(folder: Path) -> Claim:
-    """Keep other commands out of a folder, made if need be, as long as the claim lives.
+    """Keep other commands out of a results folder, made if need be, as long as the claim lives.
 
-    Raises LinkproofError where another process has claimed it.
+    Raises LinkproofError where another process has claimed it, and for what is no results folder.
     """
+    check_folder(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         place = folder.resolve()
@@ -74,6 +82,35 @@ def claim(folder: Path) -> Claim:
     return result
 
 
+def check_folder(folder: Path) -> None:
+    """Raise LinkproofError for a path that is neither a results folder nor free to be one.
+
+    Its entries, and what is beneath them, are files and folders: it may come from a stranger, and what a link leads to
+    is neither read, written nor removed.
+    """
+    try:
+        if not stat.S_ISDIR(folder.stat().st_mode):
+            raise LinkproofError(f"expected a folder, got '{folder}', which is none; give another place")
+        for name in ENTRIES:
+            _check_tree(folder / name)
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise _write_error(folder, error) from error
+
+
+def _check_tree(place: Path) -> None:
+    """Raise LinkproofError for a link, a pipe or a device at a place or beneath it; nothing need be there."""
+    with suppress(FileNotFoundError):
+        mode = place.lstat().st_mode
+        if stat.S_ISDIR(mode):
+            for entry in place.iterdir():
+                _check_tree(entry)
+        elif not stat.S_ISREG(mode):
+            what = "a link" if stat.S_ISLNK(mode) else "a pipe or a device"
+            raise LinkproofError(f"'{place}' is {what}, which a results folder does not have: remove it first")
+
+
 def write_text(path: Path, text: str) -> None:
     """Replace a file by this text in one step."""
     write_file(path, lambda target: target.write_text(text, encoding="utf-8"))
@@ -86,7 +123,7 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 def check_writable(path: Path) -> None:
     """Raise LinkproofError now, rather than after an hour's work, if a file could not be written at ``path``."""
-    nearest = next(folder for folder in _final_path(path).parents if folder.exists())
+    nearest = next(folder for folder in _final_path(path).parents if os.path.exists(folder))
     if not nearest.is_dir() or not os.access(nearest, os.W_OK):
         raise _no_file_error(path)
 
@@ -121,8 +158,8 @@ def _open_nameless_file(folder: Path) -> int | None:
 
 
 def _temporary_path(place: Path) -> Path:
-    """A name in the same folder that nothing has."""
-    return place.with_name(f".{place.name}.{uuid4().hex}{place.suffix}")
+    """A name in the same folder that nothing has, no longer than names may be."""
+    return place.with_name(f".{uuid4().hex}{place.suffix[:16]}")
 
 
 @contextmanager
@@ -136,8 +173,16 @@ def writing(path: Path) -> Iterator[None]:
 
 def _final_path(path: Path) -> Path:
     """The path of a file to write, at the end of its links; raises LinkproofError if something else is there."""
-    place = Path(os.path.realpath(path))
-    if place.is_symlink() or (os.path.exists(path) and not os.path.isfile(path)):  # the first is a loop
+    try:
+        place = Path(os.path.realpath(path))
+        is_file = stat.S_ISREG(path.stat().st_mode)
+    except (FileNotFoundError, NotADirectoryError):
+        return place
+    except OSError as error:  # a link to itself, a name that is too long
+        raise _write_error(path, error) from error
+    except ValueError as error:  # a name with a null character
+        raise _no_file_error(path) from error
+    if not is_file:
         raise _no_file_error(path)
     return place
 

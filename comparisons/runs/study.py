@@ -26,6 +26,7 @@ from comparisons.runs.files import (
     Array,
     Claim,
     RecordFile,
+    check_folder,
     claim,
     temporary_records,
     write_text,
@@ -96,6 +97,7 @@ def load_study(
 
     Raises LinkproofError where the study is missing, damaged, or of another version.
     """
+    check_folder(folder)
     place = folder / kind
     if not (place / DOCUMENT).is_file():
         raise LinkproofError(f"no results of {kind} in '{folder}': expected the folder given to {kind} --out")
@@ -218,6 +220,7 @@ class Journal:
 
 def unfinished_command(folder: Path) -> str:
     """The command that began what is unfinished in a folder; empty if nothing is."""
+    check_folder(folder)
     file = folder / FOLDER / COMMAND
     return file.read_text(encoding="utf-8", errors="replace") if file.is_file() else ""
 

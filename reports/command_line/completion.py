@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analytic.errors import LinkproofError
+from analytic.files import read_file
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
@@ -109,6 +110,7 @@ def _linkage_tables() -> list[dict[str, Any]]:
     """The linkage files among the words typed so far, as far as they can be read."""
     tables, known = [], _files_by_name()
     for word in _typed_words():
-        with contextlib.suppress(OSError, ValueError):
-            tables.append(tomllib.loads(known.get(word, Path(word)).read_text(encoding="utf-8-sig")))
+        with contextlib.suppress(LinkproofError, ValueError, RecursionError):
+            content = read_file(known.get(word, Path(word)), "a linkage file")
+            tables.append(tomllib.loads(content.decode("utf-8-sig")))
     return tables

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import os
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,7 +22,7 @@ import typer
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.runs.environment import INCIDENTAL, environment
-from comparisons.runs.files import check_writable, write_bytes, write_file, write_text
+from comparisons.runs.files import check_folder, check_writable, write_bytes, write_file, write_text
 from comparisons.runs.plugins import engine
 from comparisons.runs.study import Journal, has_study, to_json, unfinished_command
 from reports.command_line.parameters import option_bag
@@ -57,6 +58,7 @@ class Destination(OutputOptions):
         if self.junit is not None:
             check_writable(self.junit)
         if self.out is not None:
+            check_folder(self.out)
             check_writable(self.out / file)
 
     def check_saves(self, writers: Writers, read: Mapping[str, Path] = NOTHING) -> None:
@@ -64,16 +66,17 @@ class Destination(OutputOptions):
 
         ``writers`` has every suffix that the command writes, ``read`` the files that it reads, by what they are.
         """
-        places: dict[Path, Path] = {}
+        places: dict[str, Path] = {}
         for file in self.save:
             if file.suffix.lower() not in writers:
                 raise LinkproofError(f"--save {file}: the suffix must be one of {', '.join(writers)}; rename the file")
-            place = file.resolve()
+            check_writable(file)
+            place = os.path.realpath(file)
             if place in places:
                 raise LinkproofError(f"--save {places[place]} and --save {file} are the same file: leave one out")
             places[place] = file
             for what, other in read.items():
-                if place == other.resolve():
+                if place == os.path.realpath(other):
                     raise LinkproofError(f"--save {file} would take the place of {what}: give another name")
             package = PACKAGES.get(file.suffix.lower())
             if package is not None and find_spec(package) is None:
@@ -81,7 +84,6 @@ class Destination(OutputOptions):
                 raise LinkproofError(
                     f"--save {file}: expected {package}, got none: install it with: pip install 'linkproof[{extra}]'"
                 )
-            check_writable(file)
 
     def write_saves(self, writers: Writers, *facts: object) -> None:
         """Write the files of ``save`` whose suffixes have ``writers``, which are called with the ``facts``.

@@ -39,7 +39,7 @@ def _run_app() -> None:
     except InterruptedRunError as interrupt:
         raise KeyboardInterrupt(str(interrupt)) from interrupt
     except BrokenPipeError:
-        _discard_output()
+        _discard(sys.stdout.fileno())
         sys.exit(0)
     except MemoryError:
         _end_with_sentence("expected more memory, got none that is free; give less at once, or allow more", FAILED)
@@ -54,7 +54,7 @@ def _end_badly(error: Exception) -> None:
     if isinstance(error, FileNotFoundError) and error.filename is None:
         _end_with_sentence("expected a working folder, got one that was deleted: change to another", BAD_INPUT)
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
-        _discard_output()
+        _discard(sys.stdout.fileno())
         _end_with_sentence(
             f"cannot write to stdout: {error.strerror}; free some space, or write to a file elsewhere", BAD_INPUT
         )
@@ -84,15 +84,19 @@ def _open_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - open until the process ends
 
 
-def _discard_output() -> None:
-    """Discard the buffer of stdout, or Python reports an error when it exits."""
+def _discard(descriptor: int) -> None:
+    """Discard what is still to be written to a stream, or Python reports an error when it exits."""
     import os
 
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
 
 
 def _end_with_sentence(sentence: str, code: int) -> None:
-    sys.stderr.write(f"linkproof: {sentence}\n")
+    try:
+        sys.stderr.write(f"linkproof: {sentence}\n")
+        sys.stderr.flush()
+    except OSError:  # a full disk: the exit code is all that can be said
+        _discard(sys.stderr.fileno())
     sys.exit(code)
 
 

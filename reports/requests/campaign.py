@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
@@ -190,7 +191,7 @@ def check_record(file: Path | None) -> None:
 
 def rows_before(place: Path) -> list[Row]:
     """The rows of a file, or of the comparison in a results folder; raises LinkproofError for anything else."""
-    return load_results(place).rows if place.is_dir() else read_rows(place)
+    return load_results(place).rows if os.path.isdir(place) else read_rows(place)
 
 
 def chosen_standard(options: CompareOptions, limits: Path | None) -> Standard:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -18,6 +19,7 @@ from analytic.description.loading import catalogue, literature, load
 from analytic.description.written import finite, in_unit
 from analytic.designs.figures import figure_names
 from analytic.errors import LinkproofError, is_safe
+from analytic.files import read_file
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
 from comparisons.datasheet.linkage_check import check_slips
@@ -45,7 +47,7 @@ def new(name: str, destination: Destination) -> None:
     path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
     if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
         raise LinkproofError(f"expected a name for the new file, got '{name}': give one of letters and digits")
-    if path.exists() or path.is_symlink():
+    if os.path.lexists(path):
         raise LinkproofError(f"'{path}' exists already: give another name; linkproof new overwrites nothing")
     check_writable(path)
     schema = path.with_name(SCHEMA_FILE)
@@ -62,10 +64,8 @@ def new(name: str, destination: Destination) -> None:
 def _is_ours(path: Path) -> bool:
     """Whether a schema file can be written: it does not exist, or is ours, perhaps of an older version."""
     try:
-        return bool(json.loads(path.read_text(encoding="utf-8")).get("title") == TITLE)
-    except FileNotFoundError:
-        return True
-    except (OSError, ValueError, AttributeError):
+        return not os.path.lexists(path) or bool(json.loads(read_file(path, "a schema")).get("title") == TITLE)
+    except (LinkproofError, ValueError, AttributeError, RecursionError):
         return False
 
 

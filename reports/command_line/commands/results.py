@@ -62,7 +62,7 @@ def _check(files: ResultsFiles, destination: Destination, *, opens: bool) -> Non
     if files.decimal == "," and not destination.saves(".csv"):
         raise LinkproofError("--decimal belongs to a table, and none is written: name a file with --save FILE.csv")
     if files.figure is not None and not destination.saves(*PICTURES):
-        raise LinkproofError(f"--figure {files.figure} needs a file: name a .svg, .png or .pdf with --save")
+        raise LinkproofError("--figure needs a file: name a .svg, .png or .pdf with --save")
     if opens and destination.out is None:
         raise LinkproofError("--open shows the page that --out writes: name a folder with --out")
     destination.check(PAGE)

@@ -19,6 +19,7 @@ from typing import Final
 
 from analytic.description import loading
 from analytic.errors import LinkproofError
+from analytic.files import read_file
 from comparisons.datasheet.building import page_sheet
 from comparisons.runs.files import write_bytes
 from reports.document import html
@@ -72,12 +73,12 @@ class _WatchedFile:
                     "need, then reload the page"
                 )
             loading.tables(text, self.path.name)
-            ends = "\r\n" if b"\r\n" in self.path.read_bytes() else "\n"
+            ends = "\r\n" if b"\r\n" in read_file(self.path, "a linkage file") else "\n"
             write_bytes(self.path, text.replace("\n", ends).encode())
 
     def _file_digest(self) -> str:
-        with suppress(OSError):
-            return hashlib.sha256(self.path.read_bytes()).hexdigest()
+        with suppress(LinkproofError):
+            return hashlib.sha256(read_file(self.path, "a linkage file")).hexdigest()
         return "no file"
 
     def _build_files(self, state: str) -> dict[str, bytes]:

@@ -1,0 +1,200 @@
+"""Every option, argument and function with a path, given what is no such file: a sentence and exit code 2, soon."""
+
+import os
+import resource
+import signal
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+import linkproof
+from analytic.errors import LinkproofError
+from tests.commands import process, refused
+
+SECONDS, MEMORY = 10, 300 << 20  # of processor time and beyond what is used already
+LINKAGE = "four-bar.toml"
+TOLERANCES = 'results = ["Mkr.peak"]\nspeed = 1000\n[tolerances]\n"rocker.C.x" = 0.1\n'
+
+READ = {
+    "linkage of check": (".toml", "check {}"),
+    "linkage of list": (".toml", "list {}"),
+    "linkage of results": (".toml", "results {}"),
+    "linkage of watch": (".toml", "watch {} --no-open"),
+    "linkage of sweep": (".toml", "sweep {} --vary rocker.C.x=10:20:3"),
+    "linkage of optimise": (".toml", "optimise {} --minimise Mkr.peak --over rocker.C.x=10:20"),
+    "linkage of tolerance": (".toml", "tolerance {} tolerances.toml"),
+    "linkage of judge": (".toml", "judge {} results.csv"),
+    "linkage of compare": (".toml", "compare {} --engine direct --jobs 0"),
+    "linkage of compare --script": (".toml", "compare {} --engine mujoco --script run.py"),
+    "linkage of bench": (".toml", "bench {} --engine direct"),
+    "tolerances": (".toml", "tolerance juki-mf7923d {}"),
+    "results": (".csv", "judge juki-mf7923d {}"),
+    "results, a workbook": (".xlsx", "judge juki-mf7923d {}"),
+    "results of MATLAB": (".mat", "judge juki-mf7923d {}"),
+    "mapping": (".toml", "judge juki-mf7923d results.csv --mapping {}"),
+    "limits": (".toml", "compare juki-mf7923d --engine direct --jobs 0 --limits {}"),
+    "recorded results": (".csv", "compare juki-mf7923d --engine direct --jobs 0 --against {}"),
+    "designs": (".csv", "sweep juki-mf7923d --table {}"),
+}
+WRITTEN = {
+    "saved CSV": (".csv", "results juki-mf7923d --save {}"),
+    "saved picture": (".svg", "check juki-mf7923d --save {}"),
+    "saved linkage": (".toml", "optimise juki-mf7923d --minimise Mkr.peak --over needle_bar.mass=70:80 --save {}"),
+    "saved errors": (".csv", "compare juki-mf7923d --engine direct --jobs 0 --save {}"),
+    "recorded": (".csv", "compare juki-mf7923d --engine direct --jobs 0 --record {}"),
+    "JUnit": (".xml", "compare juki-mf7923d --engine direct --jobs 0 --junit {}"),
+    "script": (".py", "compare juki-mf7923d --engine mujoco --script {}"),
+    "new": (".toml", "new {}"),
+}
+FOLDERS = {
+    "folder of results": ("", "results juki-mf7923d --out {}"),
+    "folder of judge": ("", "judge juki-mf7923d results.csv --out {}"),
+    "folder of compare": ("", "compare juki-mf7923d --engine direct --jobs 0 --out {}"),
+    "folder of compare alone": ("", "compare --out {}"),
+    "folder of bench alone": ("", "bench --out {}"),
+    "folder of stress alone": ("", "stress --out {}"),
+}
+
+
+def _device(path):
+    path.symlink_to("/dev/zero")
+
+
+def _no_permission(path):
+    path.write_text("a")
+    path.chmod(0)
+
+
+NO_FILE = {
+    "pipe": os.mkfifo,
+    "device": _device,
+    "link to itself": lambda path: path.symlink_to(path.name),
+    "no permission": _no_permission,
+    "name of 300 bytes": None,
+}
+NO_CONTENT = {"empty": "", "brackets": "a = " + "[" * 3000, "control characters": 'title = "\x1b[2J\x07"\n\x01,\x02\n'}
+CASES = [
+    *((place, bad) for place in READ for bad in ("folder", *NO_FILE, *NO_CONTENT)),
+    *((place, bad) for place in WRITTEN for bad in ("folder", *NO_FILE)),
+    *((place, bad) for place in FOLDERS for bad in (*NO_FILE, "empty")),
+]
+ALLOWED = {("linkage of watch", bad) for bad in NO_CONTENT}  # its page shows the fault
+
+
+def made(folder, suffix, bad):
+    """The path of a bad file in a folder."""
+    if bad == "name of 300 bytes":
+        return folder / ("n" * (300 - len(suffix)) + suffix)
+    path = folder / f"bad{suffix}"
+    if bad == "folder":
+        path.mkdir()
+    elif bad in NO_FILE:
+        NO_FILE[bad](path)
+    else:
+        path.write_text(NO_CONTENT[bad])
+    return path
+
+
+class LateError(BaseException):
+    """Nothing takes it for an error of its own."""
+
+
+@contextmanager
+def bounded():
+    """Little time and memory: beyond it the test fails."""
+
+    def late(*_):
+        raise LateError
+
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(SECONDS)
+    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tolerances.toml").write_text(TOLERANCES)
+    (tmp_path / "results.csv").write_text("time [s],S [mm]\n0,1\n1,2\n2,3\n")
+    return tmp_path
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="pipes and devices of Linux")
+@pytest.mark.parametrize(("place", "bad"), [case for case in CASES if case not in ALLOWED])
+def test_a_command_refuses_it_in_a_sentence(folder, place, bad):
+    if bad == "no permission" and os.geteuid() == 0:
+        pytest.skip("root may read everything")
+    suffix, words = (READ | WRITTEN | FOLDERS)[place]
+    path = made(folder, suffix, bad)
+    with bounded():
+        sentence = refused(*(str(path) if word == "{}" else word for word in words.split()))
+    assert "\x1b" not in sentence
+
+
+FUNCTIONS = {
+    "linkage of check": (".toml", linkproof.check),
+    "linkage of results": (".toml", linkproof.results),
+    "linkage of sweep": (".toml", lambda path: linkproof.sweep(path, {"rocker.C.x": [10, 20]})),
+    "linkage of judge": (".toml", lambda path: linkproof.judge(path, "results.csv")),
+    "linkage of compare": (".toml", lambda path: linkproof.compare(path, engine="direct", jobs=0)),
+    "results": (".csv", lambda path: linkproof.judge("juki-mf7923d", path)),
+    "tolerances": (".toml", lambda path: linkproof.tolerance("juki-mf7923d", path)),
+    "limits": (".toml", lambda path: linkproof.compare("juki-mf7923d", engine="direct", jobs=0, limits=path)),
+    "recorded": (".csv", lambda path: linkproof.compare("juki-mf7923d", engine="direct", jobs=0, against=path)),
+    "record": (".csv", lambda path: linkproof.compare("juki-mf7923d", engine="direct", jobs=0, record=path)),
+}
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="pipes and devices of Linux")
+@pytest.mark.parametrize("place", FUNCTIONS)
+@pytest.mark.parametrize("bad", ["folder", "pipe", "device", "link to itself", "name of 300 bytes"])
+def test_a_function_refuses_it_in_a_sentence(folder, place, bad):
+    suffix, function = FUNCTIONS[place]
+    with bounded(), pytest.raises(LinkproofError):
+        function(made(folder, suffix, bad))
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        "index.html",
+        "figures",
+        "assets/linkproof.js",
+        "results",
+        "compare/study.json",
+        ".compare.new",
+        "unfinished",
+        ".unfinished",
+    ],
+)
+def test_nothing_is_written_through_a_link_in_a_results_folder(folder, entry):
+    victim = folder / "victim"
+    victim.mkdir()
+    (victim / "precious.txt").write_text("mine")
+    is_file = Path(entry).suffix
+    link = folder / "out" / entry
+    link.parent.mkdir(parents=True)
+    link.symlink_to(victim / "precious.txt" if is_file else victim)
+    for words in ("results juki-mf7923d", "compare juki-mf7923d --engine direct --jobs 0", "compare"):
+        assert f"'out/{entry}' is a link" in refused(*words.split(), "--out", "out")
+    assert [(path.name, path.read_text()) for path in victim.iterdir()] == [("precious.txt", "mine")]
+    assert link.is_symlink()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a full disk of Linux")
+def test_a_full_disk_behind_stderr_leaves_the_exit_code(tmp_path):
+    with Path("/dev/full").open("w") as full:
+        assert process("check", "nope", cwd=tmp_path, stderr=full).returncode == 2
+
+
+def test_a_figure_without_a_name_is_refused(folder):
+    assert "--figure needs a file" in refused("results", "juki-mf7923d", "--figure", "")
