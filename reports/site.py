@@ -104,7 +104,8 @@ class Contents:
     def page(self, file: str) -> Page:
         """One of the pages, by its file."""
         if file == INDEX and not self.is_single:
-            return index(self.campaign, self.sheets, tuple(self._studies()))
+            cost = bench_page.cost(self.bench) if self.bench is not None else ()
+            return index(self.campaign, self.sheets, tuple(self._studies()), cost)
         if file == BENCH.href and self.bench is not None:
             return bench_page.page(self.bench)
         if file == STRESS.href and self.stress is not None:

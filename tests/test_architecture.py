@@ -63,8 +63,8 @@ def test_finding_adapters_imports_no_engine():
 
 
 SEEN = {
-    "engines": {"description", "numerics", "errors", "catalogue"},
-    "reports.document": {"description", "errors", "catalogue"},
+    "engines": {"description", "numerics", "files", "errors", "catalogue"},
+    "reports.document": {"description", "files", "errors", "catalogue"},
 }
 
 

@@ -173,15 +173,15 @@ def writing(path: Path) -> Iterator[None]:
 
 def _final_path(path: Path) -> Path:
     """The path of a file to write, at the end of its links; raises LinkproofError if something else is there."""
+    if "\0" in str(path):
+        raise _no_file_error(path)
+    place = Path(os.path.realpath(path))
     try:
-        place = Path(os.path.realpath(path))
         is_file = stat.S_ISREG(path.stat().st_mode)
     except (FileNotFoundError, NotADirectoryError):
         return place
     except OSError as error:  # a link to itself, a name that is too long
         raise _write_error(path, error) from error
-    except ValueError as error:  # a name with a null character
-        raise _no_file_error(path) from error
     if not is_file:
         raise _no_file_error(path)
     return place

@@ -91,10 +91,15 @@ FILE, TITLE = "index.html", "Overview"
 PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving schemes</label>')
 
 
-def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words, ...] = ()) -> Page:
+def index(
+    results: Results | None,
+    sheets: Sequence[Sheet],
+    studies: tuple[Words, ...] = (),
+    cost: tuple[Part, ...] = (),
+) -> Page:
     """The first page of what a report's folder holds: a campaign, mechanisms, studies, or some of them.
 
-    ``studies`` are pages beside the mechanisms': a link and a sentence for each.
+    ``studies`` are pages beside the mechanisms': a link and a sentence for each; ``cost`` is what the benchmark says.
     """
     trust = EngineRanking(results) if results is not None and results.records else None
     return Page(
@@ -102,7 +107,7 @@ def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words
         title=TITLE,
         heading=_page_heading(results),
         subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
-        parts=(*_verdict(results, trust), *((Bullets(studies),) if studies else ())),
+        parts=(*_verdict(results, trust), *cost, *((Bullets(studies),) if studies else ())),
         sections=(
             *(_engines_section(results, trust) if results is not None and trust is not None else ()),
             *(_mechanisms_section(trust, sheets) if sheets else ()),

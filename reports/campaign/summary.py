@@ -33,7 +33,7 @@ def markdown(results: Results) -> str:
         Mono(results.document["command"]),
         "; the pages beside it have curves, machine and times.",
     )
-    lines = facts or verdict(trust, timed=False)
+    lines = facts or verdict(trust)
     errors = [
         Section("", f"{view.linkage.name} ({view.linkage.variant}), {regime.name}", errors_section(view, regime).parts)
         for view in views(results)

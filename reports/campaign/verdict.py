@@ -15,7 +15,7 @@ from comparisons.judging.records import CONTROL, Record, Verdict
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
-from reports.records import concurrency_note, family, share
+from reports.records import family, share
 
 # Quantities that go together; any other quantity that is no check stands under OTHER.
 FAMILIES: Final = {
@@ -158,10 +158,11 @@ def ratio(record: Record) -> str:
     return "< 0.001" if value < 1e-3 else figure(value, 2)
 
 
-def verdict(trust: EngineRanking, *, timed: bool = True) -> tuple[str, ...]:
-    """Changes, the engines to trust, the nearest (and if ``timed`` the quickest) one, and the naive settings.
+def verdict(trust: EngineRanking) -> tuple[str, ...]:
+    """Changes, the engines to trust, the nearest one, and the naive settings.
 
-    Nobody is to be trusted where the campaign has not passed.
+    Nobody is to be trusted where the campaign has not passed. The quickest is not named: a campaign times each run
+    once, which cannot tell times from noise; a benchmark can.
     """
     setting, results = trust.settings[0], trust.results
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
@@ -169,7 +170,7 @@ def verdict(trust: EngineRanking, *, timed: bool = True) -> tuple[str, ...]:
     lines = (
         sentence("verdict_changes", count=count) if count else "",
         _trust_sentence(trust, engines, setting),
-        _accuracy_sentence(trust, engines, setting, timed=timed),
+        _accuracy_sentence(trust, engines, setting),
         _naive_sentence(trust, engines) if trust.is_idle(Setting.NAIVE.value) else "",
     )
     return tuple(line for line in lines if line)
@@ -199,19 +200,15 @@ def _has_failed(results: Results) -> bool:
     return failed or any(entry.fails for entry in results.changes)
 
 
-def _accuracy_sentence(trust: EngineRanking, engines: Sequence[str], setting: str, *, timed: bool) -> str:
-    """The most accurate engine of each family, and the quickest; empty with fewer than two engines."""
+def _accuracy_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
+    """The most accurate engine of each family; empty with fewer than two engines."""
     if len(engines) < 2:
         return ""
     most_accurate = {name: trust.most_accurate(setting, name) for name in trust.families if name != CHECKS}
     leaders = grouped((leader, name) for name, leader in most_accurate.items() if leader)
-    right = [name for name in engines if not any(cell.failed for cell in trust.row(name, setting))]
-    times = {name: sum(seconds) for name in right if (seconds := trust.seconds(name, setting)) is not None}
-    quickest = min(times, key=lambda name: times[name], default="") if timed else ""
     worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in names) for name, names in leaders.items()}
     rows = [(name, listed(names), worst[name]) for name, names in leaders.items()]
-    beside = concurrency_note(trust.results.document["environment"])
-    return sentence("verdict_nearest", leaders=rows, quickest=quickest, seconds=times.get(quickest), beside=beside)
+    return sentence("verdict_nearest", leaders=rows)
 
 
 def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:

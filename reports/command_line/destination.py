@@ -26,6 +26,7 @@ from comparisons.runs.files import check_folder, check_writable, write_bytes, wr
 from comparisons.runs.plugins import engine
 from comparisons.runs.study import Journal, has_study, to_json, unfinished_command
 from reports.command_line.parameters import option_bag
+from reports.document.parts import Paragraph
 from reports.document.terminal import Printed, Printout, harmless, show, write
 from reports.requests.options import Option, OutputOptions, command_line, declared_options
 
@@ -147,6 +148,13 @@ class Destination(OutputOptions):
             from reports.campaign.summary import junit  # noqa: PLC0415
 
             write_text(self.junit, junit(list(records), changes))
+
+    def warn(self, linkages: Iterable[Linkage], *sentences: str) -> None:
+        """Print likely mistakes in the files of linkages, and further warnings, on stderr, be the run quiet or not."""
+        from comparisons.datasheet.linkage_check import warnings  # noqa: PLC0415 - what completes a word needs none
+
+        every = [*filter(None, sentences), *(text for linkage in linkages for text in warnings(linkage))]
+        show(*(Paragraph(f"warning: {text}", "yellow") for text in dict.fromkeys(every)), stderr=True)
 
     def remark(self, text: str) -> None:
         """Print a remark on stderr, unless it is empty or the run quiet."""

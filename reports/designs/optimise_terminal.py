@@ -134,8 +134,6 @@ def _remarks(optimum: Optimum) -> Iterator[Printed]:
         yield _starts(optimum)
     if optimum.step:
         yield _rounding(optimum)
-    if optimum.at_open_end.names:
-        yield Paragraph(f"warning: {optimum.at_open_end.sentence}", colour="yellow")
 
 
 def _optimality(search: Search) -> Iterator[str]:

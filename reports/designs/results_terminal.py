@@ -34,12 +34,11 @@ DRIVE_COLUMNS: Final = (
 def printed(sheet: Sheet) -> list[Printed]:
     """Tables of the key figures, or of every signal at the chosen instants, under the conditions and above remarks.
 
-    The remarks are on signs, what the file does not give, and likely mistakes in it, as ``linkproof check`` has them.
+    The remarks are on signs and what the file does not give.
     """
     tables = _key_figures(sheet) if sheet.chosen is None else _at_instants(sheet)
-    slips = [Paragraph(f"warning: {text}", colour="yellow") for text in warning_texts(sheet)]
     parts = (part for table in tables for part in ("", table))
-    return [Paragraph(sheet.conditions, colour="bold"), *parts, "", *sheet.remarks, *slips]
+    return [Paragraph(sheet.conditions, colour="bold"), *parts, "", *sheet.remarks]
 
 
 def _key_figures(sheet: Sheet) -> Iterator[Table]:

@@ -32,8 +32,7 @@ def parts(study: SweepStudy) -> list[Printed]:
         for what, value, where in _ends(study, number)
     ]
     table = Table("", ["figure", "design", "value", *shown], rows, "llr")
-    warning = [Paragraph(f"warning: {request.at_open_end.sentence}", colour="yellow")] * bool(request.at_open_end.names)
-    return [Paragraph(request.conditions, colour="bold"), sentence(study), "", table, *warning]
+    return [Paragraph(request.conditions, colour="bold"), sentence(study), "", table]
 
 
 def sentence(study: SweepStudy) -> str:

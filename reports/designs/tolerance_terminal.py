@@ -33,8 +33,6 @@ def printout(study: ToleranceStudy) -> Printout:
         f"{random}: " + (f"{lost:.2%} of them do not assemble" if lost else "all of them assemble"),
         NOTE,
     ]
-    if study.request.at_open_end.names:
-        closing.append(Paragraph(f"warning: {study.request.at_open_end.sentence}", colour="yellow"))
     return Printout([*parts, ""], closing)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
 from typing import Any
 
@@ -147,11 +148,13 @@ def drawn_error(record: BenchRecord) -> float:
 NAMED = (0, 1, 4)
 
 
-def verdicts(regimes: Regimes) -> tuple[Paragraph, ...]:
-    """The cheapest engines for a few errors, in a sentence for every regime."""
+def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
+    """The cheapest engines for a few errors, in words for every regime; a share ``noise`` of a time is nothing."""
     return tuple(
         Paragraph(sentence("bench_verdict", regime=name, judged=judged_by({name: places}), count=len(places),
-                           wins=[(_share(WANTED[column]), _winners(places, column)) for column in NAMED]), "verdict")
+                           noise=noise,
+                           wins=[(_share(WANTED[column]), _winners(places, column, noise)) for column in NAMED]),
+                  "verdict")
         for name, places in regimes.items()
     )  # fmt: skip
 
@@ -161,13 +164,17 @@ def _share(error: float) -> str:
     return f"{100.0 * error:g} %" if error >= 0.01 else bound(error)
 
 
-def _winners(places: Sequence[PlaceFacts], column: int) -> list[tuple[str, str, int]]:
-    """The engines that are the cheapest somewhere, their times and in how many places, those of most first."""
+def _winners(places: Sequence[PlaceFacts], column: int, noise: float) -> list[tuple[str, str, int]]:
+    """The engines that are the cheapest somewhere, their times and in how many places, those of most first.
+
+    All whose times are within the noise of the least are the cheapest.
+    """
     best = []
     for place in places:
         engines = [facts for facts in place.engines(place.foremost) if not facts.is_control]
         records = [record for _, record in _points_reaching(engines, column)]
-        best += sorted(records, key=lambda record: record.total_seconds)[:1]
+        least = min((record.total_seconds for record in records), default=0.0)
+        best += [record for record in records if record.total_seconds <= least * (1.0 + noise)]
     wins = grouped((record.engine, record) for record in best)
     return [(name, _time_span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
 
@@ -359,7 +366,7 @@ def page(bench: Bench) -> Page:
     if groups := by_regime(every):
         as_figures = Fold("The same as figures", (FigureGroup(figures(groups, inks(labels))),))
         reading = Paragraph(sentence("bench_reading"), "small")
-        first = (*verdicts(groups), widget(groups, labels), reading, as_figures)
+        first = (*verdicts(groups, noise_share(bench)), widget(groups, labels), reading, as_figures)
         methods = method_section(groups, bench.document["methods"], noise_share(bench))
         sections += [choices_section(groups, noise_note(bench)), methods]
     if failed := _failures(every):
@@ -367,6 +374,12 @@ def page(bench: Bench) -> Page:
     heading, about = "How accurate is an engine for its cost?", sentence("bench_subtitle")
     sections.append(_measured(bench))
     return Page(LINK.href, LINK.text, heading, about, first, tuple(sections), charts=bool(groups))
+
+
+def cost(bench: Bench) -> tuple[Paragraph, ...]:
+    """What the benchmark says of the engines' cost, for the first page of a report."""
+    words = verdicts(by_regime(places(bench)), noise_share(bench))
+    return tuple(replace(paragraph, role="lead") for paragraph in words)
 
 
 def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:

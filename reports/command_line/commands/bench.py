@@ -34,6 +34,7 @@ def bench(options: BenchOptions, destination: Destination) -> int:
     out = destination.out
     requested = request(_default_runs(options))
     wanted = _request(options, requested)
+    destination.warn(requested.linkages)
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(requested.engines))
     with closing(LastingPool()) as pool, report_interruption(out, KIND) as counting:

@@ -33,6 +33,7 @@ def compare(
     destination.check_saves(WRITERS, {f"'{name}'": Path(name) for name in options.mechanisms})
     wanted, out = campaign(options, standard, limits), destination.out
     request = wanted.request
+    destination.warn(request.linkages)
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(request.engines))
     if out:

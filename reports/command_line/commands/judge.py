@@ -47,6 +47,7 @@ def judge(options: JudgeOptions, destination: Destination) -> int:
     check_judgement(options)
     _check_is_new(destination, options.mapping)
     linkage = load(options.mechanism, options.variant)
+    destination.warn([linkage])
     try:
         judgement = judge_files(options, linkage)
     except MappingNeededError as error:

@@ -17,6 +17,7 @@ from comparisons.runs.files import claim
 from reports.command_line.destination import PICTURES, Destination, Writers, picture_writers, write_to_stdout
 from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.document.terminal import show
+from reports.mechanism.shown import warning_texts
 from reports.requests.motions import requested_results
 from reports.requests.options import ResultsFiles, ResultsOptions
 
@@ -45,6 +46,7 @@ def results(
         check_slips(linkage)
     case, chosen = requested_results(linkage, options)
     result = sheet(case, chosen, every_peak=destination.json or destination.saves(".json"))
+    destination.warn((), *warning_texts(result))
     drawn = page_sheet(case) if destination.saves(*PICTURES) else result
     destination.write_saves(WRITERS, result, drawn, files)
     if out is not None:

@@ -121,7 +121,7 @@ def test_what_is_no_table_is_told(tmp_path, text, words):
 def test_a_file_that_cannot_be_read_is_told(tmp_path):
     (tmp_path / "latin.csv").write_bytes("rod.B.x\n1\nü\n".encode("latin1"))
     (tmp_path / "head.csv").write_bytes("rö\n1\n".encode("latin1"))
-    for name, words in (("none.csv", "No such file"), ("latin.csv", "UTF-8"), ("head.csv", "UTF-8")):
+    for name, words in (("none.csv", "does not exist"), ("latin.csv", "UTF-8"), ("head.csv", "UTF-8")):
         with pytest.raises(LinkproofError, match=words):
             read_table(tmp_path / name, SIX_BAR)
 

@@ -92,7 +92,7 @@ def test_a_wrong_file_is_refused_with_its_name(tmp_path, text, words):
     with pytest.raises(LinkproofError, match=words) as told:
         read_tolerances(file)
     assert str(file) in str(told.value)
-    with pytest.raises(LinkproofError, match="check it"):
+    with pytest.raises(LinkproofError, match="check the path"):
         read_tolerances(tmp_path / "none.toml")
 
 

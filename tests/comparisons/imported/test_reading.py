@@ -330,7 +330,7 @@ def test_folders_missing_files_pipes_and_fmus_are_refused(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
     (tmp_path / "run.fmu").touch()
     refused = {
-        ".": "got the folder", "no.csv": "No such file or directory", "pipe.csv": "got the pipe or device",
+        ".": "which is a folder", "no.csv": "which does not exist", "pipe.csv": "which is a pipe or a device",
         "run.fmu": "got an FMU, which judge does not run",
     }  # fmt: skip
     for name, expected in refused.items():

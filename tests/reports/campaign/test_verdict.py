@@ -29,7 +29,7 @@ def test_who_is_within_every_limit_is_trusted_in_everything(results):
     assert trusted.startswith("Trust alpha and beta, once tuned, for every quantity compared: all ")
     assert f" {count} errors" in trusted
     assert most_accurate.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
-    assert "The quickest within every limit is" in most_accurate
+    assert "quick" not in " ".join(verdict(EngineRanking(results)))  # one run each: no noise is known
     assert untuned.startswith("At default settings (naive) over its limits: alpha, beta, off by up to ")
 
 

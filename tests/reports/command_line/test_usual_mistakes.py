@@ -142,3 +142,22 @@ def test_it_is_warned_of(tmp_path, mistake):
     done = reviewed(tmp_path, *change)
     warnings = " ".join(done.stdout.split()).split("warning: ")[1:]
     assert any(place in warning and cure in warning for warning in warnings), done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "results",
+        "sweep --vary rocker.mass=1:2:3 --quantity Mkr.peak",
+        "optimise --minimise Mkr.peak --over rocker.mass=1:2",
+        "tolerance tolerances.toml",
+        "compare --engine direct --jobs 0 --regime constant-speed",
+        "bench --engine direct --quick --regime constant-speed",
+    ],
+)
+def test_no_option_hides_its_warnings(tmp_path, words):
+    (tmp_path / "mine.toml").write_text(SOUND.replace("mass = 0.15", "mass = 150"), encoding="utf-8")
+    (tmp_path / "tolerances.toml").write_text('results = ["Mkr.peak"]\nspeed = 9\n[tolerances]\n"rocker.mass" = 0.1\n')
+    command, *options = words.split()
+    done = linkproof(command, "mine.toml", *options, "-q", cwd=tmp_path)
+    assert done.stderr.count("warning: 'coupler' weighs 150 kg") == 1, done.stdout + done.stderr

@@ -35,7 +35,7 @@ def test_the_words_ask_for_the_same_standard():
     [
         (
             {"against": Path("nix.csv")},
-            "'nix.csv' cannot be read: No such file or directory; name a file",
+            "expected recorded results, got 'nix.csv', which does not exist",
         ),
         ({"against": ROOT / "tests"}, "no results of compare in"),
         ({"record": Path("press.toml")}, "--record press.toml: the suffix must be .csv"),
