@@ -154,7 +154,7 @@ class Destination(OutputOptions):
         from comparisons.datasheet.linkage_check import warnings  # noqa: PLC0415 - what completes a word needs none
 
         every = [*filter(None, sentences), *(text for linkage in linkages for text in warnings(linkage))]
-        show(*(Paragraph(f"warning: {text}", "yellow") for text in dict.fromkeys(every)), stderr=True)
+        show(*(Paragraph(f"warning: {text}", colour="yellow") for text in dict.fromkeys(every)), stderr=True)
 
     def remark(self, text: str) -> None:
         """Print a remark on stderr, unless it is empty or the run quiet."""
