@@ -2,13 +2,17 @@
 
 import contextlib
 import io
+import json
 import os
 import re
 import shlex
 import subprocess
 import sys
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
 
 from tests import printed
@@ -20,7 +24,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").g
 BLOCK = re.compile(r"^```(console|python)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^```toml (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PRINTS = re.compile(r"^ *print\(.*\)  # (.*)$", re.MULTILINE)
-OWN_TEST = "finds.md"  # tests/docs/test_finds.py runs its blocks
+OWN_TEST = "finds.md"  # its blocks run below
 # Commands that set up a machine; docs/your-first-engine.md has a test of its own, which installs its blocks first.
 SETTING_UP = {"git", "python3", "pip", "make", "barwork"}
 # Their figures are errors and times of engines, which differ from machine to machine.
@@ -116,3 +120,67 @@ def test_every_block_says_what_it_is():
     hidden = re.compile(r"^(    \$ |```\n(?=\$ |linkproof ))", re.MULTILINE)
     assert not {name for name, text in pages.items() if hidden.search(text)}
     assert sum(len(list(commands(text))) for page in PAGES for kind, text in blocks(page) if kind == "console") > 25
+
+
+# Every script of docs/finds.md still shows its fault: its output has the words and the differences of the page.
+
+
+(PAGE,) = (page for page in PAGES if page.name == "finds.md")
+SCRIPTS = [text for kind, text in blocks(PAGE) if kind == "console"]
+STILL = 0.01  # of a difference: where a linkage comes apart, processors differ
+ROUNDING = 1e-9
+GIVEN_UP = re.compile(r"solved (\d+) of (\d+) frames")
+
+
+def differences(text):
+    """The last number of every row, by the row's name."""
+    rows = (line.rsplit(maxsplit=5) for line in text.splitlines() if "  " in line and "difference" not in line)
+    return {row[0]: abs(float(row[-1])) for row in rows}
+
+
+def name(text):
+    """The engine of a block."""
+    return re.search(r"ondsel|simbody|mujoco|pymunk", text)[0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [pytest.param(text, marks=pytest.mark.nightly) if name(text) == "pymunk" else text for text in SCRIPTS],
+    ids=name,
+)
+def test_a_fault_of_an_engine_is_still_there(text, shell, tmp_path):
+    for path, file in FILE.findall(PAGE.read_text(encoding="utf-8")):
+        (tmp_path / path).write_text(file, encoding="utf-8")
+    (export, _), (script, shown) = commands(text)
+    assert shell(export, tmp_path).returncode == 0
+    output = shell(script, tmp_path).stdout
+    assert agrees(output, shown, measured=True), output
+    if "solved" in shown:
+        assert GIVEN_UP.search(output)[1] != GIVEN_UP.search(output)[2]
+        return
+    found, expected = differences(output), differences(shown)
+    assert max(expected.values()) > ROUNDING
+    assert not {name for name, off in expected.items() if off > ROUNDING and found[name] < STILL * off}
+
+
+# The tutorial runs from its first cell to its last, and prints what it shows.
+
+
+NOTEBOOK = Path(__file__).parents[2] / "docs" / "tutorial.ipynb"
+
+
+def test_every_cell_prints_what_the_notebook_shows(monkeypatch):
+    """Cells are run in this process, which knows what they defined as a kernel does; pictures are counted."""
+    known, pictures = {}, []
+    mpl.use("agg")
+    monkeypatch.setattr("matplotlib.pyplot.show", lambda: pictures.append("display_data"))
+    cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
+    code = [cell for cell in cells if cell["cell_type"] == "code"]
+    assert sum(bool(cell["outputs"]) for cell in code) > 3
+    for cell in code:
+        pictures.clear()
+        with redirect_stdout(StringIO()) as text:
+            exec("".join(cell["source"]), known)
+        shown = [part for output in cell["outputs"] for part in output.get("text", ())]
+        assert printed.is_same(text.getvalue(), "".join(shown))
+        assert pictures == [kind for output in cell["outputs"] if (kind := output["output_type"]) != "stream"]

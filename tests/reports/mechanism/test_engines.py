@@ -1,7 +1,10 @@
-"""The half of a mechanism's page that shows how the engines did."""
+"""The half of a mechanism's page that shows how the engines did: tables, curves, every error at a glance."""
 
+import base64
+import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from comparisons.campaign.results import Results
@@ -9,7 +12,15 @@ from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.charts import draw
 from reports.document.parts import Bullets, Fold, Table, TableCell, Widget
-from reports.mechanism.engines import engines_section, errors_section
+from reports.mechanism.engines import (
+    MARKERS,
+    STRETCHES,
+    chart_data,
+    curves,
+    engines_section,
+    errors_chart,
+    errors_section,
+)
 from reports.records import views
 from tests.reports.made_up_results import changed_results, made_up_results
 
@@ -113,3 +124,76 @@ def test_a_judged_file_has_its_errors_but_no_cost(results):
     section = engines_section(views(judged)[0])
     assert section.heading == "Every error"
     assert not any(isinstance(part, Fold) and "cost" in part.summary for part in section.parts)
+
+
+# Curves of runs, thinned and packed for the page's chart.
+
+
+@pytest.fixture(scope="module")
+def view():
+    results = made_up_results(
+        engines=("beta", "alpha"),
+        broken={"alpha": Verdict.UNSUPPORTED},
+        regimes=("run-up", "run-up-quintic"),
+        samples=3001,
+        quantities=("Mkr", "Jeq"),
+    )
+    return views(results)[0]
+
+
+def unpacked(run):
+    """Columns as the page's script reads them."""
+    return np.frombuffer(base64.b64decode(run["samples"]), "<f4").reshape(3, -1)
+
+
+def test_a_run_keeps_its_largest_error_and_where_it_is(view):
+    regime = view.regimes[1]
+    (data,) = (one for key, one in curves(view).items() if key == f"1-{view.quantities(regime).index('Mkr')}")
+    assert {(run["engine"], run["setting"]) for run in data["runs"]} == {("beta", s.value) for s in Setting}
+    for run, trace in zip(data["runs"], view.traces(regime, "Mkr"), strict=True):
+        time, value, decade = unpacked(run)
+        assert len(time) <= STRETCHES
+        worst = np.argmax(decade)
+        assert 10.0 ** decade[worst] == pytest.approx(trace.record.error_max, rel=1e-2)
+        assert time[worst] == pytest.approx(trace.record.worst_time, abs=1e-4)
+        assert value[worst] == pytest.approx(
+            np.interp(time[worst], trace.time, trace.observed), abs=1e-3 * trace.record.peak
+        )
+
+
+def test_the_chart_has_every_error_and_names_the_quantities_with_curves(view):
+    data = chart_data(view)
+    json.dumps(data, allow_nan=False)
+    assert data["engines"] == ["alpha", "beta"]  # the place, and so the colour, of one that gave nothing is kept
+    for number, (regime, found) in enumerate(zip(view.regimes, data["regimes"], strict=True)):
+        assert len(found["errors"]) == sum(record.error_max is not None for record in view.of(regime))
+        with_curves = {f"{number}-{place}" for place, one in enumerate(found["quantities"]) if one["curves"]}
+        assert with_curves == {key for key in curves(view) if key.startswith(f"{number}-")}
+        for quantity, engine, setting, size, limit in found["errors"]:
+            name = view.quantities(regime)[quantity]
+            (record,) = (
+                r for r in view.of(regime)
+                if (r.quantity, r.engine, r.setting) == (name, data["engines"][engine], data["settings"][setting])
+            )  # fmt: skip
+            assert (size, limit) == (pytest.approx(record.error_max, rel=0.06), record.limit)
+
+
+# Every error at a glance.
+
+
+def panel_of(**more):
+    (view,) = views(made_up_results(samples=51, **more))
+    chart = errors_chart(view, view.regimes[0])
+    (panel,) = chart.panels
+    return view, chart, panel
+
+
+def test_every_record_has_a_dot_in_its_row_and_those_of_the_view_s_setting_a_limit():
+    view, _, panel = panel_of()
+    dots = [curve for curve in panel.curves if curve.marker in MARKERS]
+    assert sum(len(curve.x) for curve in dots) == len(view.records)
+    (limits,) = [curve for curve in panel.curves if curve.marker == "|"]
+    assert len(limits.x) == sum(record.setting == "tuned" for record in view.records)
+    worst = max(record.error_max for record in view.records)
+    (place,) = {curve.y[np.argmax(curve.x)] for curve in dots if max(curve.x, default=0.0) == worst}
+    assert panel.rows[round(place)] in {r.quantity.replace("_", " ") for r in view.records if r.error_max == worst}

@@ -1,17 +1,23 @@
-"""The page of a mechanism: figures in the units of the file, and a sentence in place of each that it lacks."""
+"""The page of a mechanism: figures in the units of the file, the thread, released cranks, what its player is given."""
 
+import math
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
 import pytest
 
-from analytic.description.loading import catalogue, load
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.loading import catalogue, load, parse
 from comparisons.case import Case
 from comparisons.datasheet.building import page_sheet, usual_sheet
+from comparisons.datasheet.curves import SignalFigure
+from reports.charts.scheme import THREAD, thread_figure
 from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table, Widget
-from reports.mechanism.page import file_of, page
-from tests.analytic.linkages import MADE_UP, from_text, mechanism
-from tests.reports.designs.samples import MASS, TURN, piston_text
+from reports.mechanism.page import SAMPLES, file_of, page, player_data, released_section, thread_section
+from reports.mechanism.shown import words
+from tests.analytic.linkages import FOLDER, MADE_UP, from_text, mechanism
+from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, piston_text, released_sheet
 from tests.reports.made_up_results import made_up_results
 
 
@@ -128,3 +134,127 @@ def test_of_a_campaign_the_engines_come_last_and_only_on_the_pages_of_what_they_
     campaign = made_up_results(samples=101)
     assert [one.key for one in page(sheet_of("juki-mf7923d"), campaign).sections][-1] == "engines"
     assert not section(page(sheet_of("fork-takeup"), campaign), "engines")
+
+
+# The thread and released cranks on their pages.
+
+
+REQUIRED = "[[0, 7.0], [60, 40.0], [-60, 14.0]]"
+
+
+@pytest.fixture(scope="module")
+def fed():
+    text = load("slotted-takeup").text.replace("[thread]", f"[thread]\nrequired = {REQUIRED}")
+    return usual_sheet(parse(text, "slotted-takeup", "slotted-takeup.toml"))
+
+
+def test_the_section_of_a_thread_has_its_contour_feed_and_tables(fed):
+    section = thread_section(fed, fed.thread, fed.positions)
+    pictures, table, required = section.parts
+    curve, points = pictures.figures[1].drawing.panels[0].curves
+    assert points.x.tolist() == pytest.approx([0.0, 60.0, 300.0])
+    assert points.y.tolist() == pytest.approx([7.0, 40.0, 14.0])
+    assert np.ptp(curve.y) == pytest.approx(50.469, abs=1e-3)
+    rows = {row[0]: row[1:] for row in table.rows}
+    assert rows["range of the feed"][0] == "50.47"
+    assert [rows[what][-1] for what in ("P7 highest", "P7 lowest")] == ["117.97", "352.35"]
+    assert rows["farthest from required"] == ("-3.593", "–", "60.00")
+    assert required.rows[1] == ("60.00", "40.00", "36.41", "-3.593")
+
+
+def test_the_picture_of_a_thread_passes_through_its_stops(fed):
+    (axes,) = thread_figure(fed.linkage, fed.positions, fed.thread).axes
+    line = next(line for line in axes.lines if line.get_color() == THREAD)
+    np.testing.assert_allclose(line.get_xydata(), 1e3 * fed.thread.contour)
+    assert {"NN1", "P7", "NN2"} <= {text.get_text() for text in axes.texts}
+
+
+@pytest.fixture(scope="module")
+def driven():
+    return released_sheet()
+
+
+def test_a_regime_is_told_in_sentences_and_shown_to_its_last_turn(driven):
+    found = released_section(driven)
+    (regime,) = found.parts
+    sentences_of, figures = regime.parts
+    assert "energy and work balance" in sentences_of.items[-1]
+    assert [one.name for one in figures.figures] == ["released-driven", "released-driven-last-turn"]
+
+
+def test_what_a_motion_lacks_has_no_sentence(driven):
+    one = driven.released["driven"]
+    nothing = {"rests": [], "ending": None, "settled": None, "error_bound": None}
+
+    def words(**changes):
+        bare = replace(one, facts={**one.facts, **nothing, **changes})
+        (regime,) = released_section(replace(driven, released={"driven": bare})).parts
+        return regime.parts[0].items
+
+    (line,) = words()
+    assert line.endswith("the crank can rest at no angle.")
+    assert "changes with time" in words(over="time")[0]
+
+
+# A data sheet in the units of its file, over the crank angle of a turn.
+
+
+def shown(speed=SPEED, start=0.0, length="mm", metres=1e-3):
+    motion = CrankMotion("constant-speed", (Segment(0.0, 2.0 * math.pi / abs(speed), (start, speed)),))
+    return page_sheet(Case(from_text(piston_text(length, metres)), motion))
+
+
+@pytest.mark.parametrize(("speed", "start"), [(SPEED, 0.0), (-SPEED, 0.0), (SPEED, 2.0), (-SPEED, 1.0)])
+def test_a_turn_is_shown_from_0_to_360_degrees_however_it_is_made(speed, start):
+    found = shown(speed, start)
+    assert found.is_turn
+    assert np.all(np.diff(found.x) > 0.0)
+    assert found.x[-1] - found.x[0] == pytest.approx(360.0)
+    phi = np.radians(found.x)
+    place = 1e3 * (CRANK * np.cos(phi) + np.sqrt(ROD**2 - (CRANK * np.sin(phi)) ** 2))
+    travel = (place - np.min(place)) if abs(found.y("S")[0] - np.ptp(place)) < 1.0 else np.max(place) - place
+    assert found.y("S") == pytest.approx(travel, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("length", "metres", "one", "text"),
+    [
+        ("mm", 1e-3, SignalFigure("stroke", "S", 0.1, "m"), "100.0 mm"),
+        ("m", 1.0, SignalFigure("stroke", "S", 0.1, "m"), "0.1000 m"),
+        ("mm", 1e-3, SignalFigure("peak a", "a", -2.0, "m/s²"), "−2000 mm/s²"),
+        ("mm", 1e-3, SignalFigure("peak v", "v", 1e-13, "m/s"), "0 mm/s"),  # rounding beside its signal
+        ("mm", 1e-3, SignalFigure("A", "joint_force:A:magnitude", None, "N"), "–"),
+    ],
+)
+def test_a_figure_stands_in_the_units_of_the_file(length, metres, one, text):
+    assert words(shown(length=length, metres=metres), one) == text
+
+
+@pytest.fixture(scope="module")
+def boom():
+    return usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))
+
+
+def test_a_range_is_shown_in_the_units_of_its_file_and_is_no_turn(boom):
+    assert not boom.is_turn
+    assert np.all(np.diff(boom.x) > 0.0)
+
+
+# What a player is given: a place on the figures, a pose of the drawing and the signals, instant by instant.
+
+
+@pytest.mark.parametrize("speed", [SPEED, -SPEED])
+def test_signals_are_those_of_the_place_on_the_axis(speed):
+    found = shown(speed)
+    data = player_data(found, found.positions)
+    shares = np.array(data["axis"]["shares"])
+    rows = {row["name"]: row for row in data["rows"]}
+    expected = np.interp(360.0 * shares, found.x, found.y("v"))
+    assert len(shares) == SAMPLES
+    assert np.array(rows["v"]["values"]) == pytest.approx(expected, abs=2e-3 * np.max(np.abs(expected)))
+    assert rows["v"]["unit"] == "mm/s"
+
+
+def test_poses_of_a_motion_to_and_fro_go_from_its_start_to_its_end(boom):
+    data = player_data(boom, boom.positions)
+    assert (data["poses"][0], data["poses"][-1]) == (0.0, 1.0)

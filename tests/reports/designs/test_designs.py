@@ -1,4 +1,4 @@
-"""A tolerance study in words: rows by contribution, derivatives, worst case; and as bars sorted by size."""
+"""Sweeps, optima and tolerances in words and pictures."""
 
 from __future__ import annotations
 
@@ -8,14 +8,71 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM
+from comparisons.designs.optimisation import OptimisationRequest, optimise
 from comparisons.designs.parameters import steady_motion
+from comparisons.designs.sweep import sweep
 from comparisons.designs.tolerances import Tolerances, tolerance_request, tolerance_study
 from reports.charts import draw
-from reports.charts.scales import PALETTE
+from reports.charts.scales import MUTED, PALETTE
+from reports.designs.optimise_terminal import before_after_chart
+from reports.designs.sweep_terminal import document as sweep_document
+from reports.designs.sweep_terminal import parts, sentence
 from reports.designs.tolerance_terminal import NONE, TIED, WIDE, document, printout, tornado_chart
+from reports.document.numbers import figure as digits
 from reports.document.terminal import rendered
 from tests.analytic.linkages import IN_LINE, from_text, mechanism
+from tests.comparisons.designs.sweeps import grid, request
 from tests.reports.drawn_words import texts
+
+
+def summed_up(*texts):
+    return sweep(request(grid(*texts), figures=("stroke",)))
+
+
+def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():
+    assert sentence(summed_up("rod.B.x=175:175:1")) == "1 design, which assembles at every angle"
+    assert sentence(summed_up("rod.B.x=175:176:2")) == "2 designs, all of which assemble at every angle"
+    told = sentence(summed_up("rod.B.x=160:180:2001"))
+    assert told.startswith("2 001 designs, of which ")
+    assert "(100 %)" not in told
+    assert told.endswith("to 180 mm")
+
+
+def test_the_table_and_the_document_have_the_same_figures():
+    found = summed_up("rod.B.x=170:180:3", "rod.mass=1:2:2")
+    lines = rendered(*parts(found)).splitlines()
+    stroke = sweep_document(found)["figures"]["stroke"]
+    for line, what in zip(lines[4:7], ("least", "own", "largest"), strict=True):
+        value, x, mass = map(float, line.split()[-3:])
+        assert [x, mass] == [*stroke[what]["at"].values()]
+        np.testing.assert_allclose(value, stroke[what]["value"], rtol=1e-5)
+    assert stroke["own"]["at"] == {"rod.B.x": 175.0, "rod.mass": 0.17}
+    assert sweep_document(found)["parameters"]["rod.B.x"] == {
+        "units": "mm", "least": 170.0, "largest": 180.0, "assembles": [170.0, 180.0]
+    }  # fmt: skip
+
+
+# Curves before and after a change: torque first, peaks marked.
+
+
+def test_torque_comes_first_and_both_peaks_are_marked():
+    rimoldi = mechanism("rimoldi-164")
+    wanted = OptimisationRequest("joint_force:A.peak", ("rod.B.x=170:180",))
+    optimum = optimise(rimoldi, steady_motion(rimoldi, 1000.0 * RPM, samples=90), wanted, lambda *_: None)
+    torque = optimum.curves()["Mkr"]
+    figure = draw.figure(before_after_chart(optimum, "made-up"))
+    first, second = figure.axes
+    assert {"before", "after", "made-up"} <= set(texts(figure))
+    before, after = (values[np.argmax(np.abs(values))] for values in torque)
+    assert f"Mkr: peak {digits(before)} → {digits(after)} N*m" in texts(figure, first)
+    assert any(text.startswith("joint_force:A: peak ") for text in texts(figure, second))
+    dots = {line.get_color(): line.get_ydata()[0] for line in first.lines if line.get_marker() == "o"}
+    assert dots == {MUTED: pytest.approx(before), PALETTE[0]: pytest.approx(after)}
+    assert "crank angle φ, °" in texts(figure, second)
+    assert second.get_xlim() == (0.0, 360.0)
+
+
+# A tolerance study in words: rows by contribution, derivatives, worst case; and as bars sorted by size.
 
 
 def printed(sample, results, table, **options):
