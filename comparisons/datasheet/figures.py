@@ -336,6 +336,9 @@ def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
     elif entry.unit is not None:
         ours /= conversion(entry.unit, unit)
         unit = entry.unit
+    if _is_place(entry, mechanism):
+        turn = 2.0 * math.pi / conversion(unit or "rad", "rad")
+        ours += turn * round((entry.value - ours) / turn)
     return PublishedRecord(
         mechanism=linkage.name,
         variant=linkage.variant,
@@ -349,6 +352,12 @@ def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
         source=entry.place,
         note=entry.note,
     )
+
+
+def _is_place(entry: Published, mechanism: Mechanism) -> bool:
+    """Whether a printed figure is an angle at an instant or a place, which a whole turn does not change."""
+    is_angle = figure_unit(entry.quantity, mechanism.linkage) == "rad" and not entry.relative_to
+    return is_angle and ("@" in entry.quantity or entry.quantity in MECHANISM_FIGURES)
 
 
 def verdict(entry: Published, ours: float) -> str:

@@ -67,7 +67,18 @@ def _met_words(rows: Sequence[Row], variant: str) -> str:
 
 
 def _printed(row: Row) -> str:
-    return f"{_digits(row, row['published'])} {row['unit']}".strip()
+    return f"{_as_printed(row)} {row['unit']}".strip()
+
+
+def _as_printed(row: Row) -> str:
+    """The printed value with the zeros at its end, which tell how sharp it is."""
+    value, digit = row["published"], 2.0 * row["half_digit"]
+    if value and digit:
+        digits = math.floor(math.log10(abs(value))) - round(math.log10(digit)) + 1
+        text = f"{value:#.{min(max(digits, 1), 15)}g}".removesuffix(".")
+        if float(text) == value:
+            return text
+    return _digits(row, value)
 
 
 def _variant_cell(row: Row) -> TableCell:
