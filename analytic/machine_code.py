@@ -327,7 +327,8 @@ PYTHON_FORMS: Final[Mapping[str, str]] = {
     **{"negative": "-{0}", "absolute": "abs({0})", "sign": "({0} > 0.0) - ({0} < 0.0)", "sqrt": "math.sqrt({0})"},
     "hypot": "math.sqrt({0} * {0} + {1} * {1})",  # a library's function would leave the vector registers
     **{"sin": "math.sin({0})", "cos": "math.cos({0})", "arctan2": "math.atan2({0}, {1})"},
-    **{"maximum": "{1} if {0} < {1} else {0}", "minimum": "{1} if {0} > {1} else {0}"},
+    "maximum": "{0} if ({0} >= {1}) | ({0} != {0}) else {1}",
+    "minimum": "{0} if ({0} <= {1}) | ({0} != {0}) else {1}",
     **{"less": "{0} < {1}", "less_equal": "{0} <= {1}", "greater": "{0} > {1}", "greater_equal": "{0} >= {1}"},
     **{"and": "{0} & {1}", "or": "{0} | {1}", "not": "not {0}", "where": "{1} if {0} else {2}"},
 }

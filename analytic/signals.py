@@ -28,7 +28,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -40,7 +40,7 @@ from analytic.dynamics.joint_forces import reactions, shaking
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import farthest_between
 from analytic.kinematics.frames import Scalar
-from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.structure import Revolute
 from analytic.kinematics.sweep import Sweep, output_of, transmission_angle
 from analytic.numerics.refine import zeros
@@ -333,7 +333,7 @@ def moving_points(linkage: Linkage) -> tuple[str, ...]:
     return tuple(sorted({point for link in linkage.links.values() for point in link.points} - {*linkage.ground}))
 
 
-@lru_cache(maxsize=64)
+@once_per_mechanism
 def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
     """Every signal of a mechanism by name."""
     linkage, signals = mechanism.linkage, dict(DRIVE)

@@ -59,7 +59,8 @@ class Segment:
         leading = np.flatnonzero(np.abs(terms) > NEGLIGIBLE * np.max(np.abs(terms)))
         if not leading.size or leading[0] == len(terms) - 1:
             return []
-        roots = np.roots(terms[leading[0] :])
+        is_line = leading[0] == len(terms) - 2  # as the acceleration of a cubic: a table has thousands of them
+        roots = np.array([-terms[-1] / terms[-2]]) if is_line else np.roots(terms[leading[0] :])
         return [self.start + length * float(x.real) for x in roots if abs(x.imag) < NEAR_REAL and 0.0 < x.real < 1.0]
 
 
@@ -109,14 +110,25 @@ class CrankMotion:
 
     def _evaluate(self, time: ArrayLike, order: int) -> NDArray[np.float64]:
         """φ or a derivative of it at instants, s; shape of ``time``."""
-        time = np.asarray(time, dtype=float)
-        starts = [segment.start for segment in self.segments]
-        index = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(starts) - 1)
-        result = np.empty_like(time)
-        for number, segment in enumerate(self.segments):
-            here = index == number
-            result[here] = segment.value(time[here], order)
-        return result
+        time, starts = np.asarray(time, dtype=float), self._starts
+        piece = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(starts) - 1)
+        x = time - starts[piece]
+        total = np.zeros(x.shape)
+        for coefficients in self._coefficients[order]:
+            total = total * x + coefficients[piece]
+        return np.asarray(total)
+
+    @cached_property
+    def _starts(self) -> NDArray[np.float64]:
+        """The instants at which the pieces begin, s."""
+        return np.array([segment.start for segment in self.segments])
+
+    @cached_property
+    def _coefficients(self) -> list[NDArray[np.float64]]:
+        """For φ and its two derivatives the coefficients (powers, pieces) of all pieces, highest power first."""
+        powers = max(len(segment.coefficients) for segment in self.segments)
+        rows = [[derivative(segment.coefficients, order) for segment in self.segments] for order in range(3)]
+        return [np.array([(0.0,) * (powers - len(row)) + row for row in pieces]).T for pieces in rows]
 
     def angle(self, time: ArrayLike) -> NDArray[np.float64]:
         """φ(t), rad."""
@@ -241,8 +253,9 @@ def check_times(t: Array) -> None:
 def _check_steps(time: Array, angle: Array) -> None:
     """Refuse one step, or one point off between two, that no speed of the others explains."""
     speeds = np.abs(np.diff(angle) / np.diff(time))
+    fastest = int(np.argmax(speeds))  # one of the steps at fault, if there are any
     for width in (1, 2):
-        for first in range(len(speeds) - width + 1):
+        for first in range(max(fastest - width + 1, 0), min(fastest, len(speeds) - width) + 1):
             steps = speeds[first : first + width]
             others = np.delete(speeds, slice(first, first + width))
             if others.size and np.min(steps) > JUMP * np.max(others):

@@ -46,6 +46,11 @@ class Toggle:
         return f"{self.dyad.name}: {self.reason}"
 
 
+def in_degrees(angle: float) -> str:
+    """An angle, rad, for a reader."""
+    return f"{math.degrees(angle):.6g}°"
+
+
 @dataclass(frozen=True)
 class CrankRange:
     """The crank angles from ``low`` to ``high`` around ``start``, rad; both are None where the crank turns fully.
@@ -60,7 +65,7 @@ class CrankRange:
     high: Toggle | None
     change_points: tuple[Toggle, ...]
     reach: float = FULL_TURN
-    place: Callable[[float], str] = lambda angle: f"{math.degrees(angle):.6g}°"
+    place: Callable[[float], str] = in_degrees
     is_linear: bool = False
 
     @property

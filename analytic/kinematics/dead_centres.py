@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyads.closure import ROUNDING
-from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.numerics.refine import Array, highest, zeros
 
 
@@ -22,7 +21,7 @@ class DeadCentre:
     coordinate: float
 
 
-@lru_cache(maxsize=64)
+@once_per_mechanism
 def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
     """Every reversal of the output over one turn, by crank angle; roots of its first derivative, not grid points."""
     angles = zeros(lambda phi: mechanism.sweep(phi).output(1), turns=round(mechanism.period / FULL_TURN))
@@ -64,7 +63,7 @@ def stroke(mechanism: Mechanism) -> float:
 RANGE_POINTS = 721  # of a range of angles, at which its highest place is looked for
 
 
-@lru_cache(maxsize=64)
+@once_per_mechanism
 def top_of_turn(mechanism: Mechanism) -> float | None:
     """The output's coordinate at the top dead centre, m; None where the crank cannot turn fully to show it."""
     if mechanism.linkage.is_linear:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, wraps
+from typing import TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -133,6 +135,22 @@ class Mechanism:
                         f"'{self.linkage.name}' is at rest on a change point at {where}, from which "
                         f"'{dyad.first}' and '{dyad.second}' can go on in two ways; start, turn and rest elsewhere"
                     )
+
+
+Value = TypeVar("Value")
+
+
+def once_per_mechanism(function: Callable[[Mechanism], Value]) -> Callable[[Mechanism], Value]:
+    """A function that works its value of a mechanism out once, and forgets it with the mechanism."""
+    known: WeakKeyDictionary[Mechanism, Value] = WeakKeyDictionary()
+
+    @wraps(function)
+    def value_of(mechanism: Mechanism) -> Value:
+        if mechanism not in known:
+            known[mechanism] = function(mechanism)
+        return known[mechanism]
+
+    return value_of
 
 
 def _with_assembly_modes(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:

@@ -177,10 +177,10 @@ class Structure:
 
     def with_signs(self, signs: tuple[int, ...]) -> Structure:
         """The same structure with the dyads' assembly signs filled in, the same at every crank angle."""
-        left = iter(signs)
-        groups = tuple(replace(g, sign=next(left), changes=None) if isinstance(g, Dyad) else g for g in self.groups)
         if len(signs) != len(self.dyads):
             raise ValueError(f"expected {len(self.dyads)} signs, got {len(signs)}")
+        left = iter(signs)
+        groups = tuple(replace(g, sign=next(left), changes=None) if isinstance(g, Dyad) else g for g in self.groups)
         return replace(self, groups=groups)
 
     def changes_at(self, angle: NDArray[np.float64]) -> NDArray[np.bool_]:

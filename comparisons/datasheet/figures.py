@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import REGIMES, RPM, crank_motion
+from analytic.description.diagnosis import Source
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, ThreadPath
 from analytic.description.loading import load
@@ -310,6 +311,27 @@ class PublishedRecord:
 def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...]:
     """Every printed figure of these linkages against ours, in each linkage's own variant."""
     return tuple(record for linkage in linkages for record in _records(linkage))
+
+
+def check_published(mechanism: Mechanism) -> None:
+    """Raise DescriptionError, with the line, for a printed figure whose quantity, unit or regime there is not."""
+    linkage = mechanism.linkage
+    source = Source(f"{linkage.name}.toml", linkage.text, linkage.variant)
+    regimes = [entry.name for entry in linkage.regimes]
+    for number, entry in enumerate(linkage.published):
+        if entry.variant not in (None, linkage.variant):
+            continue
+        key = "quantity"
+        try:
+            figures_by_name(mechanism, entry.quantity)
+            key = "unit"
+            if entry.unit is not None and not entry.relative_to:
+                conversion(entry.unit, figure_unit(entry.quantity, linkage))
+            key = "regime"
+            if entry.regime is not None and entry.regime not in (*regimes, *REGIMES):
+                raise UnknownNameError(f"regime of '{linkage.name}'", entry.regime, [*regimes, *REGIMES])
+        except LinkproofError as error:
+            raise source.fault(f"published.{number}.{key}: {error}") from error
 
 
 def all_variants(name: str) -> tuple[Linkage, ...]:

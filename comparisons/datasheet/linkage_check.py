@@ -27,7 +27,7 @@ from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
 from analytic.numerics.roots import evaluate_assembled
-from comparisons.datasheet.figures import NEAR, REPRODUCED, compare_published
+from comparisons.datasheet.figures import NEAR, REPRODUCED, check_published, compare_published
 from comparisons.datasheet.open_ends import INSET, RANGE_SAMPLES, good_stretches
 
 Load = PointForce | LinkTorque | Spring
@@ -233,6 +233,7 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
         yield _accuracy_facts(mechanism)
     if reach.is_full_turn:
         yield _turn_facts(mechanism)
+    check_published(mechanism)
     yield from _printed_facts(linkage)
 
 

@@ -1,5 +1,6 @@
 """The list of operations of a linkage, and its sources in Python and in JavaScript: the numbers of NumPy."""
 
+import gc
 import json
 import math
 import subprocess
@@ -14,7 +15,9 @@ from hypothesis import strategies as st
 from analytic import machine_code
 from analytic.description.changes import design_numbers, named_numbers, with_numbers
 from analytic.description.loading import catalogue, literature
+from analytic.designs.sampled_signals import evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import (
     FUNCTION,
     FUNCTIONS,
@@ -255,3 +258,21 @@ def test_signals_of_other_designs_are_numpy_s(name):
                 near = one + 2.0 * np.pi * np.round((expected - one) / (2.0 * np.pi))
             peak = scales[signal.partition(":")[0], unit(signal, linkage)]
             assert np.max(np.abs(near - expected)) <= SAME_SIGNALS * peak, signal
+
+
+@pytest.mark.parametrize("name", ["maximum", "minimum"])
+@pytest.mark.parametrize("pair", [(1.0, 2.0), (2.0, 1.0), (2.0, 2.0), (math.nan, 1.0), (1.0, math.nan)])
+def test_the_larger_of_no_number_is_none_as_with_numpy(name, pair):
+    written = machine_code.PYTHON_FORMS[name].format("x", "y")
+    value = eval(written, {"x": pair[0], "y": pair[1]})
+    assert value == pytest.approx(getattr(np, name)(*pair), nan_ok=True)
+
+
+def test_designs_that_are_followed_one_by_one_are_let_go():
+    """Of a linkage with change points: its signals' table kept 64 of them alive."""
+    sample = mechanism("parallelogram")
+    lengths = np.linspace(0.05, 0.07, 20)
+    evaluate_designs(sample, {"crank.A.x": lengths, "rocker.B.x": lengths}, [0.3, 0.4], ["point:B:x"])
+    gc.collect()
+    alive = [one for one in gc.get_objects() if isinstance(one, Mechanism) and one.linkage.name == sample.linkage.name]
+    assert len(alive) < 5

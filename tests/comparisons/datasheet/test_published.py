@@ -24,6 +24,7 @@ from docs.making.tables import figures_of
 from reports.mechanism.published import published_table
 from tests import printed
 from tests.analytic.linkages import from_text, mechanism
+from tests.commands import linkproof
 
 SOURCES = (Path(__file__).parents[3] / "docs" / "sources.md").read_text(encoding="utf-8")
 # Mean, maximum and relative pulsation of Jeq, and the largest driving power and torque of the run-up: mechanisms.md,
@@ -286,3 +287,21 @@ def test_a_printed_figure_keeps_its_zeros(value, half_digit, shown):
     row = {"quantity": "S", "published": value, "half_digit": half_digit, "unit": "", "ours": 1.0, "deviation": None,
            "verdict": "reproduced", "source": "", "variant": "", "note": ""}  # fmt: skip
     assert published_table([row]).rows[0][1] == shown
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ('quantity = "strike"', "quantity: unknown figure 'strike'"),
+        ('quantity = "stroke", unit = "furlong"', "unit: unknown unit of a figure in m 'furlong'"),
+        ('quantity = "stroke", unit = "kN"', "unit: unknown unit of a figure in m 'kN'"),
+        ('quantity = "stroke", regime = "nope"', "regime: unknown regime of 'printed' 'nope'"),
+    ],
+)
+def test_a_printed_figure_that_cannot_be_is_a_fault_with_its_line(tmp_path, keys, words):
+    file = tmp_path / "printed.toml"
+    file.write_text(SLIDER_CRANK.replace('crank"\no', f'crank"\npublished = [{{ {keys}, value = 1, place = "" }}]\no'))
+    done = linkproof("check", file)
+    assert done.returncode == 2
+    line = file.read_text().splitlines().index(next(x for x in file.read_text().splitlines() if "published" in x)) + 1
+    assert f"printed.toml:{line}: published #1.{words}" in done.stderr
