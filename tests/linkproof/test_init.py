@@ -1,4 +1,4 @@
-"""The package linkproof: its names, imported when they are used, and never a stranger's module in their place."""
+"""The package linkproof: its names and never a stranger's module in their place; one version in all files around it."""
 
 import ast
 import os
@@ -6,10 +6,13 @@ import re
 import runpy
 import subprocess
 import sys
+import tomllib
 import types
 from pathlib import Path
 
+import jinja2
 import pytest
+import yaml
 
 import linkproof
 from engines import contract, scene
@@ -113,3 +116,40 @@ def test_a_module_in_place_of_a_package_is_refused(monkeypatch):
 def test_a_folder_of_that_name_without_python_does_no_harm(stranger):
     stranger("reports", file="notes.txt")
     assert linkproof.load("juki-mf7923d").name == "juki-mf7923d"
+
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def read(path):
+    return yaml.safe_load((ROOT / path).read_text(encoding="utf-8"))
+
+
+def test_the_citation_has_the_version_of_the_package():
+    assert read("CITATION.cff")["version"] == PROJECT["version"]
+
+
+def test_workflows_and_templates_can_be_read():
+    for path in (ROOT / ".github").rglob("*.yml"):
+        parts = read(path)
+        assert {"jobs"} <= parts.keys() or {"name", "description", "body"} <= parts.keys(), path
+
+
+def test_the_recipe_lists_every_dependency():
+    text = (ROOT / "conda" / "meta.yaml").read_text(encoding="utf-8")
+
+    def load_file_data(name, *, from_recipe_dir):  # as conda-build does
+        place = ROOT / "conda" if from_recipe_dir else Path()
+        return tomllib.loads((place / name).read_text(encoding="utf-8"))
+
+    rendered = jinja2.Template(text).render(PYTHON="python", load_file_data=load_file_data)
+    recipe = yaml.safe_load(rendered)
+    assert recipe["package"] == {"name": "linkproof", "version": PROJECT["version"]}
+    needed = [each.partition(" ")[0].replace("matplotlib-base", "matplotlib") for each in recipe["requirements"]["run"]]
+    assert needed == ["python", *(each.partition(">")[0] for each in PROJECT["dependencies"])]
+
+
+def test_every_package_says_that_it_is_typed():
+    packages = [path.parent for path in ROOT.glob("*/__init__.py")]
+    assert len(packages) == 5
+    assert all((package / "py.typed").is_file() for package in packages)

@@ -1,18 +1,21 @@
-"""Help, version and completion."""
+"""Help, version, completion; all commands and options there are, and a sentence for every one of 1.0 that is gone."""
 
 import os
 import re
 from unittest.mock import patch
 
 import pytest
+import typer
 
 from analytic.description.crank_motion import LAWS, REGIMES
+from analytic.errors import LinkproofError
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.stress.cells import axes
 from engines.contract import Setting
 from engines.registry import engine_names
+from reports.command_line import app as main_app
 from reports.command_line.parameters import GLOSSARY
-from tests.commands import ROOT, linkproof
+from tests.commands import ROOT, linkproof, refused
 
 
 def completed(*words):
@@ -77,3 +80,82 @@ def test_a_file_is_completed_from_its_folder(tmp_path, monkeypatch):
     (tmp_path / "mine.toml").write_text("")
     monkeypatch.chdir(tmp_path)
     assert completed("check", "mi") == ["mine.toml"]
+
+
+MOTION = "variant regime speed ramp-time hold-time start-angle from to clockwise no-gravity"
+SWING = "variant speed from to clockwise no-gravity"
+# Commands and their options, --help apart; hidden ones count.
+OFFERED = {
+    "list": "json",
+    "new": "",
+    "check": "variant save json strict",
+    "results": f"{MOTION} at time decimal figure out open save json strict quiet",
+    "watch": f"{MOTION} no-open",
+    "sweep": f"{SWING} vary table quantity scale-mass refine save json quiet",
+    "optimise": f"{SWING} minimise maximise over keep scale-mass global round save json quiet",
+    "tolerance": "variant from to clockwise no-gravity scale-mass samples save json quiet",
+    "judge": f"{MOTION} mapping limit out save json quiet verbose",
+    "engines": "check try json quiet",
+    "compare": f"{MOTION} engine setting quantity full out save json junit quiet verbose limits against "
+    "record script time-limit memory-limit jobs",
+    "bench": f"{MOTION} engine quantity quick out json quiet verbose",
+    "stress": "engine setting quick out json quiet verbose jobs",
+}
+MOST = 165
+# Commands and options of 1.0; those about designs refused a --regime.
+BEFORE = {
+    "list": "figures numbers json",
+    "show": "variant json",
+    "new": "",
+    "check": "variant svg json strict",
+    "schema": "",
+    "thread": "variant required json",
+    "published": "literature json",
+    "results": f"{MOTION} at time csv decimal xlsx json svg png pdf gif dxf figure out open strict quiet",
+    "watch": f"{MOTION} port no-open",
+    "engines": "json",
+    "compare": f"{MOTION} engine setting quantity full out json junit resume quiet verbose limits baseline "
+    "record-baseline allow-new allow-missing time-limit memory-limit jobs scheduler",
+    "judge": f"{MOTION} mapping limit out json quiet verbose svg write-mapping",
+    "bench": f"{MOTION} engine quantity quick costs out json resume quiet verbose scheduler",
+    "stress": "engine setting quick time-limit out json resume quiet verbose jobs scheduler",
+    "check-engine": "json quiet jobs",
+    "doctor": "json",
+    "export": f"{MOTION} engine setting cell out",
+    "sweep": f"{SWING} regime vary table quantity scale-mass angles refine simulate designs seed jobs scheduler csv "
+    "svg out json resume quiet",
+    "optimise": f"{SWING} regime minimise maximise over keep scale-mass angles starts seed global round simulate "
+    "out json quiet",
+    "tolerance": "variant regime from to clockwise no-gravity scale-mass angles samples seed json csv svg quiet",
+    "report": "out single-file csv png open",
+    "verify": "limits json quiet",
+    "diff": "json quiet verbose",
+    "merge": "out",
+}
+COMMANDS = typer.main.get_command(main_app.app).commands
+NOW = {
+    name: [flag.removeprefix("--") for option in command.params for flag in option.opts if flag.startswith("--")]
+    for name, command in COMMANDS.items()
+}
+
+
+def test_every_option_of_every_command_is_listed():
+    assert {name: sorted(words.split()) for name, words in OFFERED.items()} == {n: sorted(o) for n, o in NOW.items()}
+    assert sum(map(len, NOW.values())) <= MOST
+
+
+@pytest.mark.parametrize("command", [name for name in BEFORE if name not in NOW])
+def test_a_command_that_is_gone_is_answered(command):
+    assert refused(command, "juki-mf7923d", "--json").startswith(f"linkproof: {command}: ")
+
+
+@pytest.mark.parametrize("command", [name for name in BEFORE if name in NOW])
+def test_an_option_that_is_gone_is_answered(command):
+    for option in {*BEFORE[command].split()} - {*NOW[command]}:
+        with pytest.raises(LinkproofError, match=f"^--{option}: "):
+            COMMANDS[command].make_context(command, ["x", f"--{option}", "y"])
+
+
+@pytest.mark.parametrize("file", ["-", "r.json"])
+def test_a_file_after_json_is_answered(file):
+    assert "--json: takes no file and prints on stdout" in refused("compare", "juki-mf7923d", "--json", file)

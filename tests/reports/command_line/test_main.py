@@ -1,5 +1,6 @@
 """The command line as a user meets it: exit codes, JSON, one sentence for every fault; streams, signals, imports."""
 
+import dataclasses
 import json
 import os
 import re
@@ -17,8 +18,12 @@ from analytic.description.loading import read
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
 from comparisons.runs.files import RECORDS
-from comparisons.runs.study import FOLDER
+from comparisons.runs.study import FOLDER, Journal
 from engines.pymunk_adapter.adapter import PymunkEngine
+from reports.command_line.app import app
+from reports.command_line.destination import journal, own_study, report_interruption
+from reports.requests.campaign import request
+from reports.requests.options import BenchOptions, CompareOptions, RunLimits, command_line
 from tests.commands import COMMAND, ROOT, linkproof, process, refused
 from tests.comparisons.faults import announce, wait_for
 
@@ -277,3 +282,124 @@ def test_an_interrupted_campaign_is_finished_by_its_folder_alone(tmp_path, gate,
     saved = load(out)
     rows = [asdict(record) for record in (*saved.records, *saved.invariants)]
     assert untimed(rows) == untimed([*whole["records"], *whole["invariants"]])
+
+
+OPTIONS = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",))
+
+
+def begun(folder, options=OPTIONS, text="the file"):
+    campaign = request(options)
+    linkages = tuple(dataclasses.replace(linkage, text=text) for linkage in campaign.linkages)
+    return journal(folder, command_line("compare", options), campaign.engines, linkages)
+
+
+@pytest.mark.parametrize(
+    ("folder", "announced", "sentence"),
+    [
+        (
+            Path("out"),
+            [("first", 0, 90), ("last", 37, 90)],
+            "37 of 90 runs are saved in out: repeat the command, or linkproof compare --out out, to finish",
+        ),
+        (None, [("label", 1, 90)], ""),
+        (Path("out"), [], ""),
+    ],
+)
+def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sentence):
+    passed_on = []
+
+    def pressed():
+        with report_interruption(folder, "compare") as counting:
+            announce = counting(lambda *words: passed_on.append(words))
+            for words in announced:
+                announce(*words)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as error:
+        pressed()
+    assert (str(error.value), passed_on) == (sentence, announced)
+
+
+def test_the_same_request_goes_on_and_another_one_begins_anew_with_a_remark(tmp_path, capsys):
+    faster = dataclasses.replace(OPTIONS, speed=2000.0)
+    for other, words in (
+        ({"text": "the file, changed"}, "`file of juki-mf7923d "),
+        ({"options": faster}, "now `linkproof compare juki-mf7923d --speed 2000 --engine direct`"),
+    ):
+        begun(tmp_path).keep("run", {})
+        assert begun(tmp_path).records.keys == ["run"]
+        assert capsys.readouterr().err == ""
+        assert begun(tmp_path, **other).records.keys == []
+        assert words in capsys.readouterr().err
+        begun(tmp_path, **other).clear()
+
+
+UNFINISHED = "linkproof compare juki-mf7923d --regime run-up --engine direct --time-limit 9"
+
+
+@pytest.mark.parametrize(
+    ("command", "typed", "found"),
+    [
+        ("compare", (CompareOptions(), RunLimits(jobs=2)), UNFINISHED),
+        ("compare", (OPTIONS, RunLimits()), "linkproof compare juki-mf7923d --engine direct"),
+        ("bench", (BenchOptions(),), "linkproof bench"),
+    ],
+)
+def test_a_folder_alone_means_its_own_unfinished_study(tmp_path, command, typed, found):
+    Journal(tmp_path, UNFINISHED, f"{UNFINISHED} --out elsewhere --junit other.xml").keep("run", {})
+    is_finished, bags = own_study(app, command, tmp_path, typed)
+    assert (is_finished, command_line(command, *bags)) == (False, found)
+    assert bags[1:] == () or bags[1].jobs == typed[1].jobs
+
+
+ON_WINDOWS = (
+    ("compare", "press.toml", "--engine", "direct", "--jobs", "0", "--out", "made", "--verbose"),
+    ("compare", "unix/press.toml", "--engine", "direct", "--jobs", "0", "--quiet", "--out", "other"),
+    ("list",),
+    ("engines",),
+    ("check", "press.toml"),
+    ("results", "press.toml"),
+)
+RUNNING = f"""
+import sys
+for name in ("resource", "fcntl", "termios", "pwd", "grp"):
+    sys.modules[name] = None
+import importlib, pkgutil, analytic, engines, comparisons, linkproof, reports
+for top in (analytic, engines, comparisons, linkproof, reports):
+    for module in pkgutil.walk_packages(top.__path__, top.__name__ + "."):
+        try:
+            importlib.import_module(module.name)
+        except ModuleNotFoundError as absent:  # an engine or a package that need not be installed
+            if absent.name not in ("exudyn", "mujoco", "opensim", "pydrake", "pymunk", "pyondsel"):
+                raise
+from reports.command_line.main import main
+for words in {ON_WINDOWS}:
+    sys.argv = ["linkproof", *words]
+    try:
+        main()
+    except SystemExit as end:
+        if end.code:
+            sys.exit(f"{{words}} ended with {{end.code}}")
+"""
+
+
+@pytest.mark.nightly
+def test_commands_run_without_posix_and_a_text_with_other_line_ends_is_the_same_linkage(tmp_path):
+    """A linkage file as an editor on Windows saves it, and one with line ends of Unix; no text in a local encoding."""
+    text = read("juki-mf7923d").text
+    (tmp_path / "press.toml").write_bytes(text.replace("\n", "\r\n").encode())
+    (tmp_path / "unix").mkdir()
+    (tmp_path / "unix" / "press.toml").write_text(text, encoding="utf-8", newline="\n")
+    environment = {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "cp1252", "LINKPROOF_WORKER_START": "spawn"}
+    done = subprocess.run(
+        [sys.executable, "-X", "warn_default_encoding", "-c", RUNNING],
+        capture_output=True, encoding="cp1252", check=False, cwd=tmp_path, env=os.environ | environment,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    warnings = [line for line in done.stderr.splitlines() if "EncodingWarning" in line and str(ROOT) in line]
+    assert [line for line in warnings if "site-packages" not in line] == []  # an environment may lie within the tree
+    assert "passed" in done.stdout
+    files = [tmp_path / folder / "compare" / "study.json" for folder in ("made", "other")]
+    documents = [json.loads(file.read_text(encoding="utf-8")) for file in files]
+    first, second = ([row["checksum"] for row in document["descriptions"]] for document in documents)
+    assert first == second

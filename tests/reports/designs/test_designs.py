@@ -1,11 +1,12 @@
-"""Sweeps, optima and tolerances in words and pictures."""
+"""Sweeps, optima and tolerances in words and pictures: the designs that are named are marked, no words touch."""
 
-from __future__ import annotations
-
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray
+from matplotlib.patches import Rectangle
 
 from analytic.description.crank_motion import RPM
 from comparisons.designs.optimisation import OptimisationRequest, optimise
@@ -13,16 +14,187 @@ from comparisons.designs.parameters import steady_motion
 from comparisons.designs.sweep import sweep
 from comparisons.designs.tolerances import Tolerances, tolerance_request, tolerance_study
 from reports.charts import draw
-from reports.charts.scales import MUTED, PALETTE
+from reports.charts.scales import INK, LIMIT_COLOUR, MUTED, PALETTE
+from reports.designs import tolerance_terminal
 from reports.designs.optimise_terminal import before_after_chart
-from reports.designs.sweep_terminal import document as sweep_document
-from reports.designs.sweep_terminal import parts, sentence
-from reports.designs.tolerance_terminal import NONE, TIED, WIDE, document, printout, tornado_chart
+from reports.designs.sweep_picture import sweep_figure
+from reports.designs.sweep_terminal import document, parts, sentence
+from reports.designs.tolerance_terminal import NONE, TIED, WIDE, printout, tornado_chart
 from reports.document.numbers import figure as digits
 from reports.document.terminal import rendered
 from tests.analytic.linkages import IN_LINE, from_text, mechanism
 from tests.comparisons.designs.sweeps import grid, request
-from tests.reports.drawn_words import texts
+from tests.reports.drawn_words import check_words, texts
+
+FIGURES = {
+    "Mkr.peak": "N*m",
+    "joint_force:needle_bar on ground.peak": "N",
+    "transmission_angle:rocker + rod (RRR).peak": "deg",
+    "stroke": "mm",
+    **{f"point:D:y@{n}": "mm" for n in range(7)},
+}
+PARAMETERS = ("rod.B.x", "links.coupler_upper.centre.y", "crank.mass")
+CONDITIONS = "4000 rpm, sampled at 180 crank angles"
+ABOUT = {"mechanism": "made-up", "variant": "as-printed", "conditions": f"made-up (as-printed): {CONDITIONS}"}
+
+
+def made_up_sweep(*counts, figures=1, fails=0.0, table=False, change=lambda values: values):
+    """A grid, or a table of as many designs; the upper share ``fails`` of the first parameter does not assemble."""
+    names = PARAMETERS[: len(counts)]
+    places = [np.linspace(10.0 * n + 170.0, 10.0 * n + 180.0, count) for n, count in enumerate(counts)]
+    mesh = np.meshgrid(*places, indexing="ij")
+    failing = mesh[0] > 180.0 - 10.0 * fails
+    data = {}
+    for number, (name, unit) in enumerate(list(FIGURES.items())[:figures]):
+        values = change(sum((one - 173.0) ** 2 for one in mesh) * 10.0 ** (3 * number - 6) + 1e-7)
+        values = np.where(failing, np.nan, values)
+        data[name] = ("design" if table else names, values.ravel() if table else values, {"units": unit})
+    columns = {
+        name: ("design" if table else name, whole.ravel() if table else place, {"units": "mm"})
+        for name, place, whole in zip(names, places, mesh, strict=True)
+    }
+    return xarray.Dataset(data, columns, ABOUT)
+
+
+OWN = {"rod.B.x": 174.0, "links.coupler_upper.centre.y": 184.0, "crank.mass": 194.0}
+
+
+def drawn(dataset, own=OWN, always=()):
+    return sweep_figure(dataset, own, always)
+
+
+def hatches(axes):
+    return [one for one in axes.get_children() if isinstance(one, Rectangle) and one.get_hatch()]
+
+
+def marked(axes, marker, colour):
+    """Where a marker of a colour stands."""
+    return [tuple(map(float, line.get_xydata()[0])) for line in axes.lines
+            if line.get_marker() == marker and line.get_color() == colour]  # fmt: skip
+
+
+def panels(figure):
+    """All axes but colour bars."""
+    return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+
+
+CASES = {
+    "five lines": (made_up_sweep(50, figures=5, fails=0.3), 5),
+    "four maps": (made_up_sweep(20, 30, figures=4, fails=0.3), 4),
+    "eleven lines": (made_up_sweep(9, figures=11), 9),
+    "eleven parallel": (made_up_sweep(5, 6, 7, figures=11, fails=0.3), 1),
+    "a row": (made_up_sweep(1, 9), 1),
+    "nothing assembles, table": (made_up_sweep(9, 9, fails=1.1, table=True), 1),
+    "constant map": (made_up_sweep(9, 9, change=lambda values: 0.0 * values), 1),
+    "huge": (made_up_sweep(9, change=lambda values: -1e200 * values), 1),
+}
+
+
+@pytest.mark.parametrize(("dataset", "count"), CASES.values(), ids=CASES)
+def test_panels_are_counted_and_no_words_touch_or_leave_the_figure(dataset, count):
+    figure = drawn(dataset)
+    assert len(panels(figure)) == count or figure.axes[0].get_label() == "parallel"
+    assert ("The first 9 of 11 figures are drawn." in texts(figure)) == (len(dataset.data_vars) == 11)
+    check_words(figure, 3.5)
+
+
+def test_a_line_names_its_designs_and_hatches_those_that_fail():
+    figure = drawn(made_up_sweep(101, fails=0.3))
+    (axes,) = panels(figure)
+    words = texts(figure)
+    assert "made-up, as-printed: 101 designs, 30 of which do not assemble" in words
+    assert {CONDITIONS, "least", "design of the file", "does not assemble"} <= set(words)
+    assert {"Mkr.peak, N*m", "rod.B.x, mm"} <= set(words)
+    (band,) = hatches(axes)
+    assert (band.get_x(), band.get_x() + band.get_width()) == pytest.approx((177.05, 180.05))
+    assert marked(axes, "*", LIMIT_COLOUR) == [pytest.approx((173.0, 1e-7))]
+    assert [line.get_xdata()[0] for line in axes.lines if line.get_color() == MUTED and line.is_dashed()] == [174.0]
+
+
+@pytest.mark.parametrize("counts", [(100_000,), (30, 20, 10)])
+def test_of_many_designs_a_sample_is_drawn_with_those_named_and_the_picture_says_so(counts):
+    peak = 77_777 % int(np.prod(counts))
+
+    def change(values):
+        values = 0.0 * values + 1.0
+        values.ravel()[peak] = 9.0
+        return values
+
+    figure = drawn(made_up_sweep(*counts, change=change), OWN | {"rod.B.x": 200.0}, always={peak})
+    axes = panels(figure)[0]
+    image = [np.nanmax(one.get_array()) for one in axes.images]
+    highest = max(image or [np.nanmax(line.get_ydata()) for line in axes.lines if len(line.get_xdata()) > 9])
+    assert highest == (1.0 if len(counts) == 3 else 9.0)  # the end of an axis
+    assert any(re.search("000 designs, a sample of .* is drawn$", text) for text in texts(figure))
+    assert "design of the file" not in texts(figure)
+
+
+def test_a_map_has_a_colour_bar_contours_with_words_a_hatch_and_its_best_design():
+    figure = drawn(made_up_sweep(21, 31, fails=0.3))
+    (axes,) = panels(figure)
+    (image,) = axes.images
+    assert image.get_array().shape == (31, 21)
+    assert np.count_nonzero(np.ma.getmaskarray(np.ma.masked_invalid(image.get_array()))) == 31 * 6
+    assert len(hatches(axes)) == 1
+    named = texts(figure, figure.axes[-1])
+    assert len(set(named) & set(texts(figure, axes))) >= 3
+    assert "value, 10⁻⁴ N*m" in named
+    assert marked(axes, "*", LIMIT_COLOUR) == [pytest.approx((173.0, 180.0))]
+    assert marked(axes, "D", INK) == [(174.0, 184.0)]
+
+
+def test_a_transmission_angle_is_best_at_ninety_degrees():
+    dataset = made_up_sweep(101, figures=3)
+    name = list(dataset.data_vars)[-1]
+    dataset[name] = dataset[name] * 0.0 + np.linspace(60.0, 130.0, 101)
+    figure = drawn(dataset)
+    ((place, value),) = marked(panels(figure)[-1], "*", LIMIT_COLOUR)
+    assert value == pytest.approx(90.0, abs=0.5)
+    assert place == pytest.approx(170.0 + 10.0 * 30.0 / 70.0, abs=0.1)
+    assert "nearest to 90°" in texts(figure)
+
+
+def test_parallel_lines_end_where_designs_do_not_assemble_and_the_best_is_among_a_sample():
+    best = int(np.nanargmin(made_up_sweep(30, 20, 10, fails=0.3)["Mkr.peak"].values))
+    figure = drawn(made_up_sweep(30, 20, 10, figures=2, fails=0.3), always={best})
+    axes = figure.axes[0]
+    lines = {line.get_color(): line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 5}
+    count = sum(np.count_nonzero(points[:, 0] == 0.0) for points in lines.values())
+    assert 2000 < count <= 2000 + 2  # the best is drawn among the others, and above them
+    best = lines[LIMIT_COLOUR]
+    assert best[:3, 1] == pytest.approx(np.array([9.0 / 29.0, 0.0, 0.0]), abs=1e-12)
+    grey = [points for points in lines.values() if np.all(np.isnan(points[points[:, 0] > 2.0, 1]))]
+    assert len(grey) == 1
+    assert any(re.search("6 000 designs, a sample of 2 00. is drawn", text) for text in texts(figure))
+    assert {"design of the file", "does not assemble", "Mkr.peak: least"} <= set(texts(figure))
+    (own,) = [line.get_xydata() for line in axes.lines if line.get_marker() == "D"]
+    assert own == pytest.approx(np.array([(n, 0.4) for n in range(3)]))
+
+
+def test_a_table_is_drawn_as_the_grid_of_the_same_designs_descending_or_not_and_a_file_stands_on_white():
+    grid, table = (made_up_sweep(6, 5, 4, figures=2, fails=0.2, table=one) for one in (False, True))
+    first, second, text = (
+        draw.svg(drawn(designs), page="white") for designs in (grid, table, made_up_sweep(9, 9, fails=0.3))
+    )
+    assert first == second
+    turned = made_up_sweep(9, 9, fails=0.3).isel({"rod.B.x": slice(None, None, -1)})
+    assert draw.svg(drawn(turned), page="white") == text
+    assert "<pattern" in text
+    assert "fill: #ffffff" in text
+    assert "prefers-color-scheme" not in text
+
+
+@pytest.mark.parametrize("counts", [(40, 30), (400, 3, 3)])
+def test_values_that_grow_without_bounds_are_cut_off_and_the_picture_says_how_far_they_reach(counts):
+    dataset = made_up_sweep(*counts, change=lambda values: values + 1.0)
+    name = "Mkr.peak"
+    dataset[name][{"rod.B.x": -1}] = 1e4
+    figure = drawn(dataset)
+    words = [" ".join(text.split()) for text in texts(figure)]
+    assert any(re.fullmatch(r"Mkr\.peak \(1\.000 to 10000\),.N\*m", text) for text in words)
+    assert any(text.startswith("If two numbers follow a name") for text in words)
+    assert not any(text in {"5000", "10000"} for text in words)
+    assert len(marked(panels(figure)[0], "*", LIMIT_COLOUR)) == (len(counts) < 3)
 
 
 def summed_up(*texts):
@@ -41,18 +213,15 @@ def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():
 def test_the_table_and_the_document_have_the_same_figures():
     found = summed_up("rod.B.x=170:180:3", "rod.mass=1:2:2")
     lines = rendered(*parts(found)).splitlines()
-    stroke = sweep_document(found)["figures"]["stroke"]
+    stroke = document(found)["figures"]["stroke"]
     for line, what in zip(lines[4:7], ("least", "own", "largest"), strict=True):
         value, x, mass = map(float, line.split()[-3:])
         assert [x, mass] == [*stroke[what]["at"].values()]
         np.testing.assert_allclose(value, stroke[what]["value"], rtol=1e-5)
     assert stroke["own"]["at"] == {"rod.B.x": 175.0, "rod.mass": 0.17}
-    assert sweep_document(found)["parameters"]["rod.B.x"] == {
+    assert document(found)["parameters"]["rod.B.x"] == {
         "units": "mm", "least": 170.0, "largest": 180.0, "assembles": [170.0, 180.0]
     }  # fmt: skip
-
-
-# Curves before and after a change: torque first, peaks marked.
 
 
 def test_torque_comes_first_and_both_peaks_are_marked():
@@ -72,10 +241,7 @@ def test_torque_comes_first_and_both_peaks_are_marked():
     assert second.get_xlim() == (0.0, 360.0)
 
 
-# A tolerance study in words: rows by contribution, derivatives, worst case; and as bars sorted by size.
-
-
-def printed(sample, results, table, **options):
+def printed_study(sample, results, table, **options):
     """The text of a study."""
     motion = steady_motion(sample, 900.0 * RPM, samples=24)
     study = tolerance_study(tolerance_request(sample, motion, Tolerances(results, None, table), **options))
@@ -85,7 +251,7 @@ def printed(sample, results, table, **options):
 
 def test_rows_stand_by_contribution_and_a_mass_moves_no_stroke():
     table = {"rod.mass": 0.01, "rod.B.x": 0.01, "rocker.B.length": {"plus_minus": 0.05, "distribution": "uniform"}}
-    study, text = printed(mechanism("rimoldi-164", "as-built"), ("stroke",), table, samples=30)
+    study, text = printed_study(mechanism("rimoldi-164", "as-built"), ("stroke",), table, samples=30)
     rows = [line.split()[0] for line in text.splitlines() if "exact" in line]
     assert rows == ["rocker.B.length", "rod.B.x", "rod.mass"]
     assert "stroke [mm]: 30.9866" in text
@@ -97,12 +263,12 @@ def test_rows_stand_by_contribution_and_a_mass_moves_no_stroke():
 
 def test_what_has_no_derivative_says_why():
     table = {"piston.through.y": 0.001, "rod.B.x": 0.001}
-    study, text = printed(from_text(IN_LINE), ("v.peak",), table, samples=4)
+    study, text = printed_study(from_text(IN_LINE), ("v.peak",), table, samples=4)
     assert text.count(TIED) == 1
-    first = document(study)["results"]["v.peak"]["tolerances"][0]
+    first = tolerance_terminal.document(study)["results"]["v.peak"]["tolerances"][0]
     assert first["derivative"] is None
     assert first["contribution"] > 0.0
-    _, text = printed(mechanism("parallelogram"), ("Mkr@30",), {"coupler.mass": 0.01}, samples=4)
+    _, text = printed_study(mechanism("parallelogram"), ("Mkr@30",), {"coupler.mass": 0.01}, samples=4)
     assert "difference" in text
     assert NONE not in text.split()
 

@@ -1,21 +1,23 @@
-"""From options to the request of a campaign, and back to the command that repeats it."""
+"""From options to a campaign, its limits and earlier results, and back to the command that repeats it."""
 
 import math
 import re
 import shlex
+from pathlib import Path
 
 import pytest
 
-from analytic.description.loading import catalogue, find
+from analytic.description.loading import catalogue, find, read
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.machine_code import cores
 from comparisons.campaign.campaign import cases
+from comparisons.judging.limits import read_limits
 from comparisons.runs.run_engine import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine_names
-from reports.requests.campaign import RunResources, installed, request, run_resources
-from reports.requests.options import CompareOptions, RunLimits, changed_options, command_line
+from reports.requests.campaign import RunResources, campaign, files, installed, request, run_resources
+from reports.requests.options import CompareOptions, RunLimits, StandardOptions, changed_options, command_line
 
 JUKI = "juki-mf7923d"
 
@@ -47,17 +49,6 @@ def test_a_variant_without_mechanisms_means_those_that_have_it():
     assert names(CompareOptions(variant="y-along")) == ["rimoldi-164"]
     with pytest.raises(UnknownNameError, match="variant of 'juki-mf7923d'"):
         request(CompareOptions(mechanisms=(JUKI,), variant="y-along"))
-
-
-def test_two_files_of_one_name_have_the_names_of_their_folders_before_theirs(tmp_path, monkeypatch):
-    paths = [tmp_path / folder / f"{JUKI}.toml" for folder in ("old", "new")]
-    for path in paths:
-        path.parent.mkdir()
-        path.write_text(find(JUKI).read_text())
-    assert names(CompareOptions(mechanisms=(JUKI, *map(str, paths)))) == [JUKI, f"old-{JUKI}", f"new-{JUKI}"]
-    monkeypatch.chdir(tmp_path / "old")
-    with pytest.raises(LinkproofError, match=rf"both called '.*-{JUKI}'"):
-        request(CompareOptions(mechanisms=(paths[0].name, str(paths[0]))))
 
 
 @pytest.mark.parametrize(
@@ -113,3 +104,60 @@ def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
     assert conditions[JUKI].endswith(", gravity on")
     assert conditions["weightless"].endswith(", gravity off")
     assert all(linkage.gravity == (0.0, 0.0) for linkage in request(CompareOptions(gravity=False)).linkages)
+
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    paths = ("a/press.toml", "a/parts/press.toml", "b/parts/press.toml")
+    for path in map(Path, paths):
+        path.parent.mkdir(parents=True)
+        path.write_text(read("juki-mf7923d").text, encoding="utf-8")
+    found = [file.name for file in files(CompareOptions(mechanisms=paths))]
+    assert found == ["a-press", "a-parts-press", "b-parts-press"]
+    with pytest.raises(LinkproofError, match=r"both called '.*-press'"):
+        request(CompareOptions(mechanisms=(paths[0], str(tmp_path / paths[0]))))
+
+
+def test_the_words_ask_for_the_same_standard():
+    mine = StandardOptions(limits=Path("my limits.toml"), against=Path("b.csv"), record=Path("c.csv"))
+    words = "linkproof compare --limits 'my limits.toml' --against b.csv"
+    assert command_line("compare", CompareOptions(), mine) == words
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            {"against": Path("nix.csv")},
+            "expected recorded results, got 'nix.csv', which does not exist",
+        ),
+        ({"against": ROOT / "tests"}, "no results of compare in"),
+        ({"record": Path("press.toml")}, "--record press.toml: the suffix must be .csv"),
+        ({"record": ROOT / "README.md" / "a.csv"}, "cannot write"),
+    ],
+)
+def test_what_cannot_be_read_or_written_is_refused_before_any_run(options, words):
+    with pytest.raises(LinkproofError, match=words):
+        campaign(CompareOptions(engine=("direct",)), StandardOptions(**options))
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ('mechanisms = ["juki-mf7923"]', "unknown mechanism of limit 1 'juki-mf7923': did you mean 'juki-mf7923d'"),
+        ('regimes = ["runup"]', "unknown regime of limit 1 'runup': did you mean 'run-up'"),
+    ],
+)
+def test_a_limit_that_would_never_apply_is_refused(tmp_path, row, words):
+    (tmp_path / "limits.toml").write_text(f'[[limit]]\nquantities = ["Mkr"]\nvalue = 1e-3\n{row}\n')
+    with pytest.raises(UnknownNameError, match=words):
+        campaign(CompareOptions(engine=("direct",)), StandardOptions(limits=tmp_path / "limits.toml"))
+
+
+def test_the_limits_that_the_documentation_shows_are_read(tmp_path):
+    (rows,) = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "command-line.md").read_text("utf-8"), re.DOTALL)
+    (tmp_path / "limits.toml").write_text(rows, encoding="utf-8")
+    assert read_limits(tmp_path / "limits.toml").limit("Mkr", "tuned", "run-up", "press").reason.startswith("a tenth")

@@ -1,7 +1,6 @@
 """``linkproof judge`` as a user meets it: verdict first, causes, corrections, exit codes, JSON, the mapping."""
 
 import json
-import re
 from xml.etree import ElementTree
 
 import numpy as np
@@ -78,9 +77,6 @@ def test_json_on_stdout_is_one_object(folder):
     [
         (("--limit", "0"), "--limit: expected a positive share"),
         ((), "say how the crank moves with --regime"),
-        ((*RUN_UP, "--regime", "run-up-cubic"), "expected one motion, got --regime run-up, run-up-cubic"),
-        (("--regime", "all"), "expected one motion, got --regime all"),
-        (("--hold-time", "2"), "--ramp-time and --hold-time apply only to a motion over time"),
     ],
 )
 def test_bad_input_is_one_sentence(folder, words, sentence):
@@ -102,7 +98,7 @@ def test_the_page_begins_with_the_verdict_and_its_cause(folder):
     assert (folder / "page" / "figures" / "index" / "judged-Mkr.svg").is_file()
 
 
-def test_the_picture_has_both_curves_the_rest_without_the_cause_and_the_worst_place(folder, curves):
+def test_the_picture_names_both_curves_the_cause_and_the_worst_place(folder, curves):
     done = judge("wrong.csv", *RUN_UP, "--save", "curve.svg", "--save", "curve.json")
     assert (done.returncode, "Likely cause" in done.stdout) == (1, True)
     root = ElementTree.parse(folder / "curve.svg").getroot()
@@ -114,15 +110,6 @@ def test_the_picture_has_both_curves_the_rest_without_the_cause_and_the_worst_pl
     time, (torque, *_) = curves
     (worst,) = [float(text.split()[2]) for text in words if text.startswith("worst at")]
     assert worst == pytest.approx(time[np.argmax(np.abs(torque))])
-    paths = [path for path in root.iter(f"{tag}path") if len(re.findall("[ML]", path.get("d", ""))) > 1]
-    reference, file, without, difference, rest = [
-        np.array([float(y) for y in re.findall(r"[ML] \S+ (\S+)", path.get("d"))])
-        for path in paths
-        if re.search("#a9b3bf|#0072b2|#00855f", path.get("style", "")) and "M" in path.get("d")
-    ][:5]
-    assert np.corrcoef(reference, file)[0, 1] < -0.99
-    assert np.ptp(without) == pytest.approx(np.ptp(reference), rel=0.1)
-    assert np.ptp(rest) < 1e-3 * np.ptp(difference)
     assert json.loads((folder / "curve.json").read_text(encoding="utf-8"))["passed"] is False
 
 

@@ -1,12 +1,126 @@
-"""``linkproof list MECHANISM``: the names for the commands about designs, with unit and value."""
+"""``new``, ``check`` and ``list``: a file that works at once, a review up to its first fault, names and values."""
 
 import json
+import tomllib
+from pathlib import Path
 
 import pytest
+from jsonschema import Draft4Validator
 
+from analytic.description.json_schema import json_schema
 from analytic.description.loading import load
+from analytic.errors import DescriptionError, LinkproofError, StructureError
+from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import parameters
+from reports.command_line.commands import mechanisms
+from reports.command_line.destination import Destination
+from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
+
+SLIP = DOUBLE_ROCKER.replace("C = [60, 0]", "c = [60, 0]")
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def checked(capsys, text, **options):
+    """The output of ``check`` for a file, and the fault that it ends with."""
+    Path("mine.toml").write_text(text, encoding="utf-8")
+    fault = None
+    try:
+        mechanisms.check("mine.toml", None, Destination(**options))
+    except LinkproofError as error:
+        fault = error
+    return capsys.readouterr().out, fault
+
+
+def test_a_new_file_works_and_fits_its_schema(capsys):
+    mechanisms.new('needle "drive"', Destination())
+    assert "next: linkproof check" in capsys.readouterr().out
+    text = Path('needle "drive".toml').read_text(encoding="utf-8")
+    assert text.startswith("#:schema ./linkproof.schema.json\n")
+    schema = json.loads(Path("linkproof.schema.json").read_text(encoding="utf-8"))
+    Draft4Validator(schema).validate(tomllib.loads(text))
+    linkage = load('needle "drive".toml')
+    assert linkage.title == 'needle "drive"'
+    Mechanism(linkage).check_full_turn()
+    output, fault = checked(capsys, text)
+    assert fault is None
+    assert "crank-rocker" in output
+    assert "warning" not in output
+
+
+def test_every_part_that_is_commented_out_works():
+    """Each is taken in by itself; the piston needs a rod as well, and the slot is one joint too many beside pin B."""
+    head, _, parts = mechanisms.TEMPLATE.read_text(encoding="utf-8").partition("# What follows")
+    for part in parts.split("\n\n")[1:]:
+        lines = [line.removeprefix("# ") for line in part.strip().splitlines()]
+        body = head
+        if lines[0].startswith("[[slots]]"):
+            tomllib.loads("\n".join(lines))
+            continue
+        if lines[0].startswith("[links.piston]"):
+            lines += ["[links.rod]", "points = { P = [0, 0], D = [120, 0] }", "[sketch.points]", "D = [120, 20]"]
+            body = head.replace("[sketch]", "[sketch]\n").replace("points = { B = [60, 45] }", "")
+        Path("part.toml").write_text("\n".join([body, *lines]), encoding="utf-8")
+        assert load("part.toml").links
+
+
+def test_nothing_is_overwritten_but_an_old_schema_of_ours(capsys):
+    Path("mine.toml").write_text("mine", encoding="utf-8")
+    Path("linkproof.schema.json").write_text("{}", encoding="utf-8")
+    with pytest.raises(LinkproofError, match=r"'mine\.toml' exists already: give another name"):
+        mechanisms.new("mine", Destination())
+    mechanisms.new("other.toml", Destination())
+    assert Path("mine.toml").read_text(encoding="utf-8") == "mine"
+    assert Path("linkproof.schema.json").read_text(encoding="utf-8") == "{}"
+    Path("linkproof.schema.json").write_text(json.dumps({"title": mechanisms.TITLE}), encoding="utf-8")
+    mechanisms.new("third", Destination())
+    assert capsys.readouterr().out.splitlines()[-1].startswith("wrote third.toml and renewed linkproof.schema.json, ")
+    assert json.loads(Path("linkproof.schema.json").read_text(encoding="utf-8")) == json_schema()
+
+
+@pytest.mark.parametrize("name", ["a\x1bb", "none/there/x", ".toml"])
+def test_a_name_that_cannot_be_a_file_is_refused(name):
+    Path("none").write_text("", encoding="utf-8")
+    with pytest.raises(LinkproofError, match=r"expected a"):
+        mechanisms.new(name, Destination())
+    assert [path.name for path in Path().iterdir()] == ["none"]
+
+
+def test_a_swing_is_reported_with_its_limits_and_drawn(capsys):
+    output, fault = checked(capsys, DOUBLE_ROCKER, save=(Path("scheme.svg"), Path("facts.json")))
+    assert fault is None
+    assert "from 14.3615° to 112.411°; at 14.3615° coupler + rocker (RRR): folded in one line; at 112.411°" in output
+    assert "40° or more from 35.82" in output
+    assert "\nlink     mass kg" in output
+    drawn = Path("scheme.svg").read_text(encoding="utf-8")
+    assert drawn.lstrip().startswith("<?xml")
+    assert drawn.rstrip().endswith("</svg>")
+
+
+def test_everything_up_to_the_first_fault_is_reported(capsys):
+    output, fault = checked(capsys, SLIP, save=(Path("scheme.svg"), Path("facts.json")))
+    assert isinstance(fault, StructureError)
+    assert "mobility     3 = 3·3 links - 2·3 pins and slides" in output
+    assert "warning: points 'C' and 'c' are two" in output
+    assert not Path("scheme.svg").exists()
+    output, fault = checked(capsys, DOUBLE_ROCKER.replace('angle = "deg"', 'angle = "dag"'))
+    assert (output, type(fault)) == ("", DescriptionError)
+    output, fault = checked(capsys, SLIP, json=True)
+    assert json.loads(output)["fault"] == str(fault)
+
+
+def test_the_next_command_can_be_pasted_into_a_shell(capsys):
+    mechanisms.new("a b", Destination())
+    mechanisms.new("-x", Destination())
+    output = capsys.readouterr().out
+    assert "next: linkproof check 'a b.toml'\n" in output
+    assert "next: linkproof check ./-x.toml\n" in output
+    with pytest.raises(DescriptionError, match=r"unknown mechanism 'a b': did you mean the file 'a b\.toml'\?"):
+        load("a b")
 
 
 def _listed(kind):
@@ -44,7 +158,6 @@ def test_a_number_that_is_printed_gives_the_value_back(name):
 @pytest.mark.parametrize(
     ("words", "answer"),
     [
-        (("list", "juki"), "did you mean 'juki-mf7923d'?"),
         (("sweep", "juki-mf7923d", "--vary", "cuopler.mass=1:2:3"), "did you mean 'coupler.mass'"),
         (("sweep", "juki-mf7923d", "--vary", "coupler.mass=1:2:3", "--quantity", "torque"), "did you mean 'Mkr.peak'"),
         (("optimise", "juki-mf7923d", "--over", "mas=1:2", "--minimise", "a.peak"), "`linkproof list MECHANISM`"),

@@ -1,0 +1,254 @@
+"""``compare`` in a user's repository, ``bench``, ``stress``: limits, earlier results, refusals, files, exit codes."""
+
+import json
+import os
+import re
+from dataclasses import replace
+from pathlib import Path
+from unittest.mock import patch
+from xml.etree import ElementTree
+
+import pytest
+
+from analytic.description.loading import read
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.campaign import results
+from comparisons.stress import campaign
+from comparisons.stress.verdict import StressVerdict, blank_result
+from comparisons.work_precision.measure import Extent
+from comparisons.work_precision.records import load
+from reports.command_line.commands import bench as bench_command
+from reports.command_line.commands import stress as stress_command
+from reports.command_line.commands.bench import bench
+from reports.command_line.commands.stress import run as stress
+from reports.command_line.destination import Destination
+from reports.records import limit_table
+from reports.requests.options import BenchOptions, RunsOptions, StressOptions
+from tests.commands import linkproof
+from tests.comparisons.faults import PATIENCE, announce
+
+PRESSES = ("a/press.toml", "b/press.toml")
+HEAVY = """
+import os
+from dataclasses import replace
+from engines.direct_adapter.adapter import DirectEngine
+
+class HeavyEngine(DirectEngine):
+    name, is_control = "heavy", False
+
+    def run(self, scene, setting):
+        more = float(os.environ.get("MORE", "0"))
+        print(os.environ.get("WORDS", ""), end="")
+        bodies = tuple(replace(body, mass=body.mass * (1.0 + more)) for body in scene.bodies)
+        return super().run(replace(scene, bodies=bodies), setting)
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A stranger's repository: two linkages of one name, limits, and an engine that makes its parts heavier."""
+    (tmp_path / "heavy_engine.py").write_text(HEAVY)
+    announce(tmp_path, "heavy-engine", {"heavy": "heavy_engine:HeavyEngine"})
+    monkeypatch.syspath_prepend(tmp_path)
+    text = read("juki-mf7923d").text
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "press.toml").write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def _compare(folder, *words, more="0"):
+    with patch.dict(os.environ, {"MORE": more}):
+        return linkproof("compare", *words, "--engine", "heavy", "--jobs", "0", cwd=folder)
+
+
+def _failed(file):
+    """The classes of the failed test cases in a JUnit file."""
+    return {case.get("classname") for case in ElementTree.parse(file).iter("testcase") if len(case)}
+
+
+def test_a_changed_mass_is_red_by_its_figures_and_in_an_engine_by_its_rows(folder):
+    done = _compare(folder, *PRESSES, "--out", "held", "--record", "held.csv")
+    assert (done.returncode, done.stderr) == (0, f"report: {Path('held/index.html')}\n")
+    recorded = (folder / "held.csv").read_bytes()
+    assert linkproof("compare", "--out", "held", "--record", "held.csv", cwd=folder).returncode == 0
+    assert (folder / "held.csv").read_bytes() == recorded
+
+    for held in (("--against", "held.csv"), ("--against", "held")):
+        words = (*PRESSES, *held, "--quantity", "joint_force", "--junit", "red.xml")
+        assert _compare(folder, *words).returncode == 0
+        done = _compare(folder, *words, more="0.001")
+        assert done.returncode == 1
+        assert re.search(
+            r"a-press \(as-built\) +run-up +heavy tuned +joint_force:.+ +newly failing: over-limit", done.stdout
+        )
+        changed = {f"changes/{name}-press/as-built/run-up/heavy/tuned" for name in "ab"}
+        assert changed <= _failed(folder / "red.xml")
+
+    press = folder / "b" / "press.toml"
+    text = press.read_text(encoding="utf-8")
+    press.write_text(text.replace("mass    = 0.03\n", "mass    = 0.0303\n"), "utf-8")
+    done = _compare(folder, *PRESSES, *held, "--quantity", "Jeq", "--junit", "red.xml")
+    assert done.returncode == 1
+    assert re.search(r"b-press \(as-built\) +run-up +closed form +Mkr.peak +changed", done.stdout)
+    assert "a-press" not in done.stdout.partition("not as it was recorded")[2]
+    places = {f"changes/b-press/{variant}/run-up/closed form" for variant in ("as-built", "as-printed")}
+    assert _failed(folder / "red.xml") == places
+    assert _compare(folder, PRESSES[0], *held, "--quantity", "Jeq").returncode == 0  # of what is asked for
+
+
+def test_limits_of_a_file_are_saved_with_the_results(folder):
+    limits = folder / "tight.toml"
+    limits.write_text('[[limit]]\nquantities = ["Mkr"]\nvalue = 0.001\nreason = "my own"\n')
+    done = _compare(folder, "a/press.toml", "--limits", limits, "--quantity", "Mkr", "--save", "r.json", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    document = json.loads((folder / "r.json").read_text(encoding="utf-8"))
+    assert document["command"].endswith(f"--quantity Mkr --limits {limits} --out DIR")
+    assert document["limits"][0] == {
+        "quantities": ["Mkr"], "settings": [], "regimes": [], "mechanisms": [], "value": 0.001, "reason": "my own",
+    }  # fmt: skip
+    assert len(document["descriptions"][0]["checksum"]) == 16
+    assert limit_table(results.load(folder / "out")).rows[0][3:] == ("1e-3", "my own")
+    assert "my own" in (folder / "out" / "RESULTS.md").read_text(encoding="utf-8")
+
+
+def test_an_engine_that_prints_leaves_stdout_to_json(folder, monkeypatch):
+    monkeypatch.setenv("WORDS", "free for research")
+    done = _compare(folder, "a/press.toml", "--quantity", "Jeq", "--json")
+    assert "free for research" in done.stderr
+    assert {record["engine"] for record in json.loads(done.stdout)["records"]} == {"heavy"}
+
+
+SHORT = Extent((12.0, 24.0, 48.0), budget=PATIENCE, repeats=2, patience=PATIENCE)
+BENCH = BenchOptions(
+    mechanisms=("juki-mf7923d",), engine=("direct",), regime=("run-up-quintic",), quantity=("Mkr",), quick=True
+)
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """A benchmark of seconds: a short run-up, three steps."""
+    monkeypatch.setattr(bench_command, "QUICK", SHORT)
+    hurried = RunsOptions(
+        mechanisms=("juki-mf7923d",), regime=("run-up-quintic",), engine=("direct",), ramp_time=0.1, hold_time=0.0
+    )
+    monkeypatch.setattr(bench_command, "_default_runs", lambda options: hurried)
+
+
+@pytest.mark.parametrize(
+    ("options", "regimes", "times"),
+    [
+        ({}, ("run-up-quintic", "run-up"), (0.6, 0.1)),
+        ({"quick": True}, ("run-up-quintic",), (0.06, 0.03)),  # a turn, unless its times are given
+        ({"quick": True, "regime": ("own",)}, ("own",), (0.06, 0.03)),
+        ({"quick": True, "speed": -3000.0}, ("run-up-quintic",), (0.02, 0.01)),
+        ({"quick": True, "hold_time": 0.2}, ("run-up-quintic",), (0.6, 0.2)),
+        ({"quick": True, "from_angle": 0.0, "to_angle": 90.0}, (), (0.6, 0.1)),
+    ],
+)
+def test_the_regimes_and_times_of_a_benchmark(options, regimes, times):
+    options = bench_command._default_runs(BenchOptions(**options))
+    assert options.regime == regimes
+    assert (options.ramp_time, options.hold_time) == pytest.approx(times)
+
+
+def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
+    assert bench(BENCH, Destination(out=tmp_path / "out")) == 0
+    text = capsys.readouterr().out
+    for words in ("juki-mf7923d (as-built), run-up-quintic: Mkr", "to get"):
+        assert words in text
+    saved = load(tmp_path / "out").as_dict
+    assert {row["setting"] for row in saved["records"]} >= {"naive", "tuned", "best", "exact"}
+    assert saved["noise"]["samples"]
+    assert saved["command"] == (
+        "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct --quantity Mkr --quick"
+    )
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names >= {"bench", "bench.html", "assets", "figures"}
+    assert "unfinished" not in names
+    assert len(load(tmp_path / "out").records) == len(saved["records"])
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "words"),
+    [
+        (BenchOptions(quantity=("torque",)), UnknownNameError, "Mkr"),
+        (
+            BenchOptions(mechanisms=("slotted-takeup",), regime=("own",), quantity=("Mkr",)),
+            LinkproofError,
+            "none of Mkr is a result",
+        ),
+    ],
+)
+def test_bad_input_of_a_benchmark_is_refused_before_any_run(options, kind, words, monkeypatch):
+    monkeypatch.setattr(bench_command, "measure_all", lambda *_: pytest.fail("something was run"))
+    with pytest.raises(kind, match=words):
+        bench(options, Destination())
+
+
+def test_an_engine_that_finishes_no_point_fails(short, monkeypatch):
+    real = bench_command.measure_all
+
+    def failing(request, *rest):
+        measured = real(request, *rest)
+        return replace(measured, points=tuple(replace(point, outcome="diverged") for point in measured.points))
+
+    monkeypatch.setattr(bench_command, "measure_all", failing)
+    assert bench(BENCH, Destination(quiet=True)) == 1
+
+
+CELL = "start/positions/1e-08/direct/tuned"
+
+
+@pytest.fixture(autouse=True)
+def _unhurried(monkeypatch):
+    """A cell may take minutes unless its time is given."""
+    monkeypatch.setattr(campaign, "_cell_seconds", lambda *_: PATIENCE)
+
+
+@pytest.mark.parametrize(
+    ("choice", "options", "words"),
+    [
+        (StressOptions(words=("start", CELL)), {}, "either axes or cells"),
+        (StressOptions(), {"jobs": 0}, "--jobs"),
+    ],
+)
+def test_bad_input_is_refused_before_any_cell_is_made(choice, options, words, monkeypatch):
+    monkeypatch.setattr(stress_command, "stress", lambda *_: pytest.fail("cells were made"))
+    with pytest.raises(LinkproofError, match=words):
+        stress(choice, Destination(), **options)
+
+
+def test_no_cell_at_all_is_no_success(tmp_path):
+    choice = StressOptions(words=("start",), engine=("direct",), setting=("no such setting",), quick=True)
+    with pytest.raises(LinkproofError, match="no stability run matches no such setting"):
+        stress(choice, Destination(out=tmp_path))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cell_alone_is_printed_in_full_and_written_as_json(capsys):
+    assert stress(StressOptions(words=(CELL,)), Destination()) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert text.startswith(f"{CELL}: within limit")
+    assert "Worst invariant:" in text
+    stress(StressOptions(words=(CELL,)), Destination(json=True))
+    (cell,) = json.loads(capsys.readouterr().out)["cells"]
+    assert (cell["verdict"], cell["command"]) == ("within limit", f"linkproof stress '{CELL}'")
+
+
+def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
+    choice = StressOptions(words=("start",), engine=("direct",), setting=("tuned",), quick=True)
+    assert stress(choice, Destination(out=tmp_path)) == 0
+    files = {path.name for path in tmp_path.iterdir()}
+    assert files == {"stress", "stress.html", "index.html", "assets", "figures"}
+    tables = capsys.readouterr().out
+    assert "missed 0" in " ".join(tables.split())
+    assert linkproof("stress", "--out", tmp_path).stdout == tables
+
+
+def test_a_missed_cell_fails_the_command(monkeypatch, capsys):
+    within = blank_result(stress_command.find_cell(CELL), "m")
+    missed = replace(within, verdict=StressVerdict.MISSED, reason="no invariant saw it")
+    monkeypatch.setattr(stress_command, "make_cells", lambda *_: [missed])
+    assert stress(StressOptions(words=(CELL,)), Destination()) == 1
+    assert "missed" in capsys.readouterr().out
