@@ -196,7 +196,7 @@ class Case:
     motion: Motion
     drive: Drive | None = None
     conditions: str = ""
-    _seen: dict[bytes, Truth] = field(default_factory=dict, compare=False, repr=False)
+    _seen: dict[bytes, Truth] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
         """A case travels to another process without the truth it has worked out, which is many times its own size."""

@@ -93,13 +93,13 @@ def planted_case(sample: str, key: str) -> Case:
     name, _, plus = name.partition(" + ")
     if name == RELEASED:
         assert isinstance(of.drive, Free)
-        return replace(of, drive=replace(of.drive, torque=float(times) * of.drive.torque), _seen={})
+        return replace(of, drive=replace(of.drive, torque=float(times) * of.drive.torque))
     right = Simulation(of.mechanism.linkage, of.motion)
     faults = chain(model_faults(right), motion_settings(of.motion))
     fault = next(fault for fault in faults if fault.name == name)
     wrong = fault.plant(right, *(float(times or 1) * number + float(plus or 0) for number in fault.start))
     motion = _in_polynomials(wrong.motion) if isinstance(wrong.motion, ChangedMotion) else of.motion
-    return replace(of, mechanism=Mechanism(wrong.linkage), motion=motion, _seen={})
+    return replace(of, mechanism=Mechanism(wrong.linkage), motion=motion)
 
 
 def _in_polynomials(changed: ChangedMotion) -> CrankMotion:

@@ -51,7 +51,7 @@ class Simulation:
     motion: Motion
     modes: tuple[int, ...] | None = None
     after: tuple[Change, ...] = ()
-    _seen: dict[tuple[str, bytes], Array] = field(default_factory=dict, compare=False, repr=False)
+    _seen: dict[tuple[str, bytes], Array] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -63,25 +63,25 @@ class Simulation:
 
     def with_motion(self, motion: Motion) -> Simulation:
         """The simulation under another motion; what is known of its linkage stays known."""
-        other = replace(self, motion=motion, _seen={})
+        other = replace(self, motion=motion)
         other.__dict__["mechanism"] = self.mechanism
         return other
 
     def with_linkage(self, linkage: Linkage) -> Simulation:
         """The simulation of another linkage; if only masses and loads differ, its known motion stays."""
-        other = replace(self, linkage=linkage, _seen={})
+        other = replace(self, linkage=linkage)
         if _motion_parts(linkage) == _motion_parts(self.linkage):
             other.__dict__["mechanism"] = self.mechanism.with_loads_of(linkage)
         return other
 
     def with_modes(self, modes: tuple[int, ...]) -> Simulation:
         """The simulation in other assembly modes, a sign for each dyad."""
-        return replace(self, modes=modes, _seen={})
+        return replace(self, modes=modes)
 
     def with_change(self, change: Change) -> Simulation:
         """The simulation with one more change of its curves; what they were before is computed once."""
         other = replace(self, after=(*self.after, change))
-        other.__dict__["mechanism"] = self.mechanism
+        other.__dict__.update(mechanism=self.mechanism, _seen=self._seen)
         return other
 
     def predict(self, curves: Iterable[SignalTimes]) -> list[Array]:

@@ -298,7 +298,7 @@ def _family_errors(
     case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion
 ) -> Iterator[QuantityRecord]:
     """Errors of a motion, of a family of quantities the worst member's, with what the engine does not tell of each."""
-    alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
+    alone = replace(case)  # the closed form on this clock goes when the point is done
     for name, family in families.items():
         reasons = {quantity.name: reason for quantity in family if (reason := _why_not_measured(quantity, motion))}
         detail = f"{', '.join(reasons)} {' or '.join(dict.fromkeys(reasons.values()))}" if reasons else ""

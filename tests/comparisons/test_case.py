@@ -19,6 +19,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import evaluate
 from comparisons.case import MOST_CLOCKS, Case, channel_truth, zero_of_output
 from comparisons.datasheet.building import usual_case
+from comparisons.faults.fault import SignalTimes, Simulation
 from comparisons.invariants.checks import checks
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record
@@ -221,3 +222,20 @@ def test_a_pushed_driver_rests_where_its_force_holds_the_loads():
         needed = drive_torque(driven("boom").sweep(beside), 0.0, 0.0)
         assert needed[1] == pytest.approx(force, abs=1e-9 * max(force, abs(needed[2] - needed[0]) * 1e6))
         assert rest.stable == bool(needed[2] > needed[0])
+
+
+@pytest.mark.parametrize("kind", [Case, Simulation])
+def test_another_linkage_does_not_get_what_is_known_of_the_first(kind):
+    linkages = [load("juki-mf7923d"), load("juki-mf7923d", "as-printed")]
+
+    def torque(of):
+        if kind is Case:
+            return of.at(TIMES).torque
+        return of.predict([SignalTimes("Mkr", TIMES)])[0]
+
+    part = "mechanism" if kind is Case else "linkage"
+    first, second = ((Mechanism(one) if kind is Case else one) for one in linkages)
+    known = kind(first, MOTION)
+    before = torque(known)
+    assert np.array_equal(torque(replace(known, **{part: second})), torque(kind(second, MOTION)))
+    assert not np.array_equal(torque(kind(second, MOTION)), before)
