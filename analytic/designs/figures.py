@@ -152,17 +152,30 @@ def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> 
     """
     listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
     known = listed | {key: key for key, on_request in table(mechanism).items() if not on_request.is_listed}
-    signal, mark, where = name.rpartition("@")
-    if mark:
+    signal, ending = ("S", ".range") if name == STROKE else part_figure(name)
+    if ending.startswith("@"):
+        where = ending[1:]
         members = _members(mechanism, known, signal, name)
         angle, time = _instant(mechanism.linkage, name, where, in_time=in_time)
         return {f"{member}@{where}": Figure(known[member], Reduction.AT, angle, time) for member in members}
-    signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
-    if word not in REDUCTIONS:
+    word = ending[1:]
+    if not word:
         raise _unknown(name, listed)
     how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(TRANSMISSION_ANGLE) else Reduction(word)
     members = _members(mechanism, known, signal, name)
     return {STROKE if name == STROKE else f"{member}.{word}": Figure(known[member], how) for member in members}
+
+
+def part_figure(name: str) -> tuple[str, str]:
+    """The signal of a figure's name and the rest, as ``.peak`` or ``@30``; "" where it has no such end.
+
+    Names of links and points may have any of these signs.
+    """
+    signal, _, word = name.rpartition(".")
+    if word in REDUCTIONS:
+        return signal, f".{word}"
+    signal, mark, where = name.rpartition("@")
+    return (signal, f"@{where}") if mark else (name, "")
 
 
 def figure_names(mechanism: Mechanism) -> list[str]:

@@ -18,7 +18,7 @@ from analytic.description.linkage import Linkage, ThreadPath
 from analytic.description.loading import load
 from analytic.description.schema import Published
 from analytic.description.units import conversion
-from analytic.designs.figures import STROKE, Figure, SignalExtreme, figures_named
+from analytic.designs.figures import STROKE, Figure, SignalExtreme, figures_named, part_figure
 from analytic.dynamics import reduced
 from analytic.dynamics.reduced import equilibria
 from analytic.errors import LinkproofError, UnknownNameError
@@ -248,7 +248,7 @@ def figure_unit(name: str, linkage: Linkage) -> str:
     """SI unit of a figure of the linkage."""
     if name in MECHANISM_FIGURES:
         return MECHANISM_FIGURES[name][0]
-    return unit("S" if name == STROKE else name.rpartition("@")[0] or name.rpartition(".")[0], linkage)
+    return unit("S" if name == STROKE else part_figure(name)[0], linkage)
 
 
 def case_figures(curves: Curves, figures: Mapping[str, Figure | MechanismFigure]) -> dict[str, float]:
@@ -379,7 +379,7 @@ def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
 def _is_place(entry: Published, mechanism: Mechanism) -> bool:
     """Whether a printed figure is an angle at an instant or a place, which a whole turn does not change."""
     is_angle = figure_unit(entry.quantity, mechanism.linkage) == "rad" and not entry.relative_to
-    return is_angle and ("@" in entry.quantity or entry.quantity in MECHANISM_FIGURES)
+    return is_angle and (entry.quantity in MECHANISM_FIGURES or part_figure(entry.quantity)[1].startswith("@"))
 
 
 def verdict(entry: Published, ours: float) -> str:
@@ -403,8 +403,8 @@ def _evaluate(mechanism: Mechanism, entry: Published) -> float:
 def _other_figure(mechanism: Mechanism, entry: Published, other: str) -> float:
     """A printed figure's value, SI, for the ``other`` signal of the linkage or the other mechanism."""
     if other in table(mechanism):
-        _, mark, place = entry.quantity.rpartition("@" if "@" in entry.quantity else ".")
-        return published_figure(mechanism, entry.model_copy(update={"quantity": f"{other}{mark}{place}"}))
+        ending = part_figure(entry.quantity)[1]
+        return published_figure(mechanism, entry.model_copy(update={"quantity": f"{other}{ending}"}))
     of, variant = load(other), mechanism.linkage.variant
     return published_figure(Mechanism(load(other, variant) if variant in of.variants else of), entry)
 

@@ -21,7 +21,7 @@ from analytic.description.changes import SPEED
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import signal_gradients, signal_values
-from analytic.designs.figures import Figure, Reduction, SignalExtreme
+from analytic.designs.figures import Figure, Reduction, SignalExtreme, part_figure
 from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
@@ -392,7 +392,9 @@ def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFi
     result: dict[NamedFigure, str | None] = {}
     for text in texts:
         name, mark, values = text.rpartition("=")
-        result |= dict.fromkeys(named_figures(mechanism, [(name if mark else text).strip()]), values if mark else None)
+        if not mark or part_figure(text)[1].startswith("."):  # the sign is one of the figure's name
+            name, values = text, None
+        result |= dict.fromkeys(named_figures(mechanism, [name.strip()]), values)
     return result
 
 

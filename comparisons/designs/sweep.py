@@ -98,7 +98,7 @@ def parameter_range(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
 
     Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a malformed range.
     """
-    name, equals, ends = text.partition("=")
+    name, equals, ends = text.rpartition("=")
     words = ends.split(":")
     if not equals or len(words) != 3:
         raise LinkproofError(f"--vary: expected {RANGE_FORM}, got '{text}'; correct it")

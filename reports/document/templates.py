@@ -16,6 +16,7 @@ from reports.document import numbers
 
 FOLDER = Path(__file__).parents[1] / "templates"
 # A signal of a part of the linkage.
+INSTANT = re.compile(r"[-+]?\.?\d")  # what stands behind the @ of a figure
 SIGNAL = re.compile(r"(?P<kind>point|link|joint_force):(?P<owner>.+):(?P<what>\w+)")
 
 
@@ -64,7 +65,7 @@ def worded(quantity: str) -> str:
     """
     whole, *less = quantity.split(" - ")
     name, at, place = whole.rpartition("@")
-    if at:
+    if at and INSTANT.match(place):
         unit = next((unit for unit in ("rad", "s") if place.endswith(unit)), "")
         where = f"{place.removesuffix(unit)} {unit}" if unit else f"{place.removesuffix('deg')}°"
         words = f"{_signal(name)} at {where}"

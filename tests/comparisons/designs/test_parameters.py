@@ -1,6 +1,7 @@
 """Figures of designs by name: what a linkage cannot have, powers of the speed, masses that go with lengths."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,9 @@ from analytic.designs.figures import REDUCTIONS, figure_names
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.parameters import named_figures, steady_motion
+from comparisons.designs.problem import constraint_texts
+from comparisons.designs.sweep import parameter_range
+from reports.document.templates import worded
 from tests.analytic.linkages import driven, from_text, mechanism, path_of
 from tests.comparisons.designs.sweeps import BARE
 
@@ -166,3 +170,14 @@ def test_the_file_of_an_optimum_has_the_masses_and_so_the_figures():
     )
     for one, (value,) in zip(named, values, strict=True):
         assert value / one.unit.size == pytest.approx(float(after[one.name]), rel=1e-12)
+
+
+def test_names_may_have_the_signs_of_figures_and_ranges():
+    """A link with an @ or an = in its name has figures, can be varied and can be held."""
+    text = re.sub(r"\[(.*)links.coupler\]", r'[\1links."=r@d"]', load("juki-mf7923d").text)
+    named = Mechanism(parse(text, "signs", ""))
+    figures = [figure.name for figure in named_figures(named, ["link:=r@d:angle.peak", "link:=r@d:angle@30"])]
+    assert figures == ["link:=r@d:angle.peak", "link:=r@d:angle@30"]
+    assert [worded(name) for name in figures] == ["angle of link =r@d, peak", "angle of link =r@d at 30°"]
+    assert parameter_range(named.linkage, "=r@d.mass=0.1:0.2:2")[0].name == "=r@d.mass"
+    assert [figure.name for figure in constraint_texts(named, ["link:=r@d:angle.peak"])] == figures[:1]
