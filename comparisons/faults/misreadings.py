@@ -161,8 +161,9 @@ def largest_magnitude(values: Array) -> float:
 
 
 def _without_ends(values: Array) -> Array:
-    """Values (n, k) without the samples at either end."""
-    return values[ENDS:-ENDS]
+    """Values (n, k) without the samples at either end, of few samples one at least."""
+    ends = min(ENDS, (len(values) - 1) // 2)
+    return values[ends : len(values) - ends]
 
 
 def plant_misreading(

@@ -310,7 +310,7 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
     if not axis.methods:
         return list(axis.settings)
     plain = axis.rows[0].conditions
-    given = scene(plain, case(plain))
+    given = scene(plain, _case(plain))
     try:
         methods = adapter.methods(given) if isinstance(adapter, StudiedEngine) else ()
         offered = {method.name: method.effort_unit for method in methods}
@@ -322,15 +322,17 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
 
 def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = (), *, quick: bool) -> list[Cell]:
     """Every cell of these axes; ``only`` keeps the usages of these names."""
-    return [
-        Cell(axis.name, row.label, value, name, usage)
-        for axis in chosen
-        for row in axis.chosen_rows(quick=quick)
-        for value in axis.chosen_values(row, quick=quick)
-        for name in engines
-        for usage in usages(axis, engine(name))
-        if not only or usage in only
-    ]
+    result = []
+    for axis in chosen:
+        known = [(name, usage) for name in engines for usage in usages(axis, engine(name))]
+        result += [
+            Cell(axis.name, row.label, value, name, usage)
+            for row in axis.chosen_rows(quick=quick)
+            for value in axis.chosen_values(row, quick=quick)
+            for name, usage in known
+            if not only or usage in only
+        ]
+    return result
 
 
 def find_cell(key: str) -> Cell:
@@ -390,10 +392,15 @@ def _blank_result(cell: Cell) -> CellResult:
     return replace(blank, differing=conditions.differing)
 
 
-@lru_cache(maxsize=4)
 def _case(conditions: Conditions) -> Case:
+    """The case of conditions, which those share that differ in what an engine alone is given."""
+    return _shared_case(replace(conditions, disturbed="", disturbance=0.0, steps_per_turn=0.0, effort=0.0))
+
+
+@lru_cache(maxsize=4)
+def _shared_case(conditions: Conditions) -> Case:
     """A case, cached: neighbouring cells share it, and a long released motion takes seconds to integrate."""
-    return case(replace(conditions))
+    return case(conditions)
 
 
 def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:

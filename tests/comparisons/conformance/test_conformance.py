@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
 from comparisons.conformance import conformance
 from comparisons.conformance.conformance import (
     CHECKS,
@@ -18,9 +20,12 @@ from comparisons.conformance.conformance import (
 )
 from comparisons.conformance.mutants import MUTANT, MUTANTS, RELEASED
 from comparisons.conformance.trial import CheckResult, EngineTrial, Finding, NotTestedError
+from comparisons.datasheet.building import usual_case
+from comparisons.faults.misreadings import likeliest_misreading, readings
 from comparisons.runs.workers import Bounds
 from engines.direct_adapter.adapter import DirectEngine
 from engines.registry import engine, engine_names
+from engines.scene import Channel
 from tests.comparisons.conformance.wrong_engines import (
     WRONG,
     AlterableEngine,
@@ -30,6 +35,7 @@ from tests.comparisons.conformance.wrong_engines import (
     NarrowEngine,
     PrintingEngine,
 )
+from tests.comparisons.true_motions import true_history
 
 pytest_plugins = ["pytester"]
 OWN = [name for name in CHECKS if not name.startswith(MUTANT)]
@@ -215,3 +221,11 @@ def test_an_engine_keeps_the_contract(name, monkeypatch):
 def test_no_mutant_of_an_engine_passes_unseen(name, monkeypatch):
     results = findings(name, monkeypatch, CHECKS)
     assert sum(results[f"{MUTANT}{mutant.name}"] is Finding.PASSED for mutant in MUTANTS) >= FEWEST_MUTANTS
+
+
+@pytest.mark.parametrize("samples", [6, 7, 8, 30])
+def test_a_slip_is_named_of_few_samples_too(samples):
+    case = usual_case(Mechanism(load("juki-mf7923d")))
+    history = true_history(case, samples)
+    right = next(one for one in readings(case.scene(frozenset(Channel)), history) if one.channel is Channel.TORQUE)
+    assert likeliest_misreading(right, -right.values) == "it has the wrong sign"

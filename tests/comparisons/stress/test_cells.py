@@ -369,3 +369,20 @@ def test_usages_are_settings_or_the_methods_an_engine_has():
     assert usages(axes()["speed"], Perfect()) == ["defaults", "centred"]
     assert usages(axes()["iterations"], Perfect()) == ["centred"]
     assert usages(axes()["tolerance"], Perfect()) == []
+
+
+@pytest.mark.parametrize("vary", ["steps_per_turn", "effort", "disturbance"])
+def test_cells_that_differ_in_nothing_of_the_closed_form_share_a_case(vary, monkeypatch):
+    built = []
+    monkeypatch.setattr(stress, "case", lambda conditions: built.append(conditions) or case(conditions))
+    axis = next(axis for axis in axes().values() if axis.vary == vary)
+    for value in axis.values:
+        stress._case(axis.conditions(axis.rows[0].label, value))
+    assert len(built) <= 1
+
+
+def test_the_methods_of_an_engine_are_looked_up_once_an_axis(monkeypatch):
+    asked = []
+    monkeypatch.setattr(stress, "usages", lambda axis, adapter: asked.append((axis.name, adapter.name)) or ["tuned"])
+    assert stress.cells(axes().values(), ["direct"], quick=True)
+    assert len(asked) == len(axes())
