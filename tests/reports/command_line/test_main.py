@@ -253,18 +253,7 @@ def untimed(rows):
 def test_an_interrupted_campaign_is_finished_by_its_folder_alone(tmp_path, gate, monkeypatch, short_folder, by):
     monkeypatch.setenv("TMPDIR", str(short_folder))
     out = tmp_path / "out"
-    words = (
-        "compare",
-        NAME,
-        "--regime",
-        "run-up",
-        "--regime",
-        "run-up-quintic",
-        "--engine",
-        "gated",
-        "--setting",
-        "all",
-    )
+    words = f"compare {NAME} --regime run-up --regime run-up-quintic --engine gated --setting all".split()
     records = out / FOLDER / RECORDS
     some = lambda: records.is_file() and records.read_bytes().count(b"\n") > 1  # noqa: E731
     done = interrupted(*words, "--out", out, by=by, when=some)

@@ -18,7 +18,7 @@ from reports.charts.scales import INK, LIMIT_COLOUR, MUTED, PALETTE
 from reports.designs import tolerance_terminal
 from reports.designs.optimise_terminal import before_after_chart
 from reports.designs.sweep_picture import sweep_figure
-from reports.designs.sweep_terminal import document, parts, sentence
+from reports.designs.sweep_terminal import sentence
 from reports.designs.tolerance_terminal import NONE, TIED, WIDE, printout, tornado_chart
 from reports.document.numbers import figure as digits
 from reports.document.terminal import rendered
@@ -154,23 +154,6 @@ def test_a_transmission_angle_is_best_at_ninety_degrees():
     assert "nearest to 90°" in texts(figure)
 
 
-def test_parallel_lines_end_where_designs_do_not_assemble_and_the_best_is_among_a_sample():
-    best = int(np.nanargmin(made_up_sweep(30, 20, 10, fails=0.3)["Mkr.peak"].values))
-    figure = drawn(made_up_sweep(30, 20, 10, figures=2, fails=0.3), always={best})
-    axes = figure.axes[0]
-    lines = {line.get_color(): line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 5}
-    count = sum(np.count_nonzero(points[:, 0] == 0.0) for points in lines.values())
-    assert 2000 < count <= 2000 + 2  # the best is drawn among the others, and above them
-    best = lines[LIMIT_COLOUR]
-    assert best[:3, 1] == pytest.approx(np.array([9.0 / 29.0, 0.0, 0.0]), abs=1e-12)
-    grey = [points for points in lines.values() if np.all(np.isnan(points[points[:, 0] > 2.0, 1]))]
-    assert len(grey) == 1
-    assert any(re.search("6 000 designs, a sample of 2 00. is drawn", text) for text in texts(figure))
-    assert {"design of the file", "does not assemble", "Mkr.peak: least"} <= set(texts(figure))
-    (own,) = [line.get_xydata() for line in axes.lines if line.get_marker() == "D"]
-    assert own == pytest.approx(np.array([(n, 0.4) for n in range(3)]))
-
-
 def test_a_table_is_drawn_as_the_grid_of_the_same_designs_descending_or_not_and_a_file_stands_on_white():
     grid, table = (made_up_sweep(6, 5, 4, figures=2, fails=0.2, table=one) for one in (False, True))
     first, second, text = (
@@ -210,20 +193,6 @@ def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():
     assert told.endswith("to 180 mm")
 
 
-def test_the_table_and_the_document_have_the_same_figures():
-    found = summed_up("rod.B.x=170:180:3", "rod.mass=1:2:2")
-    lines = rendered(*parts(found)).splitlines()
-    stroke = document(found)["figures"]["stroke"]
-    for line, what in zip(lines[4:7], ("least", "own", "largest"), strict=True):
-        value, x, mass = map(float, line.split()[-3:])
-        assert [x, mass] == [*stroke[what]["at"].values()]
-        np.testing.assert_allclose(value, stroke[what]["value"], rtol=1e-5)
-    assert stroke["own"]["at"] == {"rod.B.x": 175.0, "rod.mass": 0.17}
-    assert document(found)["parameters"]["rod.B.x"] == {
-        "units": "mm", "least": 170.0, "largest": 180.0, "assembles": [170.0, 180.0]
-    }  # fmt: skip
-
-
 def test_torque_comes_first_and_both_peaks_are_marked():
     rimoldi = mechanism("rimoldi-164")
     wanted = OptimisationRequest("joint_force:A.peak", ("rod.B.x=170:180",))
@@ -247,18 +216,6 @@ def printed_study(sample, results, table, **options):
     study = tolerance_study(tolerance_request(sample, motion, Tolerances(results, None, table), **options))
     found = printout(study)
     return study, rendered(*found.tables, *found.closing)
-
-
-def test_rows_stand_by_contribution_and_a_mass_moves_no_stroke():
-    table = {"rod.mass": 0.01, "rod.B.x": 0.01, "rocker.B.length": {"plus_minus": 0.05, "distribution": "uniform"}}
-    study, text = printed_study(mechanism("rimoldi-164", "as-built"), ("stroke",), table, samples=30)
-    rows = [line.split()[0] for line in text.splitlines() if "exact" in line]
-    assert rows == ["rocker.B.length", "rod.B.x", "rod.mass"]
-    assert "stroke [mm]: 30.9866" in text
-    assert "rocker.B.length  0.05  mm uniform" in text
-    low, high = study.corners[0] * 1e3
-    assert f"{low:.4f} to {high:.4f} mm of all 8 corners" in text
-    assert "30 random designs, seed 0: all of them assemble" in text
 
 
 def test_what_has_no_derivative_says_why():

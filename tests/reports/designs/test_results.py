@@ -42,12 +42,6 @@ from tests.reports.designs.samples import (
     shown_piston,
 )
 
-# What one of the file's unit is in SI, for each unit that a column can have.
-SIZES = {"s": 1.0, "J": 1.0, "W": 1.0, "N*mm": 1e-3, "kN": 1e3, "kg*m^2": 1.0}
-SIZES |= {f"in{rest}": 0.0254 for rest in ("", "/s", "/s^2")} | {
-    f"deg{rest}": np.pi / 180 for rest in ("", "/s", "/s^2")
-}
-
 
 def table(results):
     head, *rows = csv.reader(io.StringIO(csv_table(results)))
@@ -67,18 +61,6 @@ def test_json_is_one_object_in_si_whatever_the_units_of_the_file():
         scale = 1e-11 * max(map(abs, values)) + 1e-9
         assert imperial["values"][name] == pytest.approx(values, abs=scale), name
         assert imperial["peaks"][name]["value"] == pytest.approx(metric["peaks"][name]["value"], abs=scale), name
-
-
-def test_csv_has_a_column_per_signal_in_the_units_of_the_file_and_the_axis_first():
-    found = piston(*IMPERIAL)
-    columns, document = table(found), json.loads(json_text(found))
-    assert next(iter(columns)) == "phi [deg]"
-    for head, values in columns.items():
-        name, unit = head.removesuffix("]").split(" [")
-        expected = np.array(document["values"][name])
-        assert values * SIZES[unit] == pytest.approx(expected, rel=1e-13, abs=1e-300), head
-    assert columns["phi [deg]"][[0, -1]] == pytest.approx([0.0, 360.0])
-    assert np.max(columns["S [in]"]) == pytest.approx(0.1 / 0.0254)
 
 
 def test_a_peak_is_at_its_stated_place():

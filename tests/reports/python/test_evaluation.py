@@ -8,8 +8,8 @@ import pytest
 import xarray
 
 import linkproof
-from analytic.description.loading import load, parse
-from reports.python.evaluation import Label, label, labelled
+from analytic.description.loading import parse
+from reports.python.evaluation import Label, label
 from tests.analytic.linkages import path_of
 from tests.commands import linkproof as command
 
@@ -134,17 +134,6 @@ def test_results_are_saved_and_read_as_netcdf(tmp_path):
 )
 def test_a_signal_has_its_place_whatever_colons_its_name_has(name, place):
     assert label(name) == place
-
-
-def test_parts_and_components_keep_their_values_and_units():
-    names = [f"joint_force:{joint}:{axis}" for joint in ("B", "A") for axis in "xy"]
-    values = {name: np.array([10.0 * row, 10.0 * row + 1.0]) for row, name in enumerate(names)}
-    found = labelled(load("juki-mf7923d"), "time", {"time": np.array([0.0, 0.5]), **values}, {"regime": "run-up"})
-    assert found["joint_force"].dims == ("joint", "component", "time")
-    assert found["joint_force"].sel(joint="A", component="y", time=0.5) == 31.0
-    assert found["joint_force"].sel(joint="B", component="x").values.tolist() == [0.0, 1.0]
-    assert (found["joint_force"].attrs["units"], found["time"].attrs["units"]) == ("N", "s")
-    assert (found.attrs["mechanism"], found.attrs["regime"]) == ("juki-mf7923d", "run-up")
 
 
 def test_an_optimum_has_the_numbers_and_figures_of_the_command():
