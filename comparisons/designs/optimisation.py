@@ -99,6 +99,8 @@ def _search_others(
 
 REPORTED: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min")
 KINKED: Final = (Reduction.MAX, Reduction.RANGE)
+DIGITS: Final = (6, 9, 12)  # of a number that a new file has
+AS_GOOD: Final = 1e-6  # share of the aim that fewer digits may cost
 OF_HIGHEST: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
 
 
@@ -138,6 +140,36 @@ class Optimum:
         """At which of its bounds a number ended: lower, upper, or neither."""
         here = (self.after[variable.parameter.name] - variable.low) / (variable.high - variable.low)
         return "lower" if here < ACTIVE else "upper" if here > 1.0 - ACTIVE else ""
+
+    @cached_property
+    def written(self) -> dict[str, float]:
+        """The numbers, SI, as the new file has them: bounds as typed, others in as few digits as serve as well."""
+        for digits in DIGITS:
+            numbers = {entry.parameter.name: self._short(entry, digits) for entry in self.problem.variables}
+            if self._serves(numbers):
+                return numbers
+        return dict(self.after)
+
+    def _short(self, variable: Variable, digits: int) -> float:
+        """A number of the best design, SI, in so many digits of the file's unit, within its bounds."""
+        at = self.bound(variable)
+        if at:
+            return variable.low if at == "lower" else variable.high
+        size = variable.parameter.unit.size
+        value = float(f"{self.after[variable.parameter.name] / size:.{digits}g}") * size
+        return min(max(value, variable.low), variable.high)
+
+    def _serves(self, numbers: Mapping[str, float]) -> bool:
+        """Whether a design is as good as the best one, and holds what that one holds."""
+        problem, count = self.problem, len(self.problem.aims)
+        values = _design_figures(problem.mechanism, problem.motion, problem.figures, numbers)
+        aim, best = (problem.sign * np.max(problem.sign * row[:count]) for row in (values, self.values[1]))
+        held = zip(problem.constraints, values[count:], self.values[1, count:], problem.constraint_sizes, strict=False)
+        is_held = all(
+            part.violation(value) <= max(part.violation(known), ALLOWED_EXCESS * size)
+            for part, value, known, size in held
+        )
+        return bool(abs(aim - best) <= AS_GOOD * problem.aim_size) and is_held
 
     def curves(self) -> dict[str, Array]:
         """The signals of aims and constraints, and Mkr, over the crank angles of the search: (2, angles), SI."""
@@ -252,10 +284,18 @@ def _check_depends(problem: DesignProblem, start: Array) -> None:
         model = problem.linearise(start, problem.windows(start))
     except AssemblyError:
         return
-    if not np.any(np.abs(model.aim_slopes) > ALLOWED_EXCESS):
-        names = ", ".join(variable.parameter.name for variable in problem.variables)
-        aim = ", ".join(figure.name for figure in problem.aims)
-        raise LinkproofError(f"expected a figure that depends on {names}, got {aim}, which does not; choose others")
+    slopes = np.abs(model.aim_slopes)
+    if np.any(slopes > ALLOWED_EXCESS):
+        return
+    names = ", ".join(variable.parameter.name for variable in problem.variables)
+    aim = ", ".join(figure.name for figure in problem.aims)
+    sizes = np.maximum(np.abs(problem.low), np.abs(problem.low + problem.width))
+    if np.any(slopes * sizes / problem.width > ALLOWED_EXCESS):
+        raise LinkproofError(
+            f"--over {names}: the bounds are so close together that {aim} hardly changes between them; set them "
+            "farther apart"
+        )
+    raise LinkproofError(f"expected a figure that depends on {names}, got {aim}, which does not; choose others")
 
 
 def _feasible_end(problem: DesignProblem, result: Search, motion: SteadyMotion) -> End:

@@ -161,7 +161,7 @@ def optimise(
     }
     about = {name: saved[name] for name in ("mechanism", "variant", "conditions", "command")}
     cost = {name: value for name, value in saved["search"].items() if name != "ends"}
-    text = design_file(result.problem.mechanism, result.after)
+    text = design_file(result.problem.mechanism, result.written)
     return xarray.Dataset({**numbers, **figures}, {"design": ["before", "after"]}, {**about, **cost, "toml": text})
 
 

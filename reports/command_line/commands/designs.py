@@ -74,7 +74,7 @@ LINKAGE_FILE: Final = ".toml"
 
 
 def _optimise_linkage(best: Optimum, conditions: str, command: str) -> str:
-    return design_file(best.problem.mechanism, best.after)
+    return design_file(best.problem.mechanism, best.written)
 
 
 def _optimise_figure(best: Optimum, conditions: str, command: str) -> Figure:
