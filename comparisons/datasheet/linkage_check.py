@@ -117,20 +117,20 @@ def _load_slips(linkage: Linkage) -> Iterator[str]:
         yield "gravity points along +y, which is up in every drawing: write [0, -9.81] unless your y points down"
     for spring in linkage.springs:
         if not spring.has_length:
-            yield f"the {_load_name(spring)} has no free length: it pulls at every length; add length if it has one"
+            yield f"the {load_name(spring)} has no free length: it pulls at every length; add length if it has one"
         elif spring.length and not SHORTEST * linkage.extent() < spring.length < LONGEST * linkage.extent():
             yield (
-                f"the {_load_name(spring)} is {linkage.written(spring.length)} long when free, and the linkage "
+                f"the {load_name(spring)} is {linkage.written(spring.length)} long when free, and the linkage "
                 f"{linkage.written(linkage.extent())}: check the unit of its length"
             )
     for force in linkage.forces:
-        yield from _table_slips(_load_name(force), force.force)
+        yield from _table_slips(load_name(force), force.force)
     for torque in linkage.torques:
-        yield from _table_slips(_load_name(torque), torque.torque)
+        yield from _table_slips(load_name(torque), torque.torque)
     yield from _oversized_loads(linkage)
 
 
-def _load_name(load: Load) -> str:
+def load_name(load: Load) -> str:
     """A load as warnings call it."""
     match load:
         case PointForce():
@@ -160,7 +160,7 @@ def _oversized_loads(linkage: Linkage) -> Iterator[str]:
         if moved > MOST_TIMES * others > NOISE * moved:
             at = "" if linkage.is_linear else f" at {SPEED:g} rpm"
             yield (
-                f"the {_load_name(load)} moves the drive {moved / others:.2g} times as much as all else together{at}: "
+                f"the {load_name(load)} moves the drive {moved / others:.2g} times as much as all else together{at}: "
                 f"check its size{_unit_slip(load, linkage)}"
             )
 

@@ -16,7 +16,14 @@ from analytic.designs.derivatives import signal_gradients
 from analytic.designs.figures import Reduction
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.parameters import NamedFigure, OpenEndFigures, SteadyMotion, named_figures, open_end_figures
+from comparisons.designs.parameters import (
+    NamedFigure,
+    OpenEndFigures,
+    SteadyMotion,
+    loads_that_stay,
+    named_figures,
+    open_end_figures,
+)
 from comparisons.designs.problem import (
     ALLOWED_EXCESS,
     Constraint,
@@ -142,6 +149,12 @@ class Optimum:
         return "lower" if here < ACTIVE else "upper" if here > 1.0 - ACTIVE else ""
 
     @cached_property
+    def warnings(self) -> list[str]:
+        """What a reader of the best design has to know."""
+        loads = loads_that_stay(self.problem.mechanism, [self.after])
+        return [*filter(None, (self.at_open_end.sentence, loads))]
+
+    @cached_property
     def written(self) -> dict[str, float]:
         """The numbers, SI, as the new file has them: bounds as typed, others in as few digits as serve as well."""
         for digits in DIGITS:
@@ -166,7 +179,7 @@ class Optimum:
         aim, best = (problem.sign * np.max(problem.sign * row[:count]) for row in (values, self.values[1]))
         held = zip(problem.constraints, values[count:], self.values[1, count:], problem.constraint_sizes, strict=False)
         is_held = all(
-            part.violation(value) <= max(part.violation(known), ALLOWED_EXCESS * size)
+            float(part.violation(value)) <= max(float(part.violation(known)), ALLOWED_EXCESS * size)
             for part, value, known, size in held
         )
         return bool(abs(aim - best) <= AS_GOOD * problem.aim_size) and is_held

@@ -23,10 +23,12 @@ from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure, figures_named
 from analytic.designs.results import design_figures
 from analytic.errors import LinkproofError, StructureError, UnknownNameError, listed
+from analytic.kinematics.dead_centres import top_dead_centre
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.signals import unit
+from comparisons.datasheet.linkage_check import load_name
 from comparisons.datasheet.open_ends import figures_at_open_ends, inset_ends, open_end_warning
 
 Array = NDArray[np.float64]
@@ -265,3 +267,35 @@ def open_end_figures(mechanism: Mechanism, motion: SteadyMotion, figures: Sequen
     verb = "has its extreme" if len(names) == 1 else "have their extremes"
     words = open_end_warning(mechanism, ends)
     return OpenEndFigures(names, f"{listed(names)} {verb} at an open end of the motion: {words}")
+
+
+DEAD_CENTRE_MOVES: Final = math.radians(0.5)  # by less, a load over the crank angle is where it was
+
+
+def loads_that_stay(mechanism: Mechanism, designs: Iterable[Mapping[str, float]]) -> str:
+    """A sentence on loads over the crank angle whose place in the stroke changes in a design; "" without any.
+
+    ``designs`` are numbers, SI, by name; those without dead centres are left out.
+    """
+    linkage = mechanism.linkage
+    loads = [load_name(force) for force in linkage.forces if not force.force.is_constant]
+    loads += [load_name(torque) for torque in linkage.torques if not torque.torque.is_constant]
+    if not loads or linkage.is_linear or linkage.output is None:
+        return ""
+    try:
+        own = top_dead_centre(mechanism).angle
+    except LinkproofError:
+        return ""
+    for design in designs:
+        numbers = {name: value for name, value in design.items() if name != SPEED}
+        try:
+            moved = top_dead_centre(mechanism.redesigned(with_numbers(linkage, numbers))).angle
+        except LinkproofError:
+            continue
+        if abs((moved - own + math.pi) % FULL_TURN - math.pi) > DEAD_CENTRE_MOVES:
+            stay = "stays at its crank angles" if len(loads) == 1 else "stay at their crank angles"
+            return (
+                f"the {' and the '.join(loads)} {stay} while the top dead centre moves from {linkage.place(own)} to "
+                f"{linkage.place(moved)}: shift the table in the file where it belongs to the stroke"
+            )
+    return ""

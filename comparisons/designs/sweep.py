@@ -30,6 +30,7 @@ from comparisons.designs.parameters import (
     OpenEndFigures,
     Parameter,
     SteadyMotion,
+    loads_that_stay,
     named_figures,
     open_end_figures,
     parameter,
@@ -220,6 +221,18 @@ class SweepRequest:
     def at_open_end(self) -> OpenEndFigures:
         """The figures of the file's own design whose extremes lie at an open end of the motion."""
         return open_end_figures(Mechanism(self.linkage), self.motion, self.figures)
+
+    @property
+    def loads_that_stay(self) -> str:
+        """A sentence on loads over the crank angle while the dead centres of the first or the last design move."""
+        ends = (self.space.block(0, 1), self.space.block(self.space.count - 1, self.space.count))
+        designs = [{name: float(values[0]) for name, values in end.items()} for end in ends]
+        return loads_that_stay(Mechanism(self.linkage), designs)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader of the figures has to know."""
+        return [*filter(None, (self.at_open_end.sentence, self.loads_that_stay))]
 
 
 @dataclass(frozen=True)

@@ -190,6 +190,7 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
     numbers = [
         {"name": variable.parameter.name, "low": variable.low, "high": variable.high,
          "before": optimum.before[variable.parameter.name], "after": optimum.after[variable.parameter.name],
+         "written": optimum.written[variable.parameter.name],
          "bound": optimum.bound(variable) or None}
         for variable in problem.variables
     ]  # fmt: skip
@@ -229,7 +230,7 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
             "nothing_to_vary": optimum.is_fixed,
             "ends": ends,
         },
-        "warnings": [optimum.at_open_end.sentence] if optimum.at_open_end.names else [],
+        "warnings": optimum.warnings,
     }
 
 

@@ -81,7 +81,7 @@ def document(study: SweepStudy) -> dict[str, Any]:
             }
             for number, named_figure in enumerate(request.figures)
         },
-        "warnings": [open_ends.sentence] if open_ends.names else [],
+        "warnings": request.warnings,
     }  # fmt: skip
 
 

@@ -64,7 +64,7 @@ def sweep(options: SweepOptions, destination: Destination) -> None:
             f"expected designs that assemble, got none of {request.space.count}, for "
             f"{reason_not_assembled(request)}; vary other ranges"
         )
-    destination.warn([request.linkage], request.at_open_end.sentence)
+    destination.warn([request.linkage], *request.warnings)
     destination.write_saves(SWEEP_WRITERS, study, command_line("sweep", options))
     destination.write_json(sweep_terminal.document(study))
     destination.print(*([sweep_terminal.sentence(study)] if destination.quiet else sweep_terminal.parts(study)))
@@ -101,7 +101,7 @@ def optimise(options: OptimiseOptions, destination: Destination) -> None:
     with destination.progress() as announce:
         best, conditions = find_optimum(linkage, options, announce)
     command = command_line("optimise", options)
-    destination.warn([linkage], best.at_open_end.sentence)
+    destination.warn([linkage], *best.warnings)
     destination.write_saves(OPTIMISE_WRITERS, best, conditions, command)
     destination.write_json(optimise_terminal.document(best, command, conditions))
     destination.print(

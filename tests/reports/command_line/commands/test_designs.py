@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -16,9 +17,10 @@ from analytic.errors import LinkproofError
 from reports.command_line.commands.designs import sweep
 from reports.command_line.destination import Destination
 from reports.requests.options import SweepOptions
-from tests.analytic.linkages import path_of
+from tests.analytic.linkages import FOLDER, path_of
 from tests.commands import linkproof, refused
 
+PRESS = FOLDER / "designer" / "press.toml"
 VARY = ("rod.B.x=160:18cm:5", "rod.mass=100g:0.2:3")
 PLAIN = {"mechanism": "rimoldi-164", "vary": VARY, "quantity": ("Mkr.peak", "stroke")}
 
@@ -101,7 +103,7 @@ def test_tables_files_and_json_of_an_optimum_have_the_same_figures(tmp_path):
     document, numbers, figures = saved(results)
     new = load(best)
     for link in ("rod", "rocker"):
-        assert new.links[link].points["B"][0] == pytest.approx(numbers[f"{link}.B.x"]["after"], rel=1e-15)
+        assert new.links[link].points["B"][0] == pytest.approx(numbers[f"{link}.B.x"]["written"], rel=1e-15)
     assert figures["stroke"]["after"] == pytest.approx(figures["stroke"]["before"], rel=1e-9)
     assert document["search"]["residual"] < 1e-6
     for text in (
@@ -263,3 +265,33 @@ def test_a_drive_along_a_line_has_its_own_unit_of_speed(tolerances):
 def test_bad_input_of_tolerances_is_refused_before_anything_is_written(tmp_path, tolerances, words, sentence):
     assert sentence in refused("tolerance", "rimoldi-164", tolerances, "--save", tmp_path / "none.json", *words)
     assert not (tmp_path / "none.json").exists()
+
+
+def test_bounds_too_close_are_said_to_be_that():
+    least, most = 54.5 * (1.0 - 1e-12), 54.5 * (1.0 + 1e-12)
+    done = linkproof("optimise", "juki-mf7923d", "--minimise", "Mkr.peak", "--over", f"coupler.D.x={least!r}:{most!r}")
+    assert done.returncode == 2
+    assert "the bounds are so close together that Mkr.peak hardly changes between them" in done.stderr
+
+
+def test_the_new_file_has_bounds_as_typed_and_few_digits(tmp_path):
+    """The crank ends at its bound; the torque has a kink in the rod's length, which its file needs 9 digits for."""
+    over = ("--over", "crank.A.x=40:80", "--over", "rod.K.x=±10%")
+    best, words = tmp_path / "best.toml", ("optimise", PRESS, "--minimise", "Mkr.peak", *over, "--json")
+    done = linkproof(*words, "--save", best)
+    numbers = {number["name"]: number for number in json.loads(done.stdout)["numbers"]}
+    assert numbers["crank.A.x"]["bound"] == "lower"
+    text = best.read_text(encoding="utf-8")
+    assert "A = [40.0,0]" in text
+    [rod] = re.findall(r"K = \[([\d.]+), 0\]", text)
+    assert len(rod.replace(".", "")) <= 9
+    assert float(rod) == pytest.approx(numbers["rod.K.x"]["after"] * 1e3, rel=1e-8)
+
+
+def test_loads_over_the_angle_are_said_to_stay_while_dead_centres_move():
+    said = "the force at 'R' stays at its crank angles while the top dead centre moves from 182.3° to "
+    rod = ("optimise", PRESS, "--minimise", "stroke", "--over", "rod.K.x=320:340", "--json")
+    assert [text for text in json.loads(linkproof(*rod).stdout)["warnings"] if text.startswith(said)]
+    swept = linkproof("sweep", PRESS, "--vary", "rod.K.x=320:360:3", "--quantity", "stroke")
+    assert said in swept.stderr
+    assert said not in linkproof("sweep", PRESS, "--vary", "rod.mass=1:2:3", "--quantity", "stroke").stderr
