@@ -182,7 +182,7 @@ def _final_path(path: Path) -> Path:
         return place
     except OSError as error:  # a link to itself, a name that is too long
         raise _write_error(path, error) from error
-    if not is_file:
+    if not is_file or not os.access(path, os.W_OK):  # one that is kept from being written is not replaced
         raise _no_file_error(path)
     return place
 

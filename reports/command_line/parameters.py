@@ -140,11 +140,11 @@ def _typer_parameter(
         default = False
     names = getattr(completion, info.names) if info.names else None
     if isinstance(info, Argument):
-        shown: Any = typer.Argument(metavar=info.metavar, autocompletion=names, hidden=True)
+        shown: Any = typer.Argument(metavar=info.metavar, autocompletion=names, hidden=True, readable=False)
     else:
         flags = info.flags or (f"--{name.replace('_', '-')}",)
         metavar = None if is_flag else info.metavar
-        shown = typer.Option(*flags, metavar=metavar, help=info.help, autocompletion=names)
+        shown = typer.Option(*flags, metavar=metavar, help=info.help, autocompletion=names, readable=False)
     way = inspect.Parameter.KEYWORD_ONLY
     return inspect.Parameter(name, way, default=default, annotation=Annotated[kind, shown])
 

@@ -1,0 +1,92 @@
+"""Linkage files and curves changed at random: an answer or a LinkproofError; no other exception, warning or hang."""
+
+import random
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+import linkproof
+from analytic.description.loading import CATALOGUE, LITERATURE
+from analytic.errors import LinkproofError
+from tests.analytic.linkages import FOLDER
+from tests.commands import linkproof as command
+from tests.reports.command_line.test_bad_files import LateError, time_limit
+
+SECONDS = 60  # of one file, on a busy machine
+FOLDERS = (CATALOGUE, LITERATURE, FOLDER)
+LINKAGES = [path.read_text("utf-8") for folder in FOLDERS for path in sorted(folder.rglob("*.toml"))]
+NUMBER = re.compile(r"(?<![\w\"])[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
+FACTORS = (-1.0, 0.5, 0.999, 1.001, 2.0, 1e3, 1e-3)
+VALUES = ("0", "-1", "1e-9", "1e9", "1e300", "-1e300", "5e-324", "nan", "inf", '""', "[]", "{}", "true", "", "1,5")
+SIGNS = (*'[]{}=",.#-+;:\t\n\r\0\x1bé°\u202e😀\ufeff ', "NaN", "1e999")
+
+
+def changed(text, chance):
+    """A text with a few changes: of numbers, of lines, of signs."""
+    for _ in range(chance.choice([1, 1, 1, 2, 3, 6])):
+        lines, kind, numbers = text.split("\n"), chance.randrange(7), [*NUMBER.finditer(text)]
+        here, there = chance.randrange(len(lines)), chance.randrange(len(lines))
+        if kind < 3 and numbers:
+            found = chance.choice(numbers)
+            new = repr(float(found[0]) * chance.choice(FACTORS)) if kind else chance.choice(VALUES)
+            text = text[: found.start()] + new + text[found.end() :]
+        elif kind < 5:  # a line goes, or comes a second time
+            text = "\n".join([*lines[:here], *([lines[there]] if kind == 3 else []), *lines[here + (kind == 4) :]])
+        elif kind == 5:
+            place = chance.randrange(len(text) + 1)
+            text = text[:place] + chance.choice(SIGNS) + text[place + chance.randrange(2) :]
+        else:
+            place = chance.randrange(len(text) + 1)
+            text = text[:place] + text[place + chance.randrange(200) :]
+    return text
+
+
+def changed_linkage(folder, chance):
+    """The file of a changed linkage."""
+    path = folder / "changed.toml"
+    path.write_text(changed(chance.choice(LINKAGES), chance), "utf-8", newline="")
+    return path
+
+
+def compute(folder, chance):
+    """Check a changed linkage, and compute its results."""
+    path = changed_linkage(folder, chance)
+    linkproof.check(path)
+    linkproof.results(path)
+
+
+def judge(folder, chance):
+    """Judge changed curves of a sound linkage."""
+    true, path = linkproof.results("juki-mf7923d"), folder / "changed.csv"
+    columns = [true["time"], np.degrees(true["phi"]), 1e3 * true["S"], true["Mkr"]]
+    rows = [",".join(f"{value:.9g}" for value in row) for row in np.transpose(columns)[::12]]
+    path.write_text(changed("\n".join(["time [s],phi [deg],S [mm],Mkr [N*m]", *rows]), chance), "utf-8", newline="")
+    linkproof.judge("juki-mf7923d", path)
+
+
+def run(folder, chance):
+    """Run a command on a changed linkage."""
+    words = chance.choice([["check"], ["results", "-q"], ["list"], ["results", "--json"]])
+    done = command(words[0], changed_linkage(folder, chance), *words[1:])
+    assert done.returncode in (0, 2), done.stderr
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("attempt", "seed"),
+    [(kind, seed) for kind, count in ((compute, 50), (judge, 20), (run, 5)) for seed in range(count)],
+)
+def test_a_hundred_of_them_are_answered_or_refused(tmp_path, attempt, seed):
+    chance, faults = random.Random(seed), []
+    for number in range(100):
+        try:
+            with time_limit(SECONDS), warnings.catch_warnings():
+                warnings.simplefilter("error")
+                attempt(tmp_path, chance)
+        except LinkproofError:
+            pass
+        except (Exception, LateError) as error:
+            faults.append(f"{number}: {type(error).__name__}: {error}"[:300])
+    assert faults == []
