@@ -392,9 +392,11 @@ def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFi
     result: dict[NamedFigure, str | None] = {}
     for text in texts:
         name, mark, values = text.rpartition("=")
-        if not mark or part_figure(text)[1].startswith("."):  # the sign is one of the figure's name
-            name, values = text, None
-        result |= dict.fromkeys(named_figures(mechanism, [name.strip()]), values)
+        has_values = bool(mark) and not part_figure(text)[1].startswith(
+            "."
+        )  # else the sign is one of the figure's name
+        figures = named_figures(mechanism, [(name if has_values else text).strip()])
+        result |= dict.fromkeys(figures, values if has_values else None)
     return result
 
 
