@@ -91,6 +91,6 @@ def test_sweep_optimise_and_tolerance_say_it(tmp_path):
     ):
         [text] = of_command(*words)["warnings"]
         assert re.match(r"Mkr\.peak.* at an open end of the motion: .*--from 40 --to 127", text)
-        assert text in linkproof(*words).stdout
+        assert text in linkproof(*words).stderr
         inside = of_command(*words, "--from", "40", "--to", "120")
         assert inside["warnings"] == []
