@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -117,10 +118,27 @@ class Patch:
     series: tuple[Array, Array, Array]
     extended: tuple[NDArray[np.longdouble], ...]
 
-    def values(self, order: int, place: Any) -> Any:  # noqa: ANN401 - of either precision
-        """The numbers of both links, or their derivatives of an order, at places of [-1, 1]: (8 or 6, n)."""
-        series = self.extended if np.asarray(place).dtype == np.longdouble else self.series
-        return (chebyshev.chebvander(place, NODES - 1) @ series[order]).T  # faster than chebval
+    def values(self, order: int, polynomials: Any) -> Any:  # noqa: ANN401 - of either precision
+        """The numbers of both links, or their derivatives of an order, by ``Window.polynomials``: (8 or 6, n)."""
+        series = self.extended if polynomials.dtype == np.longdouble else self.series
+        return (polynomials @ series[order]).T  # faster than chebval
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Flat indices of the crank angles within a patch, and their places there, in [-1, 1]."""
+
+    within: NDArray[np.intp]
+    place: Any
+
+    @cached_property
+    def polynomials(self) -> Any:  # noqa: ANN401 - of either precision
+        """Chebyshev polynomials at the places, (n, NODES), the same for every dyad and derivative."""
+        return chebyshev.chebvander(self.place, NODES - 1)
+
+
+# Windows of crank angles by the change point, the size of the patch and the period: dyads of one linkage share most.
+Windows = dict[tuple[float, float, float], Window]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,34 +155,40 @@ class ChangePoints:
         passed = np.searchsorted(self.angles, np.mod(angle, self.period), "right")
         return np.where(passed % 2 == 0, self.first_sign, -self.first_sign)
 
-    def patches_at(self, angle: Any) -> Iterator[tuple[Patch, NDArray[np.intp], Any]]:  # noqa: ANN401
-        """Each patch with the flat indices of the crank angles within it and their places there, in [-1, 1].
+    def patches_at(self, angle: Any, known: Windows) -> Iterator[tuple[Patch, Window]]:  # noqa: ANN401
+        """Each patch that has some of the crank angles, with its window of them; ``known`` has those of the angles.
 
         Of angles in extended precision only those nearer to a change point than any node.
         """
-        flat = np.ravel(angle)
         for patch in self.patches:
-            away = np.mod(flat - float(patch.touch.angle) + 0.5 * self.period, self.period) - 0.5 * self.period
-            reach = patch.half * (INNER if flat.dtype == np.longdouble else 1.0)
-            within = np.flatnonzero(np.abs(away) < reach)
-            if len(within):
-                yield patch, within, away[within] / patch.half
+            centre = float(patch.touch.angle)
+            key = (centre, patch.half, self.period)
+            if key not in known:
+                flat = np.ravel(angle)
+                away = np.mod(flat - centre + 0.5 * self.period, self.period) - 0.5 * self.period
+                reach = patch.half * (INNER if flat.dtype == np.longdouble else 1.0)
+                within = np.flatnonzero(np.abs(away) < reach)
+                known[key] = Window(within, away[within] / patch.half)
+            if len(known[key].within):
+                yield patch, known[key]
 
-    def moves(self, angle: Any, away: Any) -> Any:  # noqa: ANN401
+    def moves(self, angle: Any, away: Any, known: Windows) -> Any:  # noqa: ANN401
         """Where the dyad can move: where ``away`` from its dead positions, and everywhere within patches."""
         result = np.array(np.broadcast_to(away, np.shape(angle)))
-        for _, within, _ in self.patches_at(angle):
-            result.reshape(-1)[within] = True
+        for _, window in self.patches_at(angle, known):
+            result.reshape(-1)[window.within] = True
         return result
 
-    def with_series(self, angle: Any, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:  # noqa: ANN401
+    def with_series(self, angle: Any, order: int, pair: tuple[Any, Any], known: Windows) -> tuple[Any, Any]:  # noqa: ANN401
         """Poses of the dyad's two links, or their derivatives, with those within patches read from the series."""
         result, size = None, len(pair[0])
-        for patch, within, place in self.patches_at(angle):
+        for patch, window in self.patches_at(angle, known):
             if result is None:
-                result = [np.array(np.broadcast_to(np.asarray(part), np.shape(angle))) for part in (*pair[0], *pair[1])]
-            for part, values in zip(result, patch.values(order, place), strict=True):
-                part.reshape(-1)[within] = values
+                shape = np.shape(angle)
+                parts = (np.asarray(part) for part in (*pair[0], *pair[1]))
+                result = [np.array(part if part.shape == shape else np.broadcast_to(part, shape)) for part in parts]
+            for part, values in zip(result, patch.values(order, window.polynomials), strict=True):
+                part.reshape(-1)[window.within] = values
         return pair if result is None else (tuple(result[:size]), tuple(result[size:]))
 
     def move_out_of_patches(self, angle: Array) -> None:
@@ -173,9 +197,9 @@ class ChangePoints:
         The series are no worse than the closed form at the edges of the patch or, where the machine has no extended
         precision, at the nodes nearest to the change point.
         """
-        for patch, within, place in self.patches_at(angle):
-            from_centre = np.copysign(1.0 if EXTENDED else NEAREST_NODE, place)
-            angle.reshape(-1)[within] += (from_centre - place) * patch.half
+        for patch, window in self.patches_at(angle, {}):
+            from_centre = np.copysign(1.0 if EXTENDED else NEAREST_NODE, window.place)
+            angle.reshape(-1)[window.within] += (from_centre - window.place) * patch.half
 
 
 # Which of several configurations a sketch means: the one whose named points lie nearest to it.

@@ -23,7 +23,7 @@ from numpy.polynomial import chebyshev
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND
-from analytic.kinematics.branch import NODES, ChangePoints, Patch, Touch
+from analytic.kinematics.branch import NODES, ChangePoints, Patch, Touch, Windows
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute, Structure
@@ -83,6 +83,7 @@ class _Chain:
 
     def __init__(self, pivot: Revolute | Prismatic, angle: Any, order: int = 0) -> None:  # noqa: ANN401
         self.angle = np.asarray(angle)
+        self.windows: Windows = {}
         moving = crank_motion(pivot, self.angle)[: order + 1]
         self.known: list[dict[str, Any]] = [
             {GROUND: fixed, pivot.far: driver} for fixed, driver in zip(FIXED, moving, strict=False)
@@ -105,7 +106,7 @@ class _Chain:
 
     def solve(self, dyad: Dyad, known: list[dict[str, Any]], touches: Sequence[Touch] = ()) -> DyadSolver:
         """Add the poses of a dyad's links, with the lengths that touch."""
-        solver = DyadSolver(dyad, self.angle)
+        solver = DyadSolver(dyad, self.angle, self.windows)
         for touch in touches:
             solver.snap_to_touch(touch.margin, touch.gap)
         steps: tuple[Any, ...] = (solver.poses, solver.rates, solver.accelerations)

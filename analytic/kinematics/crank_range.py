@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError
+from analytic.kinematics.branch import Windows
 from analytic.kinematics.change_points import TOUCHING, Undetermined, is_followed
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.closure import ROUNDING
@@ -109,7 +110,9 @@ def crank_range(
     it cannot be assembled at the start.
     """
     search = _Margins(linkage, structure, linkage.sketch_angle if start is None else start)
-    low, high = search.nearest_limit(-1.0), search.nearest_limit(1.0)
+    low = search.nearest_limit(-1.0)
+    turns = low is None and not linkage.is_linear  # a whole turn backwards, so forwards as well
+    high = None if turns else search.nearest_limit(1.0)
     changes = search.change_points(low, high, undetermined)
     if linkage.is_linear:
         return CrankRange(search.start, low, high, changes, FULL_TURN * search.radian, linkage.written, is_linear=True)
@@ -136,7 +139,8 @@ class _Margins:
     def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
         """Every group placed at crank angles, assembled or not."""
         poses = driver_poses(self.structure, angle)
-        solvers = [solver_of(group, angle) for group in self.structure.groups]
+        windows: Windows = {}
+        solvers = [solver_of(group, angle, windows) for group in self.structure.groups]
         for solver in solvers:
             poses.update(zip(solver.dyad.links, solver.poses(poses), strict=True))
         return solvers

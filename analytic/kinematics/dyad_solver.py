@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.branch import Windows
 from analytic.kinematics.dyads import prp, rpp, rpr, rrp, rrr
 from analytic.kinematics.dyads.closure import ROUNDING, At, Shortfall, Written
 from analytic.kinematics.frames import Pose, Rate, Scalar
@@ -29,9 +30,10 @@ class DyadSolver:
     Results of one step are stored for the next, so that poses alone cost no more than poses.
     """
 
-    def __init__(self, dyad: Dyad, angle: Scalar = None) -> None:
-        """``angle``, rad, is needed where the dyad passes change points."""
+    def __init__(self, dyad: Dyad, angle: Scalar = None, windows: Windows | None = None) -> None:
+        """``angle``, rad, is needed where the dyad passes change points; ``windows`` are those of the angle so far."""
         self.dyad, self.angle = dyad, angle
+        self.windows: Windows = {} if windows is None else windows
         self.sign: Scalar = float(dyad.sign) if dyad.changes is None else dyad.changes.signs(angle)
         self.constants = self.formulas.constants(*dyad.joints, self.sign)
         self.hosts = (dyad.first_joint.near, dyad.second_joint.near)
@@ -55,13 +57,14 @@ class DyadSolver:
 
     def _through_change_points(self, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:
         """Values of the formulas; near change points those of the series through them."""
-        return pair if self.dyad.changes is None else self.dyad.changes.with_series(self.angle, order, pair)
+        changes = self.dyad.changes
+        return pair if changes is None else changes.with_series(self.angle, order, pair, self.windows)
 
     def _moves(self) -> Scalar:
         """Where the dyad is away from its dead positions, so that its links meet and can move."""
         determinant, least = self.closure.determinant, self.formulas.dead_determinant(self.constants, self.closure)
         if self.dyad.changes is not None:
-            return self.dyad.changes.moves(self.angle, self.sign * determinant > least)
+            return self.dyad.changes.moves(self.angle, self.sign * determinant > least, self.windows)
         if self.dyad.sign > 0:  # the determinant's own sign
             return determinant > least
         return determinant < -least if self.dyad.sign < 0 else abs(determinant) > least

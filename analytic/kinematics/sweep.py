@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import GROUND, Linkage, Output, Vector
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics import frames
+from analytic.kinematics.branch import Windows
 from analytic.kinematics.dyad_solver import (
     Booleans,
     DyadSolver,
@@ -62,9 +63,12 @@ def driver_poses(structure: Structure, angle: Scalar) -> dict[str, Pose]:
     return poses if structure.pivot is None else poses | {structure.pivot.far: crank_pose(structure.pivot, angle)}
 
 
-def solver_of(group: AnyGroup, angle: Array) -> DyadSolver | GroupSolver:
-    """The solver of a group at values of φ: formulas for a dyad, Newton's method for a higher class."""
-    return DyadSolver(group, angle) if isinstance(group, Dyad) else GroupSolver(group, angle)
+def solver_of(group: AnyGroup, angle: Array, windows: Windows | None = None) -> DyadSolver | GroupSolver:
+    """The solver of a group at values of φ: formulas for a dyad, Newton's method for a higher class.
+
+    Dyads of one linkage share the ``windows`` of change points at these values.
+    """
+    return DyadSolver(group, angle, windows) if isinstance(group, Dyad) else GroupSolver(group, angle)
 
 
 class Sweep:
@@ -86,6 +90,7 @@ class Sweep:
         self.faults = faults
         self.places = angle[0] if angle.ndim > 1 and angle.strides[0] == 0 and len(angle) > 1 else angle
         self._solvers: dict[str, DyadSolver | GroupSolver] = {}
+        self._windows: Windows = {}
         self._centres: dict[tuple[str, int], Pair] = {}
         self._needs = {name: group for group in structure.groups for name in group.links}
         # Poses, rates and accelerations.
@@ -117,7 +122,7 @@ class Sweep:
                 raise UnknownNameError("link", body, self.linkage.links)
             group = self._needs[body]
             if order == 0:
-                solver = self._solvers[group.first] = solver_of(group, self.angle)
+                solver = self._solvers[group.first] = solver_of(group, self.angle, self._windows)
             else:
                 self._solve(body, order - 1)
                 solver = self._solvers[group.first]

@@ -48,7 +48,7 @@ Key = TypeVar("Key", bound=Hashable)
 TIME: Final = "time"
 TRANSMISSION: Final = "transmission_angle:"
 DIRECTION: Final = ":direction"  # of a force in place of its magnitude
-BATCH: Final = 48  # curves whose peaks are refined together: more would compute much that none of them needs
+BATCH: Final = 192  # curves whose peaks are refined together: more would compute much that none of them needs
 CELL: Final = 16  # steps of the grid to a cell of a mean
 
 
@@ -157,22 +157,27 @@ class Instants:
 
 def refine_near_toggles(case: Case, grid: Array) -> Array:
     """A grid of instants, s, with more of them where a transmission angle changes fast: near toggles forces grow."""
-    added = grid
+    time, sines = grid, _transmission_sines(case, grid)
     for _ in range(HALVINGS):
-        halves = _missing_middles(case, added)
-        if not len(halves) or len(added) + len(halves) > len(grid) + MOST_ADDED:
+        middles = _missing_middles(time, sines)
+        if not len(middles) or len(time) + len(middles) > len(grid) + MOST_ADDED:
             break
-        added = np.union1d(added, halves)
-    return added
+        places = np.searchsorted(time, middles)
+        time = np.insert(time, places, middles)
+        sines = np.insert(sines, places, _transmission_sines(case, middles), axis=1)
+    return time
 
 
-def _missing_middles(case: Case, time: Array) -> Array:
-    """Middles, s, of the steps of a grid in which, or next to which, a transmission angle's sine changes too much."""
+def _transmission_sines(case: Case, time: Array) -> Array:
+    """Sines of the transmission angles of all dyads at instants (n,), s: (dyads, n)."""
     sweep = case.mechanism.sweep(case.motion.angle(time))
-    coarse = np.zeros(len(time) - 1, dtype=bool)
-    for dyad in case.mechanism.structure.dyads:
-        sine = np.sin(transmission_angle(sweep, dyad))
-        coarse |= np.abs(np.diff(sine)) > CHANGE * np.minimum(sine[1:], sine[:-1])
+    sines = [np.sin(transmission_angle(sweep, dyad)) for dyad in case.mechanism.structure.dyads]
+    return np.reshape(sines, (-1, len(time)))
+
+
+def _missing_middles(time: Array, sines: Array) -> Array:
+    """Middles, s, of the steps of a grid in which, or next to which, a transmission angle's sine changes too much."""
+    coarse = np.any(np.abs(np.diff(sines)) > CHANGE * np.minimum(sines[:, 1:], sines[:, :-1]), axis=0)
     wide = np.convolve(coarse, [True, True, True], mode="same").astype(bool)
     middles = 0.5 * (time[1:] + time[:-1])
     return np.asarray(middles[wide & (middles > time[:-1]) & (middles < time[1:])])
@@ -307,8 +312,17 @@ class Curves:
         """A signal (n,), SI, of the closed form at n instants; a link's angle on its branch of the motion."""
         if name == TIME:
             return truth.time
-        values = signals.signal(truth, name)
-        return self._unwrapped(name, truth, values) if signals.is_angle(name) and name != "phi" else values
+        known = self._known if truth is self.on_grid else {}
+        if name not in known:
+            values = signals.signal(truth, name)
+            is_link_angle = signals.is_angle(name) and name != "phi"
+            known[name] = self._unwrapped(name, truth, values) if is_link_angle else values
+        return known[name]
+
+    @cached_property
+    def _known(self) -> dict[str, Array]:
+        """The signals on the grid so far, by name."""
+        return {}
 
     def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
         """Signals (n,), SI, of the closed form at n instants by name, all by default."""

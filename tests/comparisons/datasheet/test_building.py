@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from time import process_time
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from comparisons.datasheet.building import (
     describe_release,
     positions_over_motion,
     positions_over_range,
+    sheet,
     usual_case,
     usual_sheet,
 )
@@ -188,3 +190,14 @@ def test_the_carrier_of_a_slots_point_is_named():
     assert all(
         carriers[s.point] == "ground" or s.point in linkage.links[carriers[s.point]].points for s in linkage.slots
     )
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("regime", [None, "turning"])
+def test_the_longest_chain_with_change_points_takes_seconds(regime):
+    """Forty loops, of which each passes two change points: their series were worked out for each loop anew."""
+    start = process_time()
+    mechanism = Mechanism(load("n-four-bar"))
+    regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
+    sheet(usual_case(mechanism) if regime is None else case_of_file_regime(mechanism, regimes[regime]))
+    assert process_time() - start < 5.0
