@@ -162,7 +162,7 @@ def key_table(sheet: Sheet) -> Table:
 
 def open_end_note(sheet: Sheet) -> str:
     """What the mark behind numbers means, and how to keep away from the dead positions; for a sheet that has some."""
-    return f"Numbers with {AT_OPEN_END} lie at an open end of the motion: {sheet.open_end_warning}"
+    return f"{AT_OPEN_END} marks numbers at an open end of the motion: {sheet.open_end_warning}"
 
 
 def warning_texts(sheet: Sheet) -> list[str]:

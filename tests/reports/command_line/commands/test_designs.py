@@ -63,7 +63,7 @@ def test_every_file_of_a_sweep_has_the_same_values_and_the_summary_counts_assemb
         ({"vary": ("rod.mass=-1:1:3",)}, "rod.mass: expected no negative mass, got -1 kg"),
         ({"vary": ()}, "got neither"),
         ({"table": Path("designs.csv")}, "got both"),
-        ({"vary": (), "table": Path("designs.csv")}, "No such file"),
+        ({"vary": (), "table": Path("designs.csv")}, "which does not exist"),
         ({"vary": ("rod.B.x=100:110:3",)}, "expected designs that assemble, got none of 3, for 'rimoldi-164' cannot"),
         (
             {"vary": ("rod.B.x=170:180:100000", "rod.mass=1:2:101")},
