@@ -12,7 +12,6 @@ import pytest
 
 from analytic.description.loading import load, parse, read
 from comparisons.campaign.results import save
-from comparisons.datasheet.building import usual_sheet
 from comparisons.stress.campaign import save as save_stress
 from comparisons.work_precision.records import save as save_bench
 from reports.document.html import _PageFiles
@@ -39,8 +38,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     brief = re.sub("(?m)^duration .*", "duration = 0.5", read("slotted-takeup").text)  # of each released regime
     linkages = [parse(brief, "slotted-takeup", "slotted-takeup.toml"), load("fork-takeup")]
     results = made_up_results(linkages)
-    sheets = [usual_sheet(linkage, (), tuple(linkage.released)) for linkage in linkages]
-    save(folder, results.document, results.runs, sheets)
+    save(folder, results.document, results.runs)
     save_bench(folder, made_up_bench())
     save_stress(folder, made_up_stress())
     picture = _PageFiles.picture
