@@ -48,7 +48,6 @@ app = typer.Typer(
 )
 
 Mechanism = Annotated[str, Argument("MECHANISM", "mechanisms")]
-Mechanisms = Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")]
 Quiet = Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))]
 Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
 
