@@ -174,7 +174,8 @@ class ChangePoints:
 
     def moves(self, angle: Any, away: Any, known: Windows) -> Any:  # noqa: ANN401
         """Where the dyad can move: where ``away`` from its dead positions, and everywhere within patches."""
-        result = np.array(np.broadcast_to(away, np.shape(angle)))
+        result = np.empty(np.shape(angle), dtype=bool)
+        result[...] = away
         for _, window in self.patches_at(angle, known):
             result.reshape(-1)[window.within] = True
         return result
@@ -184,11 +185,11 @@ class ChangePoints:
         result, size = None, len(pair[0])
         for patch, window in self.patches_at(angle, known):
             if result is None:
-                shape = np.shape(angle)
-                parts = (np.asarray(part) for part in (*pair[0], *pair[1]))
-                result = [np.array(part if part.shape == shape else np.broadcast_to(part, shape)) for part in parts]
-            for part, values in zip(result, patch.values(order, window.polynomials), strict=True):
-                part.reshape(-1)[window.within] = values
+                parts = (*pair[0], *pair[1])
+                result = np.empty((len(parts), *np.shape(angle)), np.result_type(*parts))
+                for number, part in enumerate(parts):
+                    result[number, ...] = part
+            result.reshape(len(result), -1)[:, window.within] = patch.values(order, window.polynomials)
         return pair if result is None else (tuple(result[:size]), tuple(result[size:]))
 
     def move_out_of_patches(self, angle: Array) -> None:

@@ -125,7 +125,7 @@ class _ChangePointSearch:
         self.period = FULL_TURN
         self.undetermined: list[Undetermined] = []
         self.centres: list[_Chain] = []
-        self.nodes: dict[tuple[float, float], _Chain] = {}
+        self.beside: dict[tuple[float, float], _Chain] = {}  # by a change point and a distance from it
         self.grid = self._grid()
 
     def _grid(self) -> _Chain:
@@ -161,12 +161,19 @@ class _ChangePointSearch:
             touch = self._find_touch(number, angle)
             if touch is None:
                 continue
-            far = np.asarray(touch.angle + np.multiply.outer([NEAR, 2.0 * NEAR], SIDES))
-            first, two = self._margin(number, _Chain(self.pivot, far))[0].sum(axis=1)
+            far = self._chain_beside(touch, NEAR, np.multiply.outer([1.0, 2.0], SIDES))
+            first, two = self._margin(number, far)[0].sum(axis=1)
             if two < QUARTIC * first:
                 yield touch._replace(angle=np.mod(touch.angle, self.period))
             elif np.isfinite(two):
                 self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))
+
+    def _chain_beside(self, touch: Touch, distance: float, places: Any, order: int = 0) -> _Chain:  # noqa: ANN401
+        """The chain at ``places``, distances from a change point, rad; dyads that have one there share it."""
+        key = (float(touch.angle), distance)
+        if key not in self.beside:
+            self.beside[key] = _Chain(self.pivot, touch.angle + distance * places, order)
+        return self.beside[key]
 
     def _margin(self, number: int, chain: _Chain) -> tuple[Any, Any, Any]:
         """A dyad's margin of reach, m, the lengths it comes from, and the gap between the outer pins, m."""
@@ -231,11 +238,9 @@ class _ChangePointSearch:
         dyad = self.dyads[number]
         half_turn = np.arccos(np.longdouble(-1.0))  # π of extended precision
         places = np.cos(half_turn * (np.arange(NODES, dtype=np.longdouble) + 0.5) / NODES)
-        key = (float(touch.angle), half)
-        if key not in self.nodes:
-            self.nodes[key] = _Chain(self.pivot, touch.angle + half * places, 2)
-        known = [dict(solved) for solved in self.nodes[key].poses_before(self.dyads[:number])]
-        self.nodes[key].solve(dyad, known, [touch])
+        nodes = self._chain_beside(touch, half, places, 2)
+        known = [dict(solved) for solved in nodes.poses_before(self.dyads[:number])]
+        nodes.solve(dyad, known, [touch])
         analysis = chebyshev.chebvander(places, NODES - 1) * (np.longdouble(2.0) / NODES)
         analysis[:, 0] *= 0.5
         for solved in known:

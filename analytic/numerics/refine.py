@@ -22,6 +22,7 @@ Integers = NDArray[np.int64]
 # Heights (n, 3) of the tops of some numbers (n,) at places (n, 3).
 Heights = Callable[[Integers, Array], Array]
 Curves = Callable[[Array], Array]
+SomeCurves = Callable[[Integers, Array], Array]
 
 ROUNDING: Final = 1e-12  # of a curve's largest value: of tops that differ by less the first is taken, on every machine
 
@@ -68,12 +69,18 @@ def highest(curves: Curves, grid: Array, values: Array) -> tuple[Array, Array]:
     Of equal ones it is the first; of a curve that is not finite it is the sample. ``curves`` gives k curves at places
     (m,) as (k, m); ``values`` (k, n) are theirs on the ascending ``grid`` (n,).
     """
+    return highest_each(lambda rows, places: curves(places)[rows], grid, values)
+
+
+def highest_each(curves: SomeCurves, grid: Array, values: Array) -> tuple[Array, Array]:
+    """As ``highest``, where ``curves`` gives only those of the numbers ``rows`` (r,), as (r, m): the others are done."""
     sampled = tops(values)
     result = Tops(sampled.curve, grid[sampled.near], values[sampled.curve[:, None], sampled.near])
 
     def heights(top: Integers, places: Array) -> Array:
-        seen = curves(places.ravel()).reshape(len(values), *places.shape)
-        return seen[result.curve[top], np.arange(len(top))]
+        rows, row = np.unique(result.curve[top], return_inverse=True)
+        seen = curves(rows, places.ravel()).reshape(len(rows), *places.shape)
+        return np.asarray(seen[row, np.arange(len(top))])
 
     climbed, where = climb(result, heights)
     first = first_highest(result, climbed, len(values), np.max(np.abs(values), axis=1))

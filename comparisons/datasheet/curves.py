@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -20,7 +20,7 @@ from analytic.description.written import finite
 from analytic.errors import LinkproofError
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.averages import averages
-from analytic.numerics.refine import highest
+from analytic.numerics.refine import Integers, highest_each
 from analytic.numerics.roots import root, roots
 from comparisons.case import Case, Motion, Truth
 from comparisons.datasheet.open_ends import OpenEnd, open_ends
@@ -361,12 +361,12 @@ class Curves:
         for keys in (names[start : start + BATCH] for start in range(0, len(names), BATCH)):
             chosen = [measures[key] for key in keys]
 
-            def curves(time: Array, chosen: Iterable[Measure] = chosen) -> Array:
+            def curves(rows: Integers, time: Array, chosen: Sequence[Measure] = chosen) -> Array:
                 truth = self.truth_at(time)
-                return np.stack([measure(truth) for measure in chosen])
+                return np.stack([chosen[row](truth) for row in rows])
 
             sampled = np.stack([measure(self.on_grid) for measure in chosen])
-            _, places = highest(curves, self.grid, sampled)
+            _, places = highest_each(curves, self.grid, sampled)
             numbers |= dict(zip(keys, places.tolist(), strict=True))
         return numbers
 
