@@ -51,10 +51,10 @@ def test_every_announced_engine_keeps_the_contract(name):
     assert adapter.version() is None or isinstance(adapter.version(), str)
 
 
-def test_finding_adapters_imports_no_engine():
+def test_finding_adapters_and_their_methods_imports_no_engine():
     script = (
         f"import sys; from engines.registry import engine; [engine(name) for name in {engine_names()!r}]; "
-        "print([module for module in ('exudyn', 'pymunk') if module in sys.modules])"
+        "engine('exudyn').methods(None); print([module for module in ('exudyn', 'pymunk') if module in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stdout.strip() == "[]"

@@ -199,12 +199,6 @@ def test_mujocos_forces_are_read_at_the_state_and_not_a_step_away_from_it():
     assert 12.0 < errors[0] / errors[1] < 20.0
 
 
-def test_methods_are_listed_without_importing_the_engine():
-    script = "import sys, engines.registry as r; r.engine('exudyn').methods(None); print('exudyn' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert done.stdout == "False\n"
-
-
 @pytest.mark.nightly
 @pytest.mark.parametrize(("name", "turns"), [("exudyn", 50), ("pymunk", 200)])
 def test_the_last_of_many_turns_is_as_good_as_the_first(name, turns):

@@ -28,7 +28,6 @@ MOST_SCREENS, MOST_NODES, MOST_BYTES, MOST_SHEETS = 12, 6_000, 1_500_000, 12
 INDEX_SCREENS = 3
 INDEX, MECHANISM = "index.html", "mechanisms/slotted-takeup.corrected.html"
 STUDIES = ("bench.html", "stress.html")
-BY_NIGHT = [pytest.param(name, marks=pytest.mark.nightly) for name in STUDIES]
 
 
 @pytest.fixture(scope="module")

@@ -18,7 +18,6 @@ from comparisons.invariants.inspection import Inspection
 from comparisons.observed_motion import ObservedMotion
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
-from engines.direct_adapter.solution import Equations
 from engines.scene import AppliedForce, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
 from tests.analytic.kinematics.test_change_points import four_bar
 from tests.analytic.linkages import FULL_TURN, MADE_UP, from_text, mechanism
@@ -233,15 +232,3 @@ def test_every_setting_is_the_method_as_an_exact_solution_has_no_defaults_and_no
     torques = [ENGINE.run(model, setting).history.torque for setting in Setting]
     torques.append(ENGINE.run_method(model, method, torques[0].time[1]).history.torque)
     assert all(np.array_equal(torque.values, torques[0].values) for torque in torques)
-
-
-def test_an_instant_does_not_depend_on_the_spacing_and_its_linear_systems_are_counted():
-    model = driven(mechanism("juki-mf7923d"), _motion())
-    positions = driven(mechanism("juki-mf7923d"), _motion(), frozenset({Channel.POSITION}))
-    (method,) = ENGINE.methods(model)
-    coarse, fine = (ENGINE.run_method(model, method, step) for step in (4e-3, 1e-3))
-    assert coarse.history.torque.values == pytest.approx(fine.history.torque.values[::4], abs=1e-13)
-    assert coarse.steps <= coarse.solver_work < fine.solver_work
-    assert Equations(model).solves == 0
-    # Levers, bends and reactions of every instant come on top of closing the joints.
-    assert fine.solver_work - ENGINE.run_method(positions, method, 1e-3).solver_work == 3 * fine.steps

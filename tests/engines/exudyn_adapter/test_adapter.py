@@ -1,6 +1,5 @@
 """What exudyn alone has: samples at a jump, change points, its tolerance, and a memory that has to be given back."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -46,14 +45,6 @@ def test_a_parallelogram_passes_its_change_points(setting):
     model = _scene("parallelogram", "constant-speed", ramp_time=0.07)
     number = [body.name for body in model.bodies].index("coupler")
     assert np.ptp(history_of(ENGINE, model, setting).position.values[:, number, 2]) < STILL
-
-
-def test_effort_is_the_tolerance_of_newtons_corrections():
-    model = _scene()
-    (method,) = (each for each in ENGINE.methods(model) if each.name == "trapezoidal")
-    loose, tight = (ENGINE.run_method(model, dataclasses.replace(method, effort=e), 1e-3) for e in (1e-6, 1e-12))
-    assert loose.details["tolerance"] == 1e-6
-    assert loose.steps < loose.solver_work < tight.solver_work
 
 
 def test_nothing_of_a_run_outlives_it(monkeypatch):
@@ -129,14 +120,3 @@ def test_samples_between_two_parts_are_the_engines_own(monkeypatch):
         right, wrong = getattr(plain, channel).values, getattr(moved, channel).values
         assert np.array_equal(right[: first + 1], wrong[: first + 1])
         assert not np.array_equal(right[first + 1], wrong[first + 1])
-
-
-def test_fresh_starts_are_counted_and_so_are_those_left_out(monkeypatch):
-    model = driven(mechanism("juki-mf7923d"), RUN_UP, channels=frozenset())
-    parts = len(TUNED.parts(model))
-    found = [ENGINE.run(model, Setting.TUNED).details]
-    monkeypatch.setattr(loop, "closed_state", lambda *_: None)
-    found.append(ENGINE.run(model, Setting.TUNED).details)
-    counts = [(run.get("fresh_starts"), run.get("fresh_starts_left_out")) for run in found]
-    assert counts == [(parts - 1, None), (None, parts - 1)]
-    assert parts > 1

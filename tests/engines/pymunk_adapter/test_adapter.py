@@ -12,13 +12,11 @@ from comparisons.case import scene
 from engines.contract import Setting
 from engines.mechanics.states import pose_of, with_ground
 from engines.pymunk_adapter import adapter
-from engines.pymunk_adapter.adapter import PymunkEngine, contraction, poses_of
+from engines.pymunk_adapter.adapter import PymunkEngine, contraction
 from engines.pymunk_adapter.layout import exact_layout, plain_layout
 from engines.scene import Channel, Prescribed
-from engines.stepping.intervals import Cost
 from engines.stepping.own_units import own_units
-from engines.stepping.richardson import named_signals
-from tests.analytic.linkages import MADE_UP, from_text, mechanism
+from tests.analytic.linkages import from_text, mechanism
 from tests.engines.closed_form import driven, errors_of, history_of, run_of
 
 pytest.importorskip("pymunk")
@@ -153,34 +151,3 @@ def test_the_solver_converges_as_foreseen(name, monkeypatch):
         left.append(np.abs(residual[: equations.crank_row]).max())
     observed = (left[1] / left[0]) ** (1.0 / 20.0)
     assert observed == pytest.approx(contraction(layout, pose_of(state)), rel=FORESEEN)
-
-
-@pytest.mark.parametrize("name", [name for name in MADE_UP if name not in {"parallelogram", "near-toggle"}])
-def test_the_linkage_is_looked_at_along_its_motion_with_closed_joints(name):
-    for motion, driver_travel in (
-        (crank_motion(clockwise=True), -2.0 * np.pi),
-        (crank_motion(ramp_time=0.01, hold_time=0.01), None),
-    ):
-        model = scene(mechanism(name), Prescribed(motion), ())
-        equations = exact_layout(model).equations
-        poses = poses_of(equations)
-        angles = np.array([pose.angle[0, equations.crank] for pose in poses])
-        end = motion.angle(motion.duration) if driver_travel is None else driver_travel
-        assert angles[[0, -1]] == pytest.approx([0.0, float(end)], abs=1e-9)
-        assert np.abs(np.diff(angles)).max() < 0.1
-        for pose in poses:
-            opened = equations.openings(equations.residual(pose, equations.arms(pose)))
-            assert np.abs(opened).max() < 1e-8
-
-
-@pytest.mark.parametrize("ramp_time", [0.051, 0.051102, 0.072])  # a kink on a sample, between two, beside one
-def test_passes_of_every_step_have_the_same_samples_wherever_the_motion_has_a_kink(ramp_time):
-    recipe = dataclasses.replace(adapter.TUNED, step=0.102 / 500, steps_per_turn=0.0, ratios=(3, 5, 7, 9))
-    given = _scene("juki-mf7923d", regime="run-up-quintic", ramp_time=ramp_time, hold_time=0.102 - ramp_time)
-    engine = PymunkEngine()
-    model, _, courses = engine.planned(given, recipe, Cost())
-    histories = [engine.follow(engine.build(model, recipe), course) for course in courses]
-    for signals in zip(*(named_signals(history) for history in histories), strict=True):
-        clocks = [signal.time for _, signal in signals]
-        for clock in clocks[1:]:
-            np.testing.assert_allclose(clock, clocks[0], rtol=1e-9)

@@ -13,7 +13,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.case import scene
 from engines.contract import Abilities, History, Origin, Outcome, ReadOut, Setting, Signal
 from engines.scene import Channel, Free, Prescribed, SliderJoint
-from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, run_stepping, whole_steps
+from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, run_stepping
 from engines.stepping.stepped_engine import Recipe, SteppedEngine, plain_law
 from tests.analytic.linkages import mechanism
 
@@ -117,12 +117,6 @@ def test_a_free_crank_is_stepped_by_the_pace_that_is_expected_of_it(engine, pace
     assert part.samples == pytest.approx(40 * turns, abs=1.0)
 
 
-def test_a_world_is_built_from_the_altered_scene(engine):
-    engine.altered = lambda model: dataclasses.replace(model, gravity=(0.0, 0.0))
-    engine.run(_model(), Setting.TUNED)
-    assert engine.built[0].gravity == (0.0, 0.0)
-
-
 def test_what_is_not_offered_is_unsupported_with_the_reason(engine):
     assert "no setting 'naive'" in engine.run(_model(), Setting.NAIVE).reason
     run = engine.run(scene(mechanism("scotch-yoke"), Prescribed(MOTION), {Channel.POSITION}), Setting.TUNED)
@@ -167,12 +161,6 @@ def test_a_load_at_an_angle_is_the_splines(loop, name):
     plain = plain_law(law)
     for angle in (*np.linspace(-9.0, 9.0, 37).tolist(), *KNOTS.tolist()):
         assert at(plain, angle) == pytest.approx(np.asarray(true(angle)), abs=1e-12)
-
-
-def test_steps_are_whole():
-    assert whole_steps(0.3, 0.1, 2) == 3  # 0.3 / 0.1 is a rounding more than 3
-    assert whole_steps(0.31, 0.1, 2) == 4
-    assert whole_steps(0.3, 1.0, 8) == 8
 
 
 @pytest.mark.parametrize(
