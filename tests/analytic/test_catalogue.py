@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from analytic.description.loading import catalogue, literature, load
+from analytic.description.loading import catalogue, load
 from analytic.dynamics import reduced
 from analytic.numerics.refine import zeros
 from tests.analytic.articles import FORMULAS, reduced_inertia
@@ -22,11 +22,6 @@ def test_every_file_and_variant_has_its_formulas():
     # y-along is a second reading of Table 1 that leaves Jeq and all positions as they are.
     known = {(name, variant) for name in catalogue() for variant in load(name).variants}
     assert known - set(FORMULAS) == {("rimoldi-164", "y-along")}
-
-
-def test_every_file_names_its_source():
-    for name in (*catalogue(), *literature()):
-        assert all(load(name, variant).source for variant in load(name).variants)
 
 
 @pytest.mark.parametrize(("name", "variant"), FORMULAS)
@@ -69,8 +64,3 @@ def test_the_two_readings_of_rimoldis_table_differ_in_gravity_alone():
     built, along = (mechanism("rimoldi-164", variant).sweep(angles(20)) for variant in ("as-built", "y-along"))
     assert np.allclose(reduced.reduced_inertia(built), reduced.reduced_inertia(along), rtol=FIFTY_DIGITS)
     assert not np.allclose(reduced.gravity_force(built), reduced.gravity_force(along), rtol=1e-3)
-
-
-def test_values_of_ours_are_marked_as_such():
-    assert "representative values of ours" in load("fork-takeup").source
-    assert any("representative value of ours" in note for note in load("slotted-takeup").notes)

@@ -3,8 +3,6 @@
 import gc
 import json
 import math
-import subprocess
-import sys
 from contextlib import suppress
 
 import numpy as np
@@ -13,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic import machine_code
-from analytic.description.changes import design_numbers, named_numbers, with_numbers
+from analytic.description.changes import design_numbers, with_numbers
 from analytic.description.loading import catalogue, literature
 from analytic.designs.sampled_signals import evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
@@ -63,46 +61,12 @@ def test_a_list_computes_what_the_formula_computes(name, x, y):
     assert outcome == pytest.approx(FORMULAS[name](np.float64(x), np.float64(y)), rel=1e-15, abs=0.0)
 
 
-@pytest.mark.parametrize(
-    ("formula", "operations"),
-    [
-        (lambda x, y: x * y + y * x, 4),  # the inputs, a product, a sum
-        (lambda x, y: x * 1.0 + 0.0 - 0.0 + y * 0.0 + 0.0 / y, 1),
-        (lambda x, _: (x + 1.0) * 2.0 - (1.0 + x) * 2.0, 6),  # of constants two
-        (lambda x, _: x * (np.sin(0.5) * 0.0), 1),
-        (lambda x, y: np.where(True & (x < 1.0) & True | False, x, y), 5),
-        (lambda x, y: -1.0 * x + (0.0 - x) + y, 5),
-    ],
-)
-def test_nothing_stands_twice_and_nothing_stands_in_vain(formula, operations):
-    assert traced(formula, 2.0, 3.0)[1] == operations
-
-
-def test_only_what_leads_to_a_result_is_computed():
-    trace = OperationList()
-    x, y = trace.input("x"), trace.input("y")
-    assert trace.input("x").line == x.line
-    result, other = x * x + 1.0, np.sin(y)
-    assert other.line not in trace.lines_needed([result.line])
-    assert y.line not in trace.lines_needed([result.line])
-    assert trace.evaluate([result.line], {x.line: 3.0}) == [10.0]
-    assert trace.lines_needed([result.line], known=[result.line]) == [result.line]
-
-
 @pytest.mark.parametrize("slip", [bool, float, math.sqrt, np.asarray, lambda x: x if x > 0.0 else -x, np.cumsum])
 def test_what_a_list_cannot_have_raises(slip):
     with pytest.raises(TypeError):
         slip(OperationList().input("x"))
     with pytest.raises(TypeError):
         np.ones(3) * OperationList().input("x")
-
-
-def test_the_list_of_a_linkage_is_the_same_in_every_process():
-    """A set has another order in each: numbers come by name."""
-    four_bar = mechanism("juki-mf7923d")
-    names = [name for name in named_numbers(four_bar.linkage) if ".x" in name or "mass" in name]
-    inputs = linkage_trace(four_bar, names[::-1], ["Mkr"]).trace.inputs
-    assert [name for name in inputs if name in names] == sorted(names)
 
 
 SAME = 1e-14  # of the peak: square roots of sums in place of a library's hypot
@@ -133,20 +97,6 @@ def test_every_operation_in_any_number_of_lanes(count):
         np.testing.assert_allclose(one, np.broadcast_to(expected, count), rtol=SAME, atol=0.0)
 
 
-@numba
-def test_results_over_rows():
-    trace, lanes, rows, outputs = every_operation()
-    draw, numbers = np.random.default_rng(3), np.linspace(-2.0, 2.0, 9)
-    x, y = draw.uniform(-3.0, 3.0, (2, 70))
-    sums = Result(outputs[1], "{so_far} + {value}", 1.0)
-    rises = Result(outputs[1], "{so_far} + 1.0 if {value} > {next} else {so_far}")  # above the row before
-    last = Result(outputs[1], start=math.nan)
-    result = StraightFunction(trace, lanes, rows, [sums, rises, last])([x, y], numbers[:, None], 70)
-    np.testing.assert_allclose(result[0], 1.0 + np.sum(x - numbers[:, None], axis=0), rtol=1e-13)
-    assert np.all(result[1] == 0.0)  # nothing is above nan, and x - row falls
-    np.testing.assert_array_equal(result[2], x - numbers[-1])
-
-
 def test_a_source_is_made_of_numbers_and_operations():
     hostile = '"\'); import os; os.abort()"'
     sample = from_text(text_of("centric-slider-crank").replace("coupler", hostile))
@@ -168,19 +118,6 @@ def test_it_is_compiled_where_that_saves_time(monkeypatch):
     assert not is_worthwhile("auto", 200, 1e8)
     with pytest.raises(LinkproofError, match=r"pip install 'linkproof\[compiled\]'"):
         is_worthwhile("compiled", 1, 1.0)
-
-
-def test_a_few_designs_do_not_import_numba():
-    code = (
-        "import sys, numpy as np\n"
-        "from analytic.designs.sampled_signals import evaluate_designs\n"
-        "from analytic.description.loading import load\n"
-        "from analytic.kinematics.mechanism import Mechanism\n"
-        "sample = Mechanism(load('juki-mf7923d'))\n"
-        "evaluate_designs(sample, {'crank.mass': np.ones(3)}, np.linspace(0.0, 6.0, 9), ['Jeq'])\n"
-        "assert 'numba' not in sys.modules\n"
-    )
-    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
 
 
 SAME_SIGNALS = 1e-13  # of the peak

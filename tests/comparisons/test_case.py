@@ -1,7 +1,6 @@
 """A case, computed once a clock; and drivers that are not cranks, against ``direct`` and virtual work."""
 
 import math
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -10,16 +9,12 @@ import pytest
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion, swing
 from analytic.description.linkage import DriverKind
 from analytic.description.loading import load
-from analytic.dynamics import joint_forces, reduced
-from analytic.dynamics.joint_forces import reactions
 from analytic.dynamics.reduced import drive_torque, equation_of_motion, equilibria
 from analytic.errors import AssemblyError
 from analytic.kinematics.dead_centres import top_dead_centre, top_of_turn
 from analytic.kinematics.mechanism import Mechanism
-from analytic.signals import evaluate
-from comparisons.case import MOST_CLOCKS, Case, channel_truth, zero_of_output
+from comparisons.case import Case, channel_truth, zero_of_output
 from comparisons.datasheet.building import usual_case
-from comparisons.faults.fault import SignalTimes, Simulation
 from comparisons.invariants.checks import checks
 from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Record
@@ -28,7 +23,7 @@ from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle
 from engines.scene import Channel, Scene
-from tests.analytic.linkages import driven, from_text, mechanism
+from tests.analytic.linkages import driven, from_text
 from tests.analytic.swinging import double_rocker
 
 SIX_BAR, SPRUNG = "rimoldi-164", "spring-and-damper"
@@ -44,29 +39,6 @@ MOTIONS = {
 LINEAR = [name for name in MOTIONS if driven(name).linkage.is_linear]
 LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 BLANK = Record("sample", "base", "there", "", "direct", "", "tuned", "")
-
-
-def test_the_truth_on_a_clock_is_the_closed_form():
-    sample = mechanism(SPRUNG)
-    at = Case(sample, MOTION).at(TIMES)
-    sweep, speed, acceleration = sample.sweep(MOTION.angle(TIMES)), MOTION.speed(TIMES), MOTION.acceleration(TIMES)
-    assert np.array_equal(at.inertia, reduced.reduced_inertia(sweep))
-    assert np.array_equal(at.torque, reduced.drive_torque(sweep, speed, acceleration))
-    forces = joint_forces.reactions(sweep, speed, acceleration).forces
-    assert all(np.array_equal(at.joint_forces[name], force) for name, force in forces.items())
-
-
-def test_a_case_keeps_the_truth_of_its_latest_clocks_alone_and_travels_without_it():
-    case = Case(mechanism(SIX_BAR), MOTION, conditions="as tested")
-    kept = [case.at(TIMES + shift) for shift in 1e-3 * np.arange(MOST_CLOCKS + 2)]
-    assert case.at(kept[-1].time) is kept[-1]
-    assert case.at(kept[-MOST_CLOCKS].time) is kept[-MOST_CLOCKS]
-    assert len(case._seen) == MOST_CLOCKS
-    assert case.at(kept[0].time) is not kept[0]
-    there = pickle.loads(pickle.dumps(case))
-    assert there._seen == {}
-    assert (there.conditions, there.joint_names()) == (case.conditions, case.joint_names())
-    assert np.array_equal(there.at(TIMES).inertia, case.at(TIMES).inertia)
 
 
 CROSSED = """
@@ -180,18 +152,6 @@ def test_a_false_push_is_seen(name):
     assert records["torque_two_routes"] == "over-limit"
 
 
-@pytest.mark.parametrize("name", MOTIONS)
-def test_the_force_of_the_drive_is_found_from_virtual_work_and_from_the_balance_of_the_links(name):
-    motion = MOTIONS[name]
-    time = np.linspace(0.0, motion.duration, 50)
-    speed, acceleration = motion.speed(time), motion.acceleration(time)
-    sweep = driven(name).sweep(motion.angle(time))
-    virtual = drive_torque(sweep, speed, acceleration)
-    assert reactions(sweep, speed, acceleration).torque == pytest.approx(virtual, rel=1e-11, abs=1e-12)
-    by_name = evaluate(driven(name), motion.angle(time), ["Mkr"], speed=speed, acceleration=acceleration)
-    assert by_name["Mkr"] == pytest.approx(virtual, rel=1e-13)
-
-
 @pytest.mark.parametrize("name", LINEAR)
 def test_the_range_is_said_in_the_length_unit_of_the_file(name):
     mechanism = driven(name)
@@ -222,20 +182,3 @@ def test_a_pushed_driver_rests_where_its_force_holds_the_loads():
         needed = drive_torque(driven("boom").sweep(beside), 0.0, 0.0)
         assert needed[1] == pytest.approx(force, abs=1e-9 * max(force, abs(needed[2] - needed[0]) * 1e6))
         assert rest.stable == bool(needed[2] > needed[0])
-
-
-@pytest.mark.parametrize("kind", [Case, Simulation])
-def test_another_linkage_does_not_get_what_is_known_of_the_first(kind):
-    linkages = [load("juki-mf7923d"), load("juki-mf7923d", "as-printed")]
-
-    def torque(of):
-        if kind is Case:
-            return of.at(TIMES).torque
-        return of.predict([SignalTimes("Mkr", TIMES)])[0]
-
-    part = "mechanism" if kind is Case else "linkage"
-    first, second = ((Mechanism(one) if kind is Case else one) for one in linkages)
-    known = kind(first, MOTION)
-    before = torque(known)
-    assert np.array_equal(torque(replace(known, **{part: second})), torque(kind(second, MOTION)))
-    assert not np.array_equal(torque(kind(second, MOTION)), before)

@@ -4,7 +4,6 @@ import pytest
 
 from analytic.description import changes
 from analytic.description.loading import load
-from analytic.errors import UnknownNameError
 from tests.analytic.linkages import MADE_UP, mechanism
 
 SPRUNG, LOADED = (load(f"tests/linkages/{name}.toml") for name in ("spring-and-damper", "force-over-angle"))
@@ -26,24 +25,6 @@ def test_every_number_can_be_set_alone(name):
             assert after == {**before, path: value + 1.0}
 
 
-def test_numbers_have_names():
-    numbers = changes.numbers(load("juki-mf7923d"))
-    assert (numbers["crank.A.x"], numbers["needle_bar.along.y"], numbers["gravity.y"]) == (0.0155, 1.0, -9.81)
-    assert "forces.T.3.x" in changes.numbers(LOADED)
-    assert {"springs.A.O2.stiffness", "dampers.crank.ground.coefficient"} <= changes.numbers(SPRUNG).keys()
-    same_name = changes.with_point(load("juki-mf7923d"), "coupler", "centre", (0.7, 0.0))
-    assert changes.numbers(same_name)["coupler.centre.x"] == load("juki-mf7923d").links["coupler"].centre[0]
-    assert changes.numbers(same_name)["coupler.centre.x #2"] == 0.7
-
-
-def test_points_are_moved_on_one_body():
-    linkage = load("rimoldi-164")
-    moved = changes.with_point(linkage, "crank", "O1", (0.1, 0.2))
-    assert moved.links["crank"].points["O1"] == (0.1, 0.2)
-    assert moved.ground == linkage.ground
-    assert changes.with_point(linkage, "ground", "O1", (0.1, 0.2)).ground["O1"] == (0.1, 0.2)
-
-
 def test_scaling_follows_the_dimensions():
     before, after = changes.numbers(SPRUNG), changes.numbers(changes.scaled(SPRUNG, length=2.0, mass=3.0, time=5.0))
     factors = {
@@ -63,8 +44,3 @@ def test_a_part_left_out_is_gone_and_no_other(part):
     bare = changes.without(linkage, part)
     assert getattr(bare, part) == changes.EMPTY_PARTS[part]
     assert {name for name in vars(linkage) if getattr(bare, name) != getattr(linkage, name)} <= {part}
-
-
-def test_an_unknown_part():
-    with pytest.raises(UnknownNameError, match=r"unknown part 'force': did you mean 'forces'\?"):
-        changes.without(SPRUNG, "force")

@@ -1,20 +1,16 @@
 """Crank motions: run-ups, and swings by every law, against formulas of their own."""
 
 import math
-from time import process_time
 
 import mpmath
 import numpy as np
 import pytest
-from numpy.polynomial import polynomial
 
 from analytic.description.crank_motion import (
     LAWS,
     RAMPS,
-    REGIMES,
     RPM,
     Move,
-    check_table,
     crank_motion,
     degrees,
     sequence,
@@ -28,17 +24,6 @@ from tests.analytic.faults import JUKI
 from tests.analytic.tolerances import FEW_ROUNDINGS
 
 TIME = np.linspace(0.0, 0.7, 1401)
-
-
-@pytest.mark.parametrize("regime", REGIMES)
-def test_a_segment_is_its_polynomial_to_the_last_bit(regime):
-    """Steppers compare clocks and kinks to rounding: NumPy's own evaluation, derivatives of any order included."""
-    for segment in crank_motion(regime, clockwise=True, start_angle=0.3).segments:
-        for order in range(4):
-            series = polynomial.polyder(np.array(segment.coefficients), order)
-            for time in (TIME, TIME.reshape(3, -1), TIME[:0], np.float64(0.3), 0.3):
-                expected = polynomial.polyval(np.asarray(time) - segment.start, series)
-                assert np.array_equal(segment.value(time, order), expected)
 
 
 @pytest.mark.parametrize("regime", RAMPS)
@@ -225,20 +210,6 @@ def test_a_file_releases_the_crank_under_a_torque_over_angle_or_time():
     assert over_angle(math.pi / 2)[0] == pytest.approx(0.3)
     over_time = regime("torque = [0.1, 0.3]\ntime = [0.5, 1.5]\nstart_angle = 30\nduration = 2").over_time
     assert over_time([0.0, 1.0, 2.0]) == pytest.approx([0.1, 0.2, 0.3])
-
-
-def test_a_long_table_costs_no_more_than_its_length():
-    """8,000 points: once each took 19 µs for every instant, and the look for a jump half a second."""
-    time = np.linspace(0.0, 10.0, 8000)
-    motion = table_motion("long", time, np.sin(time))
-    for look, most in ((lambda: motion.angle(time), 0.02), (lambda: check_table(time, np.sin(time)), 0.1)):
-        spent = []
-        for _ in range(3):
-            start = process_time()
-            look()
-            spent.append(process_time() - start)
-        assert min(spent) < most
-    assert motion.angle(time) == pytest.approx(np.sin(time), abs=1e-15)
 
 
 @pytest.mark.parametrize("at", [0, 3, 9])

@@ -41,9 +41,3 @@ def test_straight_lines_join_the_values_of_a_linear_law(periodic):
         slope = (true(angle + step) - true(angle - step)) / (2.0 * step)
         assert law(angle, 1)[part] == pytest.approx(slope, abs=1e-7)
         assert not law(angle, 2).any()
-
-
-def test_a_sampled_harmonic_is_followed():
-    angle, fine = np.linspace(0.0, FULL_TURN, 72, endpoint=False), np.linspace(0.0, FULL_TURN, 999)
-    law = Law(np.cos(angle)[:, None], angle)
-    assert law(fine)[0] == pytest.approx(np.cos(fine), abs=(angle[1] ** 4) / 300.0)  # cubic: h⁴/384

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 
 from analytic.description.loading import load, parse
 from analytic.dynamics import reduced
-from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import stroke
 from analytic.kinematics.mechanism import Mechanism
 from tests.analytic.faults import JUKI, message_of
@@ -214,8 +214,3 @@ def _fault_of(text):
 def test_any_fault_of_a_file_is_one_sentence(text):
     fault = _fault_of(text)
     assert fault is None or (fault and "\n" not in fault)
-
-
-def test_a_fault_of_a_file_is_a_description_error():
-    with pytest.raises(DescriptionError):
-        parse(JUKI.replace("mass    = 0.64", "mass = -1"), "sample", "sample.toml")

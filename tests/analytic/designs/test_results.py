@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from analytic import machine_code, signals
+from analytic import signals
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.description.loading import literature
-from analytic.designs import sampled_figures
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
@@ -135,24 +134,6 @@ def test_true_peaks_are_those_that_results_prints(case):
         size = max(abs(peak.value), 0.05)  # what is zero but for rounding has no peak
         expected = peak.value if name.startswith("transmission_angle:") else abs(peak.value)
         assert abs(value - expected) <= (AT_TOGGLE if case[0] == "near-toggle" else TOP) * size, name
-
-
-def test_blocks_and_threads_change_nothing(monkeypatch):
-    sample = mechanism("rimoldi-164")
-    parameters = varied(sample, 8, 30, 0.02)
-    ways = [*Reduction]
-    every = [Figure(name, ways[row % len(ways)], 0.4) for row, name in enumerate(signals.names(sample)[::6])]
-    for refine, figures in ((False, every), (True, every[:4])):
-        settings = {"speed": SPEED, "refine": refine, "path": "numpy"}
-        monkeypatch.setattr(machine_code, "cores", lambda: 1)
-        whole = design_figures(sample, parameters, figures, TURN, **settings)
-        assert 0 < np.count_nonzero(np.isnan(whole[0])) < 30
-        monkeypatch.setattr(sampled_figures, "BLOCK", 24 * 21)
-        monkeypatch.setattr(sampled_figures, "CHUNK", 11)
-        monkeypatch.setattr(machine_code, "cores", lambda: 3)
-        parts = design_figures(sample, parameters, figures, TURN, **settings)
-        assert np.array_equal(parts, whole, equal_nan=True)
-        monkeypatch.undo()
 
 
 def test_values_at_an_angle_are_those_of_the_curve():

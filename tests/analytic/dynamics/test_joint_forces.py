@@ -143,15 +143,6 @@ def test_force_of_a_linear_drive_is_that_of_virtual_work(name):
 # Shapes, parts, and positions without values.
 
 
-@pytest.mark.parametrize("shape", [(), (2, 3)])
-def test_results_have_the_shape_of_the_angles(shape):
-    sweep = mechanism("three-on-one-pin").sweep(np.full(shape, 0.7))
-    result = joint_forces.reactions(sweep, np.full(shape, 3.0), 1.0)
-    assert {force.shape for force in result.forces.values()} == {(2, *shape)}
-    assert result.torque.shape == shape
-    assert joint_forces.shaking(sweep, 3.0, 1.0).shape == (3, *shape)
-
-
 def test_dead_position_is_refused():
     toggle = from_text(text_of("double-crank").replace("B = [28, 0]", "B = [15, 0]"))
     limit = toggle.crank_range().high.angle

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from analytic.dynamics import reduced
 from analytic.numerics.refine import grid
 from tests.analytic.fifty_digits import exact
-from tests.analytic.linkages import EVERY, FULL_TURN, angles, four_bars, from_text, mechanism, text_of
+from tests.analytic.linkages import EVERY, FULL_TURN, angles, four_bars, from_text, mechanism
 from tests.analytic.tolerances import FIFTY_DIGITS, FULL_TURN_WORK, SAME_FIGURES
 
 SPEED, ACCELERATION = -37.0, 410.0  # rad/s, rad/s²: inertia, gravity and damping all matter
@@ -81,10 +81,3 @@ def test_order_placement_units_and_mirroring_of_the_drawing_change_nothing(four_
     _assert_same(plain, _figures(from_text(four_bar.text(unit=("in", 0.0254))), angles(20)))
     mirrored = _figures(from_text(four_bar.text(mirrored=True)), -angles(20), speed=-25.0, acceleration=-130.0)
     _assert_same(plain, mirrored * [[1.0], [-1.0]])
-
-
-@pytest.mark.parametrize("name", ["spring-and-damper", "force-over-angle", "moving-guides"])
-def test_the_order_of_loads_and_joints_changes_not_one_bit(name):
-    head, *tables = text_of(name).split("\n[")
-    turned = "\n[".join([head, *reversed(tables)])
-    assert np.array_equal(_figures(mechanism(name), angles(20)), _figures(from_text(turned), angles(20)))

@@ -1,7 +1,6 @@
 """How far a crank turns, against the law of cosines in 50 digits, also where range or gap are narrow."""
 
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -153,15 +152,3 @@ def test_limits_have_a_sentence_each_and_a_start_or_motion_beyond_them_is_refuse
     )
     with pytest.raises(AssemblyError, match=message):
         result.check(np.radians(20.0), np.radians(120.0), "sample")
-
-
-def test_a_range_travels_to_another_process():
-    found = pickle.loads(pickle.dumps(from_text(DOUBLE_ROCKER).crank_range()))
-    assert found.place(math.pi) == "180°"
-
-
-def test_signs_for_other_dyads_are_refused():
-    structure = from_text(DOUBLE_ROCKER).structure
-    for signs in ((), (1, 1)):
-        with pytest.raises(ValueError, match=f"expected 1 signs, got {len(signs)}"):
-            structure.with_signs(signs)

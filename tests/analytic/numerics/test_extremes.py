@@ -7,14 +7,6 @@ from analytic.numerics.refine import extremes, in_turn, zeros
 from tests.analytic.tolerances import EPS
 
 
-def test_extremes_of_a_known_function():
-    result = extremes(lambda phi: 3.0 + np.cos(phi - 0.123) + 0.2 * np.cos(2.0 * (phi - 0.123)))
-    assert result.mean == pytest.approx(3.0, rel=4 * EPS)
-    assert result.maximum == pytest.approx(4.2, rel=4 * EPS)
-    assert result.maximum_angle == pytest.approx(0.123, abs=1e-7)  # a flat top hides its middle by the root of eps
-    assert result.minimum == pytest.approx(2.2, rel=4 * EPS)
-
-
 def test_a_peak_that_the_grid_shows_lower_than_another_wins():
     def two_peaks(phi):  # the higher one lies half-way between samples, the lower one on a sample
         sharp, step = 40.0, 2.0 * np.pi / 90
@@ -22,11 +14,6 @@ def test_a_peak_that_the_grid_shows_lower_than_another_wins():
         return higher + np.exp(sharp * (np.cos(phi - 50.0 * step) - 1.0))
 
     assert extremes(two_peaks, 90).maximum == pytest.approx(1.001, rel=1e-9)
-
-
-def test_of_a_constant_and_of_a_negative_function():
-    result = extremes(lambda phi: np.full(phi.shape, 2.5))
-    assert (result.mean, result.maximum, result.minimum, result.relative_pulsation) == (2.5, 2.5, 2.5, 0.0)
 
 
 def test_zeros_are_exact_and_sorted_also_of_a_function_that_all_but_jumps():
@@ -42,9 +29,3 @@ def test_angles_are_brought_below_a_full_turn():
     assert np.all((angles >= 0.0) & (angles < 2.0 * np.pi))
     assert angles[0] == angles[3] == 0.0
     assert angles[[2, 4, 5]] == pytest.approx([1.0, 1.0, 2.0 * np.pi - 1.0])
-
-
-def test_an_extreme_at_the_ends_of_the_turn_is_at_its_beginning():
-    for shift in (-1e-15, 1e-17, 1e-15):
-        ends = extremes(lambda phi, shift=shift: np.cos(phi + shift))
-        assert 0.0 <= ends.maximum_angle < 2.0 * np.pi

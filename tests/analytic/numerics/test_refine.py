@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from analytic.numerics.refine import Tops, climb, highest
+from analytic.numerics.refine import highest
 
 GRID = np.linspace(0.0, 2.0 * np.pi, 721)
 PLACE = 1e-6  # rad: of a smooth top the value is known to rounding, its place to the root of it
@@ -70,28 +70,3 @@ def test_of_equal_tops_the_first_is_taken_whatever_their_rounding():
     assert places == pytest.approx([0.0, 0.25], abs=PLACE)
     _, (place,) = highest(lambda x: np.ones((1, len(x))), GRID, 1.0 + ripple[None])
     assert place < GRID[2]
-
-
-def test_a_curve_that_is_not_finite_has_its_sample():
-    values, places = highest(
-        lambda x: np.stack([np.full(x.shape, np.inf), np.full(x.shape, np.nan), np.sin(x)]),
-        GRID,
-        np.stack([np.full(GRID.shape, np.inf), np.full(GRID.shape, np.nan), np.sin(GRID)]),
-    )
-    assert (values[0], places[0]) == (np.inf, 0.0)
-    assert np.isnan(values[1])
-    assert (values[2], places[2]) == pytest.approx((1.0, math.pi / 2), abs=PLACE)
-
-
-def test_places_that_coincide_have_no_parabola():
-    result = Tops(np.array([0]), np.array([[0.0, 0.5, 0.5]]), np.full((1, 3), 0.2))
-    values, places = climb(result, lambda _, x: np.full(x.shape, 0.2))
-    assert values[0] == 0.2
-    assert 0.0 <= places[0] <= 0.5
-
-
-def test_curves_that_are_undefined_everywhere_are_looked_at_nowhere():
-    """As the joint forces of a linkage that rests at a change point."""
-    values = np.full((2, len(GRID)), np.nan)
-    most, _ = highest(lambda places: pytest.fail("no place to look at"), GRID, values)
-    assert np.all(np.isnan(most))

@@ -214,17 +214,6 @@ def test_an_engine_without_a_motion_has_records_with_the_reason(with_engine, eng
     assert all(r.error_max is None for r in result.records)
 
 
-def test_an_engine_records_only_the_channels_that_the_quantities_need(with_engine):
-    engine = with_engine(_finished())
-    for names in ("Jeq",), ("Mkr",), ("joint_force",):
-        list(compare(_request(quantities=names, with_invariants=False)))
-    assert [scene.channels for scene in engine.scenes] == [
-        {Channel.VELOCITY},
-        {Channel.TORQUE},
-        {Channel.JOINT_FORCE},
-    ]
-
-
 AT_REST = {"linkages": (PARALLELOGRAM,), "motions": (crank_motion("run-up", start_angle=0.0),)}
 
 

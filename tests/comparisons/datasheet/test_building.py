@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from time import process_time
 
 import numpy as np
 import pytest
@@ -18,11 +17,10 @@ from comparisons.datasheet.building import (
     describe_release,
     positions_over_motion,
     positions_over_range,
-    sheet,
     usual_case,
     usual_sheet,
 )
-from comparisons.datasheet.curves import Curves, choose_samples
+from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.saved import load_cases, save_case
 from tests.analytic.linkages import FOLDER, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, ROTOR
@@ -163,15 +161,6 @@ def test_what_cannot_be_assembled_has_a_sheet_with_the_reason():
     assert far.facts["links"].keys() == linkage.links.keys()
 
 
-def test_few_instants_are_kept_and_those_that_matter_among_them():
-    axis = np.linspace(0.0, 1.0, 5001)
-    spike = np.exp(-(((axis - 0.333) / 1e-3) ** 2))
-    kept = choose_samples(axis, np.stack([axis, spike]), 101, 200)
-    assert len(kept) <= 200
-    assert np.max(np.abs(np.interp(axis, axis[kept], spike[kept]) - spike)) < 0.02
-    assert math.isclose(spike[kept].max(), spike.max())
-
-
 def test_positions_of_a_turn_end_as_they_began_and_less_than_a_turn_is_shown_over_its_time():
     turn = positions_over_range(Mechanism(load("slotted-takeup")))
     assert (turn.over, turn.closed) == ("phi", True)
@@ -182,22 +171,3 @@ def test_positions_of_a_turn_end_as_they_began_and_less_than_a_turn_is_shown_ove
     part = positions_over_motion(Curves(Case(Mechanism(load("juki-mf7923d")), motion)))
     assert (part.over, part.closed) == ("time", False)
     assert np.allclose(part.bodies["crank"][2], motion.angle(part.axis))
-
-
-def test_the_carrier_of_a_slots_point_is_named():
-    linkage = load(str(FOLDER / "ground-pin-in-slot.toml"))
-    carriers = positions_over_range(Mechanism(linkage)).carriers
-    assert all(
-        carriers[s.point] == "ground" or s.point in linkage.links[carriers[s.point]].points for s in linkage.slots
-    )
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("regime", [None, "turning"])
-def test_the_longest_chain_with_change_points_takes_seconds(regime):
-    """Forty loops, of which each passes two change points: their series were worked out for each loop anew."""
-    start = process_time()
-    mechanism = Mechanism(load("n-four-bar"))
-    regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
-    sheet(usual_case(mechanism) if regime is None else case_of_file_regime(mechanism, regimes[regime]))
-    assert process_time() - start < 5.0

@@ -1,7 +1,6 @@
 """The best designs against optima known from formulas, and against dense grids that no optimiser has seen."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -50,17 +49,6 @@ def test_the_highest_top_is_the_figure_and_its_slope_is_a_difference(rimoldi, na
         ends = [refined({**NUMBERS, key: NUMBERS[key] * (1.0 + step)}) for step in (-1e-4, 1e-4)]
         difference = (ends[1] - ends[0]) / (2e-4 * NUMBERS[key])
         assert side.way * slopes[best, column] == pytest.approx(difference, rel=1e-4, abs=1e-6 * abs(heights[best]))
-
-
-def test_windows_cover_a_turn_once_and_each_has_one_top(rimoldi):
-    (one,) = named_figures(rimoldi, ["Mkr.peak"])
-    maxima = LocalMaxima(rimoldi, steady_motion(rimoldi, 100.0), sides(one.figure))
-    windows = maxima.windows(NUMBERS)
-    for side in maxima.sides:
-        own = [window for window in windows if window.side == side]
-        assert own[0].first + len(maxima.grid) == own[-1].last
-        assert all(left.last == right.first for left, right in pairwise(own))
-    assert len(windows) > 2
 
 
 def best(mechanism, *over, **wish):

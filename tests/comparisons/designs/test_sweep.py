@@ -24,7 +24,6 @@ from comparisons.designs.sweep import (
     read_table,
     reason_not_assembled,
     sweep,
-    usual_figures,
 )
 from tests.analytic.loaded_linkages import on_trial
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
@@ -172,10 +171,3 @@ def test_a_design_that_does_not_assemble_says_where():
     assert "cannot be assembled" in reason_not_assembled(request(grid("rod.B.x=100:110:2")))
     assert "stands in a dead position between two" in reason_not_assembled(request(grid("rod.B.x=166.4:166.41:2")))
     assert not reason_not_assembled(request(grid("rod.B.x=175:180:2")))
-
-
-def test_usual_figures_are_peaks_and_the_stroke():
-    names = [one.name for one in usual_figures(Mechanism(SIX_BAR))]
-    assert names[0] == "Mkr.peak"
-    assert names[-1] == "stroke"
-    assert {name.partition(":")[0] for name in names[1:-1]} == {"joint_force", "transmission_angle"}

@@ -14,13 +14,10 @@ from analytic.dynamics.joint_forces import reactions
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case
-from comparisons.invariants import corrections
 from comparisons.invariants.corrections import (
     LEVELS,
     AssurGroups,
     Corrected,
-    accumulate_errors,
-    findings,
     speed_errors,
     undissipated_error,
 )
@@ -47,16 +44,6 @@ def looked_at(name):
 def jacobian(groups, position):
     equations = groups.equations
     return equations.jacobian(equations.arms(pose_of(with_ground(position) / equations.metres)))
-
-
-@pytest.mark.parametrize("name", SOME)
-def test_every_body_is_in_one_group_and_no_group_is_larger_than_a_dyad(name):
-    case, groups, _ = looked_at(name)
-    columns = np.concatenate([columns for _, columns in groups.blocks])
-    equations = groups.equations
-    crank = equations.column[equations.index[case.mechanism.linkage.crank]]
-    assert sorted([*columns, *crank]) == list(range(equations.size))
-    assert max(len(columns) for _, columns in groups.blocks) <= 6
 
 
 @pytest.mark.parametrize("name", SOME)
@@ -88,13 +75,6 @@ def test_the_other_mode_of_a_dyad_shows_in_a_determinant(name, other):
     moved = true_history(case, 41, mechanism=other).position.values
     changed = groups.determinants(jacobian(groups, moved)) * here[0] < 0.0
     assert np.all(changed.any(axis=1))
-
-
-def test_group_determinants_have_no_unit():
-    _, groups, position = looked_at("rimoldi-164")
-    matrix = jacobian(groups, position)
-    scaled = matrix * np.linspace(0.1, 10.0, groups.equations.rows)[None, :, None]
-    np.testing.assert_allclose(groups.determinants(scaled), groups.determinants(matrix), rtol=1e-12)
 
 
 NAMES = ["juki-mf7923d", "tests/linkages/moving-guides.toml"]
@@ -165,25 +145,6 @@ def test_a_heavy_flywheel_shows_what_its_drive_asks_for_not_how_it_trembles():
     torque = history.torque.values
     assert np.max(np.abs(instants.torque - torque)) < 1e-12 * np.max(np.abs(torque))
     assert case.is_prescribed
-
-
-def test_blocks_of_a_long_motion_say_the_same_as_the_whole(monkeypatch):
-    case, history = truth("rimoldi-164")
-    scene = case.scene(EVERYTHING)
-    motion, groups = ObservedMotion(scene, history), groups_of(scene)
-    whole = findings(motion, groups, history.position.time, 2)
-    monkeypatch.setattr(corrections, "BLOCK", 17)
-    parts = findings(motion, groups, history.position.time, 2)
-    for name in ("determinants", "torque", "forces"):
-        np.testing.assert_array_equal(getattr(whole, name), getattr(parts, name))
-    for one, other in zip(whole.lacking, parts.lacking, strict=True):
-        np.testing.assert_array_equal(one, other)
-
-
-def test_a_carried_value_is_the_recursion_it_says():
-    kept, added = np.array([0.5, 1.0, 0.25]), np.array([1.0, -2.0, 3.0])
-    np.testing.assert_allclose(accumulate_errors(4.0, kept, added), [4.0, 3.0, 1.0, 3.25])
-    np.testing.assert_allclose(accumulate_errors(4.0, np.ones(3), added), [4.0, 5.0, 3.0, 6.0])
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.3, 1e6])

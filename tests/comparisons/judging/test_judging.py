@@ -135,11 +135,6 @@ def test_naive_records_decide_only_where_nothing_else_ran():
     assert list(deciding([naive])) == [naive]
 
 
-def test_an_uncovered_quantity_says_what_to_add():
-    with pytest.raises(LookupError, match="add one with its reason"):
-        limit("colour", "tuned", "run-up")
-
-
 @pytest.fixture(scope="module", params=["juki-mf7923d", "rimoldi-164"])
 def case(request):
     return Case(Mechanism(load(request.param)), crank_motion("run-up-quintic"))

@@ -1,6 +1,5 @@
 """A run and its facts: the contract of its samples, gaps between them, clocks, the machine."""
 
-import platform
 import re
 from dataclasses import replace
 
@@ -10,21 +9,10 @@ import pytest
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.runs import environment
 from comparisons.runs.run_engine import AdapterError, gap, readable
 from engines.contract import Outcome, Run, Signal
 from engines.scene import Free, Prescribed
 from tests.comparisons.true_motions import perfect_motion
-
-
-def test_versions_machine_and_commit_without_absent_packages(monkeypatch):
-    monkeypatch.setattr(environment, "PACKAGES", ("numpy", "no-such-engine"))
-    facts = environment.environment()
-    assert facts["python"] == platform.python_version()
-    assert {"date", "machine", "commit", "numpy"} <= set(facts)
-    assert "no-such-engine" not in facts
-    assert all(facts.values())
-
 
 END = 1.0
 PARTS = Prescribed(CrankMotion("parts", (Segment(0.0, 0.6, (0.0, 1.0)), Segment(0.6, END, (0.6, 1.0)))))

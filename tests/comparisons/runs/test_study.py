@@ -11,7 +11,6 @@ from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
 from analytic.errors import LinkproofError
-from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.study import SUMS, Journal, Study, Task, has_study, load_study, save_study
 from comparisons.runs.workers import LocalPool
 from tests.comparisons.faults import job
@@ -68,23 +67,6 @@ def test_tasks_in_the_journal_are_not_made_again(tmp_path):
     assert list(again.in_order(TASKS)) == [1, 3, 2]
     assert heard == [("label 3", 1, 3), ("label 3", 2, 3), ("label 2", 2, 3), ("label 2", 3, 3)]
     assert list(study(journal=journal, function=failing).in_order(TASKS)) == [1, 3, 2]
-
-
-def test_closing_a_study_ends_its_workers(monkeypatch):
-    closed = []
-
-    def run_jobs(*_, **__):
-        try:
-            yield 0, Lost(Failure.CRASHED, "died")
-            yield 1, 3
-        finally:
-            closed.append(True)
-
-    monkeypatch.setattr("comparisons.runs.workers.run_jobs", run_jobs)
-    results = study().in_order(TASKS)
-    next(results)
-    results.close()
-    assert closed == [True]
 
 
 class Form(TypedDict):

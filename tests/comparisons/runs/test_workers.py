@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 from contextlib import closing
-from itertools import count, islice
 from pathlib import Path
 
 import pytest
@@ -122,14 +121,6 @@ def test_workers_import_what_their_parent_does_and_nothing_from_the_working_fold
         command, cwd=tmp_path / "elsewhere", env=ENVIRONMENT, capture_output=True, text=True, check=True
     )
     assert done.stdout == "[(0, 'program')]\n"
-
-
-def test_jobs_are_taken_when_workers_need_them():
-    taken = count()
-    results = run_jobs(job, (("fine", n) for n in taken), processes=2)
-    assert all(number == value for number, value in islice(results, 10))
-    results.close()
-    assert next(taken) <= 10 + 3 * 2
 
 
 def test_a_worker_that_has_ended_between_two_jobs_costs_none():

@@ -94,25 +94,6 @@ def test_a_border_that_the_machine_draws_is_not_narrowed_down(verdict):
     assert bisect_borders(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
 
 
-def test_an_axis_whose_borders_are_not_worth_it_is_left_alone():
-    line = [
-        result(value, v, axis="turns-free") for value, v in ((1.0, StressVerdict.WITHIN), (1e3, StressVerdict.OVER))
-    ]
-    rough = borders(line)
-    assert bisect_borders(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
-
-
-def test_each_line_of_a_map_has_its_own_border():
-    verdicts = [StressVerdict.WITHIN, StressVerdict.OVER]
-    lines = [
-        result(value, v, usage=usage)
-        for usage in ("tuned", "best")
-        for value, v in zip((1.0, 10.0), verdicts, strict=True)
-    ]
-    found = borders(lines)
-    assert [one.usage for one in found] == ["best", "tuned"]
-
-
 def test_what_is_saved_is_read_back(tmp_path):
     save(tmp_path, STRESS)
     found = load(tmp_path)
@@ -135,12 +116,6 @@ def test_what_is_of_another_form_is_refused_with_the_cure(tmp_path, cells, chang
     save_study(tmp_path, KIND, {**STRESS.document, **changes}, rows)
     with pytest.raises(LinkproofError, match=rf"{words}.*run stress with --out again"):
         load(tmp_path)
-
-
-def test_cells_stand_in_the_order_of_the_table_whichever_was_done_first():
-    found = Stress(STRESS.document, STRESS.cells[::-1])
-    assert found.results == STRESS.results
-    assert found.axes == tuple(name for name in axes() if name in STRESS.axes)
 
 
 def test_columns_go_as_the_table_has_them_without_the_runs_of_the_bisection():

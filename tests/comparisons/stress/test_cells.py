@@ -1,6 +1,5 @@
 """Conditions become scenes; a cell is run by its key in any engine, as JSON and back; a map with its borders."""
 
-import contextlib
 import dataclasses
 import json
 from dataclasses import fields, replace
@@ -17,7 +16,7 @@ from analytic.dynamics.joint_forces import reactions
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.runs import environment
-from comparisons.runs.run_engine import AdapterError, Failure, Lost
+from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress
@@ -29,13 +28,11 @@ from comparisons.stress.cells import (
     case,
     chosen_axes,
     find_cell,
-    linkage,
     lost,
     motion,
     reversal,
     run_cell,
     scene,
-    usages,
 )
 from comparisons.stress.verdict import Cell, CellResult, StressVerdict
 from engines.contract import Abilities, Method, Outcome, Run
@@ -112,14 +109,6 @@ def test_the_closed_form_does_not_notice_units(name, length, mass, time):
         assert np.max(np.abs(force - others[joint] * time**2 / (mass * length))) < 1e-10 * peak
 
 
-def test_one_link_gets_heavier_and_no_other():
-    plain, heavy = linkage(JUKI), linkage(replace(JUKI, link="coupler", mass_factor=1e3))
-    assert heavy.links["coupler"].mass == pytest.approx(1e3 * plain.links["coupler"].mass)
-    assert heavy.links["coupler"].inertia == pytest.approx(1e3 * plain.links["coupler"].inertia)
-    assert heavy.links["coupler"].centre == plain.links["coupler"].centre
-    assert {name for name in plain.links if heavy.links[name] != plain.links[name]} == {"coupler"}
-
-
 @pytest.mark.parametrize(("hold", "change"), [(0.03, 0.06), (0.01, 1e-3)])
 def test_a_reversal_turns_round_and_back_without_a_jump(hold, change):
     one = reversal(100.0, 0.4, hold, change)
@@ -159,12 +148,6 @@ def test_a_disturbed_start_is_off_by_so_much_and_no_more(what, size):
         off = np.hypot(*(np.array(getattr(body, what)) - getattr(other, what)))
         assert off == pytest.approx(size * scale, rel=1e-6)
     assert (start_misfit(given) is None) is (size < 1e-6)
-
-
-def test_only_conditions_that_differ_from_a_plain_run_up_are_saved():
-    told = replace(JUKI, link="coupler", mass_factor=10.0, at=(1.0, 2.0)).differing
-    assert told == {"linkage": "juki-mf7923d", "link": "coupler", "mass_factor": 10.0, "at": [1.0, 2.0]}
-    assert Conditions(**{k: tuple(v) if isinstance(v, list) else v for k, v in told.items()}).mass_factor == 10.0
 
 
 def damped(factor, turns=0.5):
@@ -269,18 +252,6 @@ def test_the_truth_is_within_limit_at_any_mass(with_engine):
     assert engine.asked == [("run", "tuned")]
 
 
-def test_a_method_is_run_at_its_step_with_its_effort(with_engine):
-    engine = with_engine(Perfect())
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stress, "judged", lambda blank, *_: blank)
-        with contextlib.suppress(AdapterError):  # it has no motion for this linkage
-            run_cell(Cell("speed", "1000 rpm", 120.0, "perfect", "defaults"))
-        with contextlib.suppress(AdapterError):
-            run_cell(Cell("iterations", "100 steps per turn", 30.0, "perfect", "centred"))
-    assert engine.asked[0] == ("method", "defaults", None, pytest.approx(0.06 / 120.0))
-    assert engine.asked[1] == ("method", "centred", 30.0, pytest.approx(0.06 / 100.0))
-
-
 @pytest.mark.parametrize("engine", [Perfect(), Liar()])
 def test_json_holds_all_of_a_cell(with_engine, engine):
     with_engine(engine)
@@ -362,27 +333,3 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
     (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")])
     assert found.verdict is StressVerdict.WITHIN
-
-
-def test_usages_are_settings_or_the_methods_an_engine_has():
-    assert usages(axes()["mass"], Perfect()) == list(axes()["mass"].settings)
-    assert usages(axes()["speed"], Perfect()) == ["defaults", "centred"]
-    assert usages(axes()["iterations"], Perfect()) == ["centred"]
-    assert usages(axes()["tolerance"], Perfect()) == []
-
-
-@pytest.mark.parametrize("vary", ["steps_per_turn", "effort", "disturbance"])
-def test_cells_that_differ_in_nothing_of_the_closed_form_share_a_case(vary, monkeypatch):
-    built = []
-    monkeypatch.setattr(stress, "case", lambda conditions: built.append(conditions) or case(conditions))
-    axis = next(axis for axis in axes().values() if axis.vary == vary)
-    for value in axis.values:
-        stress._case(axis.conditions(axis.rows[0].label, value))
-    assert len(built) <= 1
-
-
-def test_the_methods_of_an_engine_are_looked_up_once_an_axis(monkeypatch):
-    asked = []
-    monkeypatch.setattr(stress, "usages", lambda axis, adapter: asked.append((axis.name, adapter.name)) or ["tuned"])
-    assert stress.cells(axes().values(), ["direct"], quick=True)
-    assert len(asked) == len(axes())

@@ -9,15 +9,15 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Case, case_of_file_regime, start_state
+from comparisons.case import Case, case_of_file_regime
 from comparisons.judging.records import Verdict
 from comparisons.observed_motion import ObservedMotion
 from comparisons.stress import verdict
 from comparisons.stress.cells import Conditions
 from comparisons.stress.cells import case as stress_case
-from comparisons.stress.verdict import WRONG, StressVerdict, blank_result, judged, true_states, wrong_signals
-from engines.contract import Outcome, Run, Signal
-from tests.comparisons.true_motions import CELL, EVERYTHING, cut, judgement, true_history, with_signal
+from comparisons.stress.verdict import WRONG, StressVerdict, wrong_signals
+from engines.contract import Signal
+from tests.comparisons.true_motions import EVERYTHING, cut, judgement, true_history, with_signal
 
 
 @cache
@@ -27,22 +27,6 @@ def case(name="juki-mf7923d", regime="run-up-quintic"):
 
 def found(one, history):
     return wrong_signals(one, ObservedMotion(one.scene(EVERYTHING), history))
-
-
-@pytest.mark.parametrize(("name", "order"), [("juki-mf7923d", 0), ("slotted-takeup", 1)])
-def test_true_states_are_those_a_scene_would_start_from(name, order):
-    one = case(name)
-    time = np.linspace(0.0, one.motion.duration, 7)
-    states = true_states(one, one.scene(EVERYTHING), time, order)
-    for at, t in enumerate(time):
-        sweep = one.mechanism.sweep(one.motion.angle(t))
-        start = start_state(sweep, float(one.motion.speed(t)), float(one.motion.acceleration(t)))
-        for number, state in enumerate(start.values()):
-            place = (*state.velocity, state.angular_velocity) if order else (*state.position, state.angle)
-            difference = states[at, number] - place
-            if not order:
-                difference[2] = np.angle(np.exp(1j * difference[2]))
-            np.testing.assert_allclose(difference, 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize(("name", "regime"), [("juki-mf7923d", "run-up"), ("slotted-takeup", "constant-speed")])
@@ -184,13 +168,6 @@ def test_a_joint_over_its_limit_is_a_deviation_and_no_false_alarm():
     found = judgement(case(), with_signal(true_history(case(), 601), "position", opened))
     assert (found.verdict, found.alarms) == (StressVerdict.OVER, ("joint_gap",))
     assert found.reason.startswith("joint ")
-
-
-def test_a_run_without_a_motion_keeps_its_reason():
-    outcome = Outcome.DIVERGED
-    found = judged(blank_result(CELL, "m"), case(), case().scene(EVERYTHING), Run(outcome, "because"), "tuned")
-    assert (found.verdict, found.reason) == (StressVerdict(outcome.value), "because")
-    assert found.worst_check is None
 
 
 def test_a_reversal_has_the_limits_of_similar_motions():

@@ -120,11 +120,6 @@ def test_an_error_falls_where_the_finest_step_is_the_best_beyond_scatter(errors,
     assert is_falling(errors) is falls
 
 
-def test_points_that_are_no_solution_do_not_count():
-    errors = [2.0, 1.7, 0.9, *(0.1 / 4**k for k in range(6))]
-    assert observed_order(STEPS[:9], errors) == pytest.approx(2.0)
-
-
 def test_order_and_least_error_of_every_sweep_are_found_and_written_into_its_points():
     found = {one.first.setting: one for one in method_sweeps([*SECOND, *FOURTH])}
     assert found["second"].order == pytest.approx(2.0)
@@ -142,25 +137,6 @@ def test_the_cheapest_point_that_holds_an_error_is_chosen():
         assert choice.record == expected
     assert choice.closest == FOURTH[-1]
     assert len(choices(SECOND)) == len(WANTED)
-
-
-def test_what_builds_for_long_and_steps_fast_is_not_cheap():
-    slow, built = (setting_row(name, 1e-4, 0.0, **spent) for name, spent in (
-        ("tuned", {"seconds": 0.3, "setup_seconds": 0.1}), ("best", {"seconds": 0.04, "setup_seconds": 0.65})
-    ))  # fmt: skip
-    assert choices([slow, built], [1e-3])[0].record == slow
-    assert on_front([slow, built]) == [slow]
-
-
-def test_the_front_leaves_nothing_better_out():
-    records = [*SECOND, *FOURTH, setting_row("tuned", 1e-6, 2e-3)]
-    front = on_front(records)
-    assert front == sorted(front, key=lambda one: one.total_seconds)
-    for one in records:
-        cheaper = [other for other in records if other != one and other.total_seconds <= one.total_seconds]
-        beaten = any(other.error_max <= one.error_max for other in cheaper)
-        assert (one in front) is not beaten
-    assert {one.fronts for one in judged(points(records)) if one.setting == "tuned"} == {("Mkr",)}
 
 
 def test_single_runs_and_extrapolated_ones_have_fronts_of_their_own():

@@ -1,7 +1,6 @@
 """A sweep goes on while it pays, and says why it stops; one point measured in a real engine."""
 
 import dataclasses
-import gc
 import math
 import pickle
 from dataclasses import replace
@@ -17,18 +16,13 @@ from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import measure as point
 from comparisons.work_precision.measure import (
     FEWEST,
-    FULL,
     QUICK,
     Point,
     PointSweep,
-    calibrate,
     chosen_families,
     measure,
-    no_collection,
     planned_sweeps,
-    timed,
 )
-from comparisons.work_precision.records import Noise
 from engines.contract import History, Method, Origin, Setting
 from engines.registry import engine
 from tests.comparisons.bench_rows import row
@@ -109,12 +103,6 @@ def test_failures_end_a_sweep_unless_a_shorter_step_may_cure_them(results, count
     assert _run(sweep, results) == count
     if count < len(STEPS):
         assert sweep.ended.endswith("why")
-
-
-def test_settings_and_methods_are_swept():
-    found = planned_sweeps(0, "alpha", [METHOD], tuple(Setting), FULL)
-    assert [sweep.points[0].setting for sweep in found[:3]] == list(Setting)
-    assert [[point.steps_per_turn for point in sweep.points] for sweep in found[3:]] == [list(FULL.steps_per_turn)]
 
 
 def test_a_quick_benchmark_has_the_most_advanced_methods_and_not_the_best_setting():
@@ -198,39 +186,6 @@ def test_a_released_crank_has_no_torque_to_judge_and_a_phase_instead():
     assert set(chosen_families(case, FOUR)) == {"Jeq", "phi", "joint_force"}
 
 
-def test_a_first_use_is_timed_once_in_a_process(monkeypatch):
-    monkeypatch.setattr(point, "_WARM", set())
-    costs = iter([(None, 3.0), (None, 0.5)])
-    real = point.timed
-    monkeypatch.setattr(point, "timed", lambda work: next(costs, None) or real(work))
-    first, second = (measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=False) for _ in range(2))
-    assert [one.details["first_use"] for one in (first, second)] == [2.5, 0.0]
-
-
 def test_an_engine_without_any_requested_quantity_provides_nothing(monkeypatch):
     measurement = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
     assert (measurement.outcome, measurement.detail) == ("not-provided", "Jeq not offered; Mkr not offered")
-
-
-def test_noise_is_relative_to_the_shortest():
-    noise = Noise((2.0, 1.0, 1.1, 1.2, 1.1, 1.0, 1.1, 1.3, 1.1, 1.1, 1.1))
-    assert noise.least == 1.0
-    assert noise.median_excess == pytest.approx(0.1)
-    assert noise.spread == pytest.approx(0.3)
-    nothing = Noise(())
-    assert (nothing.least, nothing.median_excess, nothing.spread) == (0.0, 0.0, 0.0)
-
-
-def test_work_is_timed_with_the_collector_off_and_the_collector_comes_back():
-    assert gc.isenabled()
-    collecting, seconds = timed(gc.isenabled)
-    assert (collecting, gc.isenabled()) == (False, True)
-    assert seconds > 0.0
-    assert calibrate() > 0.0
-    gc.disable()
-    try:
-        with no_collection():
-            pass
-        assert not gc.isenabled()
-    finally:
-        gc.enable()

@@ -2,7 +2,6 @@
 
 import dataclasses
 from collections import Counter
-from itertools import count
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import method_sweeps
-from comparisons.work_precision.measure import OUT_OF_TIME, Extent, planned_sweeps
+from comparisons.work_precision.measure import OUT_OF_TIME, Extent
 from comparisons.work_precision.records import SETTING
 from comparisons.work_precision.study import BenchRequest, bench
 from engines.contract import Abilities, History, Method, Outcome, ReadOut, Run, Setting, Signal
@@ -132,17 +131,6 @@ def test_orders_and_floors_of_the_known_engine_are_found(measured):
     }  # fmt: skip
 
 
-def test_every_point_is_repeated_round_after_round(measured, runs):
-    counts = Counter(run for run in runs if isinstance(run, tuple) and run[0] != "broken")
-    warm = runs[0]
-    assert set((counts - Counter([warm, warm])).values()) == {EXTENT.repeats}
-    rounds = [run for run in runs if run[0] == "first" and run != warm]
-    assert rounds[:9] == rounds[9:18] == rounds[18:]
-    finished = [one for one in measured.records if one.finished]
-    assert all(len(one.repeats) == 3 and one.seconds == min(one.repeats) for one in finished)
-    assert len(measured.noise.samples) >= len(finished) * 3
-
-
 def test_settings_stand_beside_methods(measured):
     settings = {one.setting: one for one in measured.records if one.kind == SETTING}
     assert set(settings) == {"naive", "tuned", "best"}
@@ -219,14 +207,6 @@ def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkey
     assert found.document["methods"] == []
 
 
-def test_an_engine_without_methods_to_study_has_its_settings(known, monkeypatch):
-    monkeypatch.delattr(KnownEngine, "run_method")
-    monkeypatch.setattr(known, "is_control", True)
-    found = bench(REQUEST)
-    assert [(one.setting, one.finished, one.is_control) for one in found.records] == [(s, True, True) for s in Setting]
-    assert found.document["methods"] == []
-
-
 def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that_says_why(known, monkeypatch):
     def fail(scene):
         raise TypeError("a slip")
@@ -240,27 +220,3 @@ def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that
 
 def _cases(*names):
     return tuple(dataclasses.replace(CASE, mechanism=Mechanism(load(name))) for name in names)
-
-
-def test_a_linkage_of_each_structure_is_measured_before_those_that_repeat_one_single_runs_first(known):
-    cases = _cases("fork-takeup", "two-crank-takeup", "juki-mf7923d", "rimoldi-164", "slotted-takeup")
-    sweeps = [one for place in range(5) for one in planned_sweeps(place, "known", METHODS, (), EXTENT)]
-    turns = [{(sweep.points[0].case, sweep.points[0].method.runs > 1) for sweep in turn}
-             for turn in benchmark._sweep_groups(cases, sweeps)]  # fmt: skip
-    structures = [0, 2, 3, 4]
-    single, extrapolated = [{(place, False)} for place in structures], [{(place, True)} for place in structures]
-    assert turns == [*single, *extrapolated, {(1, False)}, {(1, True)}]
-
-
-def test_a_turn_that_takes_longer_than_there_is_time_for_is_not_begun(known, monkeypatch):
-    """A few points of a curve would show nothing: the case is left to a benchmark of its own."""
-    ticks = count(0.0, 10.0)
-    monkeypatch.setattr(benchmark.time, "monotonic", lambda: next(ticks))
-    monkeypatch.setattr(benchmark.Rounds, "seconds_left", lambda self: 8.0)
-    cases, short = _cases("fork-takeup", "juki-mf7923d"), dataclasses.replace(EXTENT, repeats=1)
-    request = dataclasses.replace(REQUEST, cases=cases, methods=("first",), settings=(), extent=short)
-    found = bench(request).points
-    assert {one.outcome for one in found if one.mechanism == "fork-takeup"} == {"finished"}
-    assert [(one.outcome, one.detail) for one in found if one.mechanism != "fork-takeup"] == [
-        ("timed-out", OUT_OF_TIME)
-    ]
