@@ -11,11 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.campaign.results import document, save
 from engines.registry import engine, engine_names
-from reports.requests.campaign import request
-from reports.requests.options import CompareOptions
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
@@ -91,12 +87,3 @@ def test_an_engine_that_is_not_requested_is_not_imported(imported, name):
     short = ("--regime", "run-up-quintic", "--ramp-time", "0.02", "--hold-time", "0.01")
     command = ("compare", "juki-mf7923d", *short, *others, "--quantity", "Jeq")
     assert imported((name, *PLOTTING, "xarray"), *command) == set()
-
-
-def test_the_pages_of_a_finished_study_import_no_engine(imported, tmp_path):
-    choice = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",), quantity=("Jeq",))
-    wanted: CampaignRequest = request(choice)
-    results = list(compare(wanted))
-    save(tmp_path / "saved", document(wanted, "as tested"), results)
-    assert imported(ENGINES, "compare", "--out", str(tmp_path / "saved"), ends=(0,)) == set()
-    assert (tmp_path / "saved" / "index.html").is_file()

@@ -3,7 +3,6 @@
 import contextlib
 import os
 import re
-import runpy
 import subprocess
 import sys
 import tomllib
@@ -14,7 +13,6 @@ import pytest
 from comparisons.conformance.conformance import CHECKS
 from comparisons.conformance.mutants import MUTANT
 from comparisons.conformance.trial import EngineTrial, NotTestedError
-from tests.commands import linkproof
 from tests.comparisons.conformance.wrong_engines import WRONG
 from tests.comparisons.faults import announce
 
@@ -58,16 +56,6 @@ def test_its_checks_are_cases_for_pytest(barwork, pytester):
     pytester.makepyfile(test_barwork=BLOCKS["test_barwork.py"])
     done = pytester.runpytest_inprocess("-p", "no:cacheprovider", "test_barwork.py", "-k", "identity or silence")
     done.assert_outcomes(passed=1, xfailed=1, deselected=len(CHECKS) - 2)
-
-
-def test_its_runs_are_exported_and_the_script_has_the_same_torque(barwork, capsys):
-    motion = ("--speed", "100", "--ramp-time", "0.1", "--hold-time", "0")
-    words = ("--engine", "barwork", "--setting", "naive", *motion, "--script", "case.py")
-    done = linkproof("compare", "teaching-four-bar", *words)
-    assert done.returncode == 0, done.stderr
-    runpy.run_path("case.py", run_name="__main__")
-    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("drive torque")]
-    assert rows[0][-4] == rows[0][-3]  # the torque now and when it was exported
 
 
 def test_its_thirty_lines_pass_every_check_of_an_engine_that_has_positions_alone():

@@ -9,8 +9,6 @@ from comparisons.judging.records import Verdict
 from reports.campaign.index import index
 from reports.document.markdown import written
 from reports.document.parts import Cards, PageLink, Paragraph
-from reports.work_precision import page as bench_page
-from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_results import made_up_results
 
 NAMES = ("juki-mf7923d", "two-crank-takeup")
@@ -52,14 +50,6 @@ def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, s
     assert all(name in text for name in ("peak torque", "peak power", "mean Jeq", "stroke"))
     assert "- worst error: 0." in text
     assert " of its limit: beta, " in text
-
-
-def test_the_cost_is_what_the_page_of_the_benchmark_says(results, sheets):
-    bench = made_up_bench()
-    said = [part.words for part in bench_page.page(bench).parts if getattr(part, "role", "") == "verdict"]
-    parts = index(results, sheets, (STUDY,), bench_page.cost(bench)).parts
-    assert said
-    assert [part.words for part in parts if getattr(part, "words", "") in said] == said
 
 
 def test_a_judgement_says_its_own_verdict(results, sheets):

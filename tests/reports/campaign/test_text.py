@@ -115,9 +115,3 @@ def test_suites_count_their_cases_and_the_time_of_every_run_once():
     assert [suites["m/v/r"].get(name) for name in counts] == ["2", "1", "0", "0", "1.500000"]
     assert [suites["n/v/r"].get(name) for name in counts] == ["1", "0", "0", "1", "0.250000"]
     assert [root.get(name) for name in counts[:-1]] == ["3", "1", "0", "1"]
-
-
-def test_details_hold_every_record_and_all_its_figures():
-    text = rendered(*printout([_result(detail="because")]).details)
-    assert all(name in text for name in ("Jeq", "joint_force:A", "joint_force:B"))
-    assert text.count("because") == 3

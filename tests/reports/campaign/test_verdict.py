@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from analytic.description.loading import load
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Verdict
 from engines.contract import Setting
-from reports.campaign.verdict import CHECKS, OTHER, RELEASED, EngineRanking, verdict
+from reports.campaign.verdict import EngineRanking, verdict
 from tests.reports.made_up_results import changed_results, made_up_results
 
 QUANTITIES = ("Jeq", "Mkr", "S")
@@ -61,14 +60,6 @@ def test_where_only_naive_ran_it_decides():
     assert trust.settings == ("naive",)
     assert "Do not trust alpha and beta for S/v/a, Jeq/Teq" in verdict(trust)[0]
     assert not any("At default" in line for line in verdict(trust))
-
-
-def test_a_released_crank_checks_and_foreign_signals_are_families_of_their_own(results):
-    named = changed_results(results, lambda r: replace(r, quantity="length of the belt") if r.quantity == "S" else r)
-    assert EngineRanking(named).families == ("Jeq/Teq", "Mkr/Peq", OTHER, CHECKS)
-    free = made_up_results([load("two-crank-takeup")], samples=21, quantities=("Jeq",))
-    released = changed_results(free, lambda r: replace(r, regime="driven"))
-    assert EngineRanking(released).families == (RELEASED, CHECKS)
 
 
 def test_the_control_is_shown_last_and_never_named(results):

@@ -73,13 +73,6 @@ def test_a_file_keeps_its_words_and_turns_every_colour_it_has(chart):
     assert 'id="patch_1"' not in text or not re.search(r'id="patch_1">\s*<path[^>]*fill: #ffffff', text)
 
 
-def test_labels_move_apart_about_their_own_places_within_the_panel():
-    placed = draw.spread([0.5, 0.5, 0.52, 2.0], [0.2, 0.2, 0.4, 0.2], 2.0)
-    assert np.all(np.diff(placed) >= np.array([0.2, 0.3, 0.3]) - 1e-12)
-    assert abs(np.mean(placed[:3]) - 0.5) < 0.1
-    assert max(placed) <= 2.0
-
-
 # Limits and round scales of a panel.
 
 X = np.linspace(0.0, 1.0, 101)
@@ -98,18 +91,6 @@ def test_a_flat_curve_stands_in_the_middle_whatever_its_rounding(values):
     assert middle - low == pytest.approx(high - middle)
     assert high - low > 1e-2 * abs(middle)
     assert len(texts(figure)) > 8
-
-
-def test_an_error_that_dips_to_zero_keeps_its_decades():
-    error = 1e-9 * np.abs(X - 0.5) + 1e-30
-    figure, limits = drawn(error, scale="log", marks=(Mark(1e-6, "y"),))
-    assert limits == pytest.approx((1e-11, 1e-6))
-    assert "10⁻¹¹" in texts(figure)
-
-
-@pytest.mark.parametrize(("values", "starts"), [(X + 0.1, True), (X + 10.0, False), (-X, False)])
-def test_an_axis_of_magnitudes_starts_at_zero(values, starts):
-    assert (drawn(values)[1][0] == 0.0) == starts
 
 
 @pytest.mark.parametrize(("factor", "label"), [(1.0, "F, N"), (1e6, "F, 10⁶ N"), (1e-7, "F, 10⁻⁷ N")])

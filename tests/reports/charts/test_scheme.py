@@ -11,7 +11,6 @@ import pytest
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import positions_over_range
-from reports.charts import symbols
 from reports.charts.moving import moving_scheme
 from reports.charts.scheme import KinematicScheme, scheme_figure
 
@@ -49,23 +48,6 @@ def test_places_are_those_of_the_closed_form_in_the_files_unit():
     for point, path in scheme.paths.items():
         for ours, theirs in zip(path, sweep.point(point), strict=True):
             np.testing.assert_allclose(ours, 1e3 * np.broadcast_to(theirs, sweep.angle.shape), atol=1e-9)
-
-
-def test_extent_and_guide_are_those_of_the_crank_slider():
-    scheme = scheme_of("juki-mf7923d")
-    low, high = scheme.extent
-    np.testing.assert_allclose(low, [-15.5, -70.0], atol=1e-9)
-    np.testing.assert_allclose(high, [15.5, 15.5], atol=1e-9)
-    slider = scheme.linkage.sliders[0]
-    ends = scheme.travel(slider.guide, slider.link, slider.point)
-    np.testing.assert_allclose(ends, [[0.0, -70.0], [0.0, -39.0]], atol=1e-9)
-
-
-def test_outlines_are_hulls_and_straight_links_stay_straight():
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]])
-    assert len(symbols.outline(square)) == 4
-    straight = np.array([[0.0, 0.0], [0.3, 0.3], [1.0, 1.0]])
-    np.testing.assert_array_equal(np.sort(symbols.outline(straight), axis=0), [[0.0, 0.0], [1.0, 1.0]])
 
 
 # A moving scheme's rules carry every pin, spring and cylinder to where the closed form has it.

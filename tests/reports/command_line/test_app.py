@@ -50,11 +50,6 @@ def test_help_of_every_command_has_no_types_no_cut_sentences_and_no_long_lines()
         assert max(map(len, done.stdout.splitlines())) <= 80, command
 
 
-def test_version():
-    done = linkproof("--version")
-    assert (done.returncode, done.stdout.split()[0]) == (0, "linkproof")
-
-
 @pytest.mark.parametrize(
     ("words", "names"),
     [

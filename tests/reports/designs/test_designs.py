@@ -111,24 +111,6 @@ def test_a_line_names_its_designs_and_hatches_those_that_fail():
     assert [line.get_xdata()[0] for line in axes.lines if line.get_color() == MUTED and line.is_dashed()] == [174.0]
 
 
-@pytest.mark.parametrize("counts", [(100_000,), (30, 20, 10)])
-def test_of_many_designs_a_sample_is_drawn_with_those_named_and_the_picture_says_so(counts):
-    peak = 77_777 % int(np.prod(counts))
-
-    def change(values):
-        values = 0.0 * values + 1.0
-        values.ravel()[peak] = 9.0
-        return values
-
-    figure = drawn(made_up_sweep(*counts, change=change), OWN | {"rod.B.x": 200.0}, always={peak})
-    axes = panels(figure)[0]
-    image = [np.nanmax(one.get_array()) for one in axes.images]
-    highest = max(image or [np.nanmax(line.get_ydata()) for line in axes.lines if len(line.get_xdata()) > 9])
-    assert highest == (1.0 if len(counts) == 3 else 9.0)  # the end of an axis
-    assert any(re.search("000 designs, a sample of .* is drawn$", text) for text in texts(figure))
-    assert "design of the file" not in texts(figure)
-
-
 def test_a_map_has_a_colour_bar_contours_with_words_a_hatch_and_its_best_design():
     figure = drawn(made_up_sweep(21, 31, fails=0.3))
     (axes,) = panels(figure)
@@ -141,30 +123,6 @@ def test_a_map_has_a_colour_bar_contours_with_words_a_hatch_and_its_best_design(
     assert "value, 10⁻⁴ N*m" in named
     assert marked(axes, "*", LIMIT_COLOUR) == [pytest.approx((173.0, 180.0))]
     assert marked(axes, "D", INK) == [(174.0, 184.0)]
-
-
-def test_a_transmission_angle_is_best_at_ninety_degrees():
-    dataset = made_up_sweep(101, figures=3)
-    name = list(dataset.data_vars)[-1]
-    dataset[name] = dataset[name] * 0.0 + np.linspace(60.0, 130.0, 101)
-    figure = drawn(dataset)
-    ((place, value),) = marked(panels(figure)[-1], "*", LIMIT_COLOUR)
-    assert value == pytest.approx(90.0, abs=0.5)
-    assert place == pytest.approx(170.0 + 10.0 * 30.0 / 70.0, abs=0.1)
-    assert "nearest to 90°" in texts(figure)
-
-
-def test_a_table_is_drawn_as_the_grid_of_the_same_designs_descending_or_not_and_a_file_stands_on_white():
-    grid, table = (made_up_sweep(6, 5, 4, figures=2, fails=0.2, table=one) for one in (False, True))
-    first, second, text = (
-        draw.svg(drawn(designs), page="white") for designs in (grid, table, made_up_sweep(9, 9, fails=0.3))
-    )
-    assert first == second
-    turned = made_up_sweep(9, 9, fails=0.3).isel({"rod.B.x": slice(None, None, -1)})
-    assert draw.svg(drawn(turned), page="white") == text
-    assert "<pattern" in text
-    assert "fill: #ffffff" in text
-    assert "prefers-color-scheme" not in text
 
 
 @pytest.mark.parametrize("counts", [(40, 30), (400, 3, 3)])
@@ -259,8 +217,3 @@ def test_the_largest_bar_is_on_top_and_what_moves_nothing_is_counted(study):
     assert {"Mkr.peak: 0.2700 N*m; 1 moves nothing", "change, N*m"} <= set(words)
     low, high = axes.get_xlim()
     assert low <= -5e-3 < 4e-3 <= high
-
-
-@pytest.mark.parametrize("ends", [(np.nan, 1.0), (0.0, 0.0), (-1e-300, 1e300)])
-def test_results_that_nothing_moves_or_that_break_are_drawn(study, ends):
-    assert draw.svg(draw.figure(tornado_chart(replace(study, changes=np.array([[ends] * len(NAMES)])))))

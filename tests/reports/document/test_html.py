@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from markupsafe import Markup
 
-from reports.charts.scales import DARK, NAMED, PALETTE, PAPER
 from reports.document import html
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import (
@@ -129,20 +128,6 @@ def test_links_lead_from_the_page_through_the_report_s_folder(page, folder):
         assert int(picture["width"]) > 0
 
 
-def test_every_figure_is_a_file_and_says_where_its_axis_lies(page, folder):
-    assert sorted(one.name for one in (folder / "figures/one").iterdir()) == [
-        "instead.svg", "one.svg", "two.svg",
-    ]  # fmt: skip
-    for one in page.of("figure"):
-        assert one["data-axis"] == "phi"
-        assert 0.0 < float(one["data-left"]) < float(one["data-right"]) <= 1.0
-
-
-def test_headings_go_down_one_level_at_a_time(page):
-    levels = [int(tag[1]) for tag, _ in page.found if re.fullmatch("h[1-6]", tag)]
-    assert levels == [1, 2, 3, 2, 2, 3]
-
-
 def test_a_table_has_a_caption_heads_with_scopes_and_cells_of_its_classes(page):
     assert page.of("caption")
     assert page.of("div")[0]["role"] == "region"
@@ -167,15 +152,6 @@ def test_a_page_loads_its_assets_and_nothing_from_elsewhere(page, folder):
     assert len(loaded) == 2
     for file in loaded:
         assert (folder / PAGE.file).parent.joinpath(file).resolve().is_file()
-
-
-def test_a_page_has_the_colours_of_its_figures_in_both_schemes(folder):
-    style = (folder / "assets/linkproof.css").read_text(encoding="utf-8")
-    light, dark = (dict(re.findall(r"--(\w+): (#\w{6});", part)) for part in style.split("@media", 2)[:2])
-    figures = {**NAMED, "paper": PAPER, **{f"c{number}": colour for number, colour in enumerate(PALETTE)}}
-    figures["line"] = figures.pop("faint")
-    assert {name: light[name] for name in figures} == figures
-    assert {name: dark[name] for name in figures} == {name: DARK[colour] for name, colour in figures.items()}
 
 
 def test_no_line_ends_inside_a_value(tmp_path):

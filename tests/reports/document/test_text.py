@@ -8,7 +8,7 @@ import pytest
 from reports.document import numbers
 from reports.document.markdown import inline, table, written
 from reports.document.numbers import accept_any_text
-from reports.document.parts import Bullets, Facts, Fold, PageFigure, PageLink, Paragraph, Section, Table, TableCell
+from reports.document.parts import PageLink, Paragraph, Section, Table, TableCell
 from reports.document.templates import worded
 from reports.document.terminal import rendered, show
 
@@ -48,21 +48,6 @@ def test_a_name_is_no_markup(words, expected):
     assert written([Section("k", words, ())]).startswith(f"## {expected}")
 
 
-def test_headings_go_down_and_pictures_are_left_out():
-    figure = PageFigure("f", "caption", "alt", lambda: None)
-    within = Section("", "Within", (Facts((("n", "v"),)), Fold("more", (Paragraph("folded"),))))
-    parts = (Paragraph("words", "lead"), Bullets(("one", "two")), figure, Section("k", "Rest", (within,)))
-    assert written(parts).split("\n\n") == [
-        "words",
-        "- one\n- two",
-        "## Rest",
-        "### Within",
-        "- n: v",
-        "more",
-        "folded",
-    ]
-
-
 # Printed text: no markup, no control characters, no loss of text.
 
 
@@ -82,12 +67,6 @@ def test_a_pipe_gets_every_column_whole_and_no_spaces_at_the_ends(capsys):
     head, row = capsys.readouterr().out.splitlines()
     assert row == f"{wide[0]}  {wide[1].rstrip()}"
     assert head == head.rstrip()
-
-
-def test_a_terminal_folds_and_cuts_nothing():
-    text = rendered(Table("", ("a", "b"), [("x" * 50, "y" * 50)]), width=40)
-    assert (text.count("x"), text.count("y")) == (50, 50)
-    assert max(map(len, text.splitlines())) <= 40
 
 
 # Streams of small character sets.

@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from comparisons.campaign.results import Results
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.charts import draw
-from reports.document.parts import Bullets, Fold, Table, TableCell, Widget
+from reports.document.parts import Bullets, Table, TableCell, Widget
 from reports.mechanism.engines import (
     MARKERS,
     STRETCHES,
@@ -84,46 +83,11 @@ def test_a_run_over_its_limits_has_a_remedy(results, setting, cure):
     assert [item for item in reasons.items if item.startswith("beta ")] == [f"beta {setting} – {cure}."]
 
 
-def test_a_quantity_that_an_engine_lacks_stands_beside_its_other_errors(results):
-    def lack(record):
-        if (record.engine, record.setting, record.quantity) != ("beta", "best", "Mkr"):
-            return record
-        return replace(record, error_max=None, outcome=Verdict.NOT_PROVIDED.value, detail="no torque")
-
-    (view,) = views(changed_results(results, lack))
-    _, reasons = errors_section(view, view.regimes[0]).parts
-    assert reasons.items[0] == "beta best, Mkr – not provided: no torque."
-
-
-def test_the_setting_that_stands_for_an_engine_is_one_that_gave_a_curve_in_the_regime(results):
-    def stop(record):
-        if record.regime != "run-up" or record.setting != "tuned":
-            return record
-        return replace(record, error_max=None, outcome=Verdict.UNSUPPORTED.value)
-
-    (view,) = views(changed_results(results, stop))
-    assert [view.shown_setting(regime) for regime in view.regimes] == ["best", "tuned"]
-
-
-def test_runs_have_their_steps_cost_and_settings(results):
-    tables = engines_section(views(results)[0]).parts[-1].parts
-    assert len(tables) == 2
-    (best,) = (row for row in tables[0].rows if row[0] == "alpha best")
-    assert best[1:] == ("7000", "12.3 ms", "4.00 ms", "4 runs, extrapolated", "step 1e-4, scheme made up, passes 2")
-
-
 def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
     broken = {"gone": Verdict.UNAVAILABLE}
     (view,) = views(made_up_results(engines=("gone",), broken=broken, samples=21, quantities=("Mkr",)))
     errors, _ = engines_section(view).parts
     assert errors.parts == (Bullets(("gone naive; tuned; best – not installed: gone <cannot> hold this scene.",)),)
-
-
-def test_a_judged_file_has_its_errors_but_no_cost(results):
-    judged = Results({**results.document, "judgement": ["Wrong."]}, results.runs)
-    section = engines_section(views(judged)[0])
-    assert section.heading == "Every error"
-    assert not any(isinstance(part, Fold) and "cost" in part.summary for part in section.parts)
 
 
 # Curves of runs, thinned and packed for the page's chart.

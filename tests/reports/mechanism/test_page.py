@@ -12,8 +12,7 @@ from analytic.description.loading import catalogue, load, parse
 from comparisons.case import Case
 from comparisons.datasheet.building import page_sheet, usual_sheet
 from comparisons.datasheet.curves import SignalFigure
-from reports.charts.scheme import THREAD, thread_figure
-from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table, Widget
+from reports.document.parts import FigureGroup, PageFigure, Paragraph, Widget
 from reports.mechanism.page import SAMPLES, file_of, page, player_data, released_section, thread_section
 from reports.mechanism.shown import words
 from tests.analytic.linkages import FOLDER, MADE_UP, from_text, mechanism
@@ -29,12 +28,6 @@ def figures(found):
         return list(found.figures)
     inner = next((getattr(found, name) for name in ("sections", "parts", "cards") if hasattr(found, name)), ())
     return [figure for part in inner for figure in figures(part)]
-
-
-def test_a_crank_that_cannot_turn_has_its_range():
-    found = page(usual_sheet(load("stephenson-six-bar")))
-    facts = next(part for card in found.parts[-1].cards for part in card.parts if isinstance(part, Facts))
-    assert dict(facts.rows)["crank"].startswith("from ")
 
 
 def section(found, key):
@@ -107,20 +100,6 @@ def test_a_linkage_without_a_list_of_operations_says_why_its_numbers_stay():
     )
 
 
-def test_every_variant_has_a_column_of_published_figures():
-    sheet = sheet_of("juki-mf7923d")
-    table = next(p for p in section(page(sheet), "published").parts if isinstance(p, Table))
-    assert table.head[2:-1] == sheet.linkage.variants
-    assert {len(row) for row in table.rows} == {len(table.head)}
-
-
-def test_every_joint_has_its_largest_force_in_figures():
-    linkage = mechanism("three-on-one-pin").linkage
-    fold = next(part for part in section(page(usual_sheet(linkage)), "forces").parts if isinstance(part, Fold))
-    joints = {joint for pin in linkage.pins for joint in pin.joints} | {slider.name for slider in linkage.sliders}
-    assert len(fold.parts[0].rows) == len(joints) + 1  # and the frame
-
-
 def test_of_a_judged_file_the_verdict_is_first_and_its_errors_come_before_the_designers_figures():
     judged = made_up_results(samples=101)
     judged.document["judgement"] = ["Not right.", "Mkr has the other sign."]
@@ -160,13 +139,6 @@ def test_the_section_of_a_thread_has_its_contour_feed_and_tables(fed):
     assert [rows[what][-1] for what in ("P7 highest", "P7 lowest")] == ["117.97", "352.35"]
     assert rows["farthest from required"] == ("-3.593", "–", "60.00")
     assert required.rows[1] == ("60.00", "40.00", "36.41", "-3.593")
-
-
-def test_the_picture_of_a_thread_passes_through_its_stops(fed):
-    (axes,) = thread_figure(fed.linkage, fed.positions, fed.thread).axes
-    line = next(line for line in axes.lines if line.get_color() == THREAD)
-    np.testing.assert_allclose(line.get_xydata(), 1e3 * fed.thread.contour)
-    assert {"NN1", "P7", "NN2"} <= {text.get_text() for text in axes.texts}
 
 
 @pytest.fixture(scope="module")
@@ -235,11 +207,6 @@ def boom():
     return usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))
 
 
-def test_a_range_is_shown_in_the_units_of_its_file_and_is_no_turn(boom):
-    assert not boom.is_turn
-    assert np.all(np.diff(boom.x) > 0.0)
-
-
 # What a player is given: a place on the figures, a pose of the drawing and the signals, instant by instant.
 
 
@@ -253,8 +220,3 @@ def test_signals_are_those_of_the_place_on_the_axis(speed):
     assert len(shares) == SAMPLES
     assert np.array(rows["v"]["values"]) == pytest.approx(expected, abs=2e-3 * np.max(np.abs(expected)))
     assert rows["v"]["unit"] == "mm/s"
-
-
-def test_poses_of_a_motion_to_and_fro_go_from_its_start_to_its_end(boom):
-    data = player_data(boom, boom.positions)
-    assert (data["poses"][0], data["poses"][-1]) == (0.0, 1.0)

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray
 
 import linkproof
 from analytic.description.loading import parse
-from reports.python.evaluation import Label, label
+from reports.python.evaluation import label
 from tests.analytic.linkages import path_of
 from tests.commands import linkproof as command
 
@@ -50,12 +49,6 @@ def test_acceleration_and_speed_are_of_each_angle():
     assert np.isclose(found["Mkr"][0], found["Jeq"][0] * 3.0 + still["Mkr"][0], rtol=1e-12)
     moving = linkproof.evaluate("juki-mf7923d", [1.0], ["joint_force"], speed=60.0)
     assert np.array_equal(found["joint_force"][..., 1], moving["joint_force"][..., 0])
-
-
-def test_without_a_speed_it_gives_the_quantities_that_need_none():
-    found = linkproof.evaluate("juki-mf7923d", [0.0, 1.0])
-    still = {"Jeq", "Q", "S", "damping", "half_slope", "link_angle", "point_position", "transmission_angle"}
-    assert still == {*found.data_vars}
 
 
 def test_every_design_is_evaluated_by_itself():
@@ -111,29 +104,6 @@ def test_a_loaded_linkage_and_a_path_are_the_same():
     assert linkproof.results(motor).identical(linkproof.results(linkproof.load(motor)))
     loaded = linkproof.results(linkproof.load("juki-mf7923d"), variant="as-printed")
     assert loaded.identical(linkproof.results("juki-mf7923d", variant="as-printed"))
-
-
-def test_results_are_saved_and_read_as_netcdf(tmp_path):
-    found = linkproof.results("juki-mf7923d", at=[0, 45])
-    found.to_netcdf(tmp_path / "juki.nc", engine="scipy")
-    with xarray.open_dataset(tmp_path / "juki.nc", engine="scipy") as saved:
-        assert np.array_equal(saved["joint_force"].sel(joint="A"), found["joint_force"].sel(joint="A"))
-
-
-@pytest.mark.parametrize(
-    ("name", "place"),
-    [
-        ("Mkr", Label("Mkr")),
-        ("point:D:vx", Label("point_velocity", "point", "D", "x")),
-        ("link:rod:alpha", Label("link_alpha", "link", "rod")),
-        ("joint_force:A:K5:y", Label("joint_force", "joint", "A:K5", "y")),
-        ("joint_force:A:K5:magnitude", Label("joint_force_magnitude", "joint", "A:K5")),
-        ("shaking_force:x", Label("shaking_force", component="x")),
-        ("transmission_angle:K2 + K3: x", Label("transmission_angle", "group", "K2 + K3: x")),
-    ],
-)
-def test_a_signal_has_its_place_whatever_colons_its_name_has(name, place):
-    assert label(name) == place
 
 
 def test_an_optimum_has_the_numbers_and_figures_of_the_command():

@@ -11,7 +11,6 @@ import linkproof
 from analytic.description.loading import read
 from comparisons.campaign.standard import JudgedCampaign
 from comparisons.conformance import conformance
-from engines.direct_adapter.adapter import DirectEngine
 from engines.registry import Unusable
 from tests.commands import linkproof as command
 
@@ -108,13 +107,6 @@ def test_results_of_another_tool_are_judged(curves):
         AssertionError, match=r"run-up, a<b.csv imported, Mkr: over-limit, .* likely cause: y of gravity"
     ):
         wrong.check()
-
-
-def test_an_engine_is_checked_by_name_or_as_it_is():
-    for engine in ("direct", DirectEngine()):
-        found = linkproof.check_engine(engine, 1)
-        assert isinstance(found, list)
-        assert [(result.check, result.finding) for result in found] == [("identity", "passed")]
 
 
 @pytest.mark.parametrize(

@@ -4,21 +4,13 @@ import numpy as np
 import pytest
 
 from comparisons.judging.records import Verdict
-from reports.records import View, anchor, blank_repeats, limit_table, short_title, views
-from tests.analytic.linkages import driven
+from reports.records import anchor, blank_repeats, views
 from tests.reports.made_up_results import made_up_results
 
 
 @pytest.fixture(scope="module")
 def results():
     return made_up_results(engines=("beta", "alpha"), broken={"alpha": Verdict.UNAVAILABLE}, samples=101)
-
-
-def test_limits_carry_their_reasons(results):
-    rows = limit_table(results).rows
-    jeq = next(row for row in rows if row[0].startswith("Jeq") and "tuned" in row[1])
-    assert jeq[3] == "1e-5"
-    assert "smoother than torque" in jeq[4]
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +25,6 @@ def test_traces_leave_out_what_the_comparison_left_out(view_results):
         for trace in view.traces(regime, quantity):
             assert np.nanmax(trace.error) == pytest.approx(trace.record.error_max, rel=1e-9)
     assert np.isnan(view.traces(regime, "Mkr")[0].error[0])
-
-
-def test_quantities_are_named_by_symbol_and_words_that_suit_the_drive(view_results):
-    (view,) = views(view_results)
-    assert view.title("Mkr") == "Mkr crank torque"
-    assert view.title("thread_feed") == "thread feed"
-    assert View(view_results, driven("linear-motor").linkage).title("Mkr") == "Mkr force of the drive"
-    assert short_title("joint_force:slot_slider on rocker") == "force of slot slider on rocker"
-    assert short_title("omega") == "ω"
 
 
 def test_anchors_hold_no_character_that_a_link_cannot():

@@ -7,32 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from analytic.description.loading import catalogue, find, read
+from analytic.description.loading import find, read
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.machine_code import cores
 from comparisons.campaign.campaign import cases
 from comparisons.judging.limits import read_limits
-from comparisons.runs.run_engine import GIB
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
-from engines.contract import Setting
-from engines.registry import engine_names
-from reports.requests.campaign import RunResources, campaign, files, installed, request, run_resources
-from reports.requests.options import CompareOptions, RunLimits, StandardOptions, changed_options, command_line
+from reports.requests.campaign import campaign, files, request, run_resources
+from reports.requests.options import CompareOptions, RunLimits, StandardOptions, command_line
 
 JUKI = "juki-mf7923d"
 
 
 def names(options):
     return [linkage.name for linkage in request(options).linkages]
-
-
-def test_the_defaults_are_everything_tuned_on_the_usual_ramp():
-    default = request(CompareOptions())
-    assert tuple(linkage.name for linkage in default.linkages) == catalogue()
-    assert [motion.regime for motion in default.motions] == ["run-up"]
-    assert (default.settings, default.engines) == ((Setting.TUNED,), tuple(installed(engine_names())))
-    assert default.with_invariants
-    assert not request(CompareOptions(mechanisms=(JUKI,), quantity=("Jeq",))).with_invariants
 
 
 def test_options_become_si():
@@ -68,17 +54,6 @@ def test_a_variant_without_mechanisms_means_those_that_have_it():
 )
 def test_the_command_repeats_the_request(options, words):
     assert shlex.split(command_line("compare", CompareOptions(**options))) == shlex.split(f"linkproof compare {words}")
-
-
-def test_limits_become_bounds_and_stay_with_the_command():
-    assert (run_resources(RunLimits()), changed_options(RunLimits())) == (
-        RunResources(DEFAULT_BOUNDS, cores()),
-        {},
-    )
-    assert run_resources(RunLimits(time_limit=90.0, memory_limit=0.5)).bounds == Bounds(90.0, GIB // 2)
-    assert run_resources(RunLimits(jobs=0)).processes == 0
-    limits = RunLimits(time_limit=90.0, memory_limit=0.5, jobs=0)
-    assert changed_options(limits) == {"time-limit": ("90",), "memory-limit": ("0.5",)}
 
 
 @pytest.mark.parametrize(

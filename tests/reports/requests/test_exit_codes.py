@@ -6,11 +6,9 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.judging.changes import Change, Kind
-from comparisons.judging.records import Record, run_record
+from comparisons.judging.records import Record
 from comparisons.stress.cells import find_cell
 from comparisons.stress.verdict import StressVerdict, blank_result
-from reports.campaign.terminal import printout
-from reports.document.terminal import rendered
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
 from tests.comparisons.bench_rows import row
 
@@ -70,11 +68,3 @@ def test_a_benchmark_fails_where_an_engine_gave_nothing():
     assert codes == [0, 0, 1, 3]
     with pytest.raises(LinkproofError, match="got none: unavailable, not installed"):
         bench_exit_code([absent], ("beta",))
-
-
-def test_what_is_not_judged_is_counted_apart():
-    records = [*map(_record, ["passed", "passed", "unavailable"])]
-    result = run_record(records[0], records)
-    *_, text = rendered(*printout([result]).closing).splitlines()
-    assert text.startswith("2 deviations: 2 passed, 1 not judged")
-    assert "1 unavailable" in text

@@ -36,11 +36,6 @@ def ends(motion):
     return [float(motion.angle(np.array(time))) for time in (0.0, motion.duration)]
 
 
-def test_a_negative_speed_turns_clockwise():
-    assert motions(speed=-300.0) == motions(speed=300.0, clockwise=True)
-    assert MotionOptions(speed=-300.0).conditions == MotionOptions(speed=300.0, clockwise=True).conditions
-
-
 def test_two_angles_alone_are_constant_speed_between_them():
     (motion,) = motions(from_angle=110.0, to_angle=20.0, speed=60.0)
     assert motion.regime == "constant-speed"
@@ -68,13 +63,6 @@ def test_the_speed_of_a_swing_is_its_largest():
 )
 def test_the_words_ask_for_the_same(options, words):
     assert changed_options(MotionOptions(**options)) == words
-
-
-def test_conditions_tell_motions_apart():
-    swings = [SWING, {"from_angle": 110.0, "to_angle": 20.0}, {**SWING, "speed": 50.0}]
-    options = [{}, {"speed": -1000.0}, {"speed": 2000.0}, {"start_angle": 1.0}, *swings]
-    assert len({MotionOptions(**given).conditions for given in options}) == len(options)
-    assert MotionOptions(**SWING).conditions == "from 20° to 110°, at most 1000 rpm counter-clockwise"
 
 
 @pytest.mark.parametrize(
@@ -161,12 +149,6 @@ def test_the_ends_of_a_swing_are_sampled():
     assert found.motion.speed < 0.0
     assert found.conditions.endswith("gravity off, refined between 180 crank angles")
     assert not any(found.mechanism.linkage.gravity)
-
-
-def test_designs_driven_along_a_line_go_over_their_range_in_a_second():
-    found = steady(path_of("linear-motor"))
-    assert found.motion.speed == pytest.approx(found.motion.places[-1] - found.motion.places[0])
-    assert "sampled at 180 places" in found.conditions
 
 
 @pytest.mark.parametrize(

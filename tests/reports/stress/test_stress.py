@@ -1,7 +1,6 @@
 """The stability maps, their page, tables and terminal: every cell with its verdict, reason and command."""
 
 import dataclasses
-import json
 import re
 
 import pytest
@@ -11,16 +10,12 @@ from comparisons.stress.campaign import Border
 from comparisons.stress.cells import axes
 from comparisons.stress.verdict import Cell, StressVerdict
 from reports.document import html
-from reports.document.parts import as_text
 from reports.document.terminal import rendered
 from reports.stress import (
-    MOST_ALONE,
     MOST_OPEN,
     OPEN,
     SIGNS,
-    axis_title,
     border_place,
-    border_table,
     cell_details,
     cell_facts,
     draw_map,
@@ -31,7 +26,7 @@ from reports.stress import (
     ranking,
     summary,
 )
-from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
+from tests.reports.made_up_stress import made_up_cell, made_up_stress
 
 STRESS = made_up_stress()
 PLACE = {"axis": "mass", "row": "four-bar, crank", "engine": "alpha", "usage": "tuned"}
@@ -84,13 +79,6 @@ def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
     assert found["Conditions"] == "mass factor 1e4; link crank"
 
 
-def test_faults_stand_apart_from_the_checks_messages():
-    blank = made_up_cell(StressVerdict.CAUGHT, value=1.0, **PLACE)
-    flagged = {"reason": "torque off. Flagged: a joint is open", "wrong": "torque off"}
-    found = cell_facts(dataclasses.replace(blank, **flagged))
-    assert (found["Wrong"], found["Flagged by the checks"]) == ("torque off", "a joint is open")
-
-
 @pytest.mark.parametrize("axis", STRESS.axes)
 def test_every_cell_has_its_box_and_sign_and_every_border_its_bar(axis):
     drawing = draw_map(map_data(STRESS, axis))
@@ -128,25 +116,6 @@ def test_engines_are_ranked_by_what_they_accept_at_the_tuned_setting():
     assert ranking(parts[3]).endswith("alpha 0 of 3.")
 
 
-def test_a_border_says_what_is_beyond_and_leaves_out_what_it_shares_with_the_one_before():
-    both = [border(1e-3, 7.234e-4, "over limit", **PLACE), border(1e4, 1.2e4, "missed", **PLACE)]
-    table = border_table(made_up_stress(borders=both), axis_title)
-    assert [(*row[:-1], row[-1].words) for row in table.rows] == [
-        (axis_title("mass"), *list(PLACE.values())[1:], "0.001, over limit at 7.23e-4"),
-        ("", "", "", "", "1e4, missed at 12000"),
-    ]
-
-
-def test_incidents_stand_alone_or_the_first_of_each_axis_and_engine_with_their_number():
-    few = cells_of([StressVerdict.CAUGHT] * 3)
-    assert [as_text(row[-1]) for row in incident_table(few.results).rows] == [one.cell.command for one in few.results]
-    many = cells_of([StressVerdict.CAUGHT] * (MOST_ALONE + 1))
-    ((engine, place, *_, command),) = incident_table(many.results).rows
-    assert engine == "alpha"
-    assert place.note == f"and {MOST_ALONE} more on this axis"
-    assert as_text(command) == many.results[0].cell.command
-
-
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
@@ -156,17 +125,6 @@ def written(tmp_path_factory):
 @pytest.fixture(scope="module")
 def text(written):
     return written.read_text(encoding="utf-8")
-
-
-def test_the_first_map_is_on_the_page_and_the_others_beside_it(written, text):
-    first, *others = STRESS.axes
-    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', text, re.DOTALL)
-    assert json.loads(data)["map"]["axis"] == first
-    folder = written.parent / "data" / "stress"
-    assert {file.name for file in folder.iterdir()} == {f"maps.{axis}.js" for axis in others}
-    for axis in others:
-        call = (folder / f"maps.{axis}.js").read_text(encoding="utf-8")
-        assert call.startswith(f'linkproof.loaded("maps.{axis}",')
 
 
 def test_what_was_missed_raised_or_crashed_stands_open_with_its_reason_and_command(text):

@@ -4,31 +4,16 @@ import re
 
 import pytest
 
-from comparisons.work_precision.analysis import by_regime, on_front, places, split_by_runs
-from comparisons.work_precision.records import METHOD, Bench, load, save
+from comparisons.work_precision.analysis import by_regime, places
+from comparisons.work_precision.records import Bench, load, save
 from reports.document import html
 from reports.document.terminal import rendered
-from reports.work_precision.page import chart, choices_section, inks, page, verdicts, widget
-from reports.work_precision.words import comparison_words, engine_labels, least_words, printout
-from tests.comparisons.bench_rows import points, setting_row, sweep_rows
+from reports.work_precision.page import choices_section, inks, page, verdicts, widget
+from reports.work_precision.words import comparison_words, engine_labels, printout
+from tests.comparisons.bench_rows import points, setting_row
 from tests.reports.made_up_bench import document, made_up_bench, nothing_finished
 
 BENCH = made_up_bench()
-
-
-def _facts(rows, quantity="Mkr"):
-    return places(Bench(document(("m",), ("alpha", "beta")), points(rows)))[0].engines(quantity)
-
-
-def test_a_floor_is_an_error_that_a_finer_step_does_not_lower():
-    def told(errors):
-        (facts,) = _facts(sweep_rows(errors))
-        (sweep,) = facts.sweeps
-        return least_words(sweep)
-
-    assert told([1e-1, 1e-2, 1e-3]) == "least 1.0e-3 @ 4"
-    assert told([1e-2]) == "least 1.0e-2 @ 1"
-    assert told([1e-1, 2e-3, 1.9e-3, 1.8e-3]) == "floor 1.8e-3 @ 8"
 
 
 def test_a_setting_is_on_ahead_of_or_off_the_front():
@@ -116,33 +101,6 @@ def test_every_finished_record_of_every_place_is_there_once():
 
 
 PLACES, INKS = places(BENCH), inks(engine_labels(BENCH))
-
-
-def _mine(panel, ink):
-    return [curve for curve in panel.curves if curve.ink == ink]
-
-
-def _methods(place, engine):
-    return [one for one in place.records if (one.engine, one.quantity, one.kind) == (engine, "Mkr", METHOD)]
-
-
-def test_bold_lines_are_the_fronts_solid_of_single_runs_and_dashed_of_several():
-    curves = _mine(chart(PLACES, INKS).panels[0], INKS["alpha"])
-    bold = {curve.line: curve for curve in curves if curve.width > 1.5}
-    records = _methods(PLACES[0], "alpha")
-    for line, part in zip(("-", "--"), split_by_runs(records), strict=True):
-        assert list(bold[line].y) == [one.error_max for one in on_front(part)]
-    assert [curve.name for curve in bold.values()] == ["", "alpha"]
-
-
-def test_a_floor_is_barred_and_an_order_noted_at_the_least_error():
-    records = sweep_rows([1e-1, 1e-2, 1e-3, 1e-3, 1e-3], ratio=10.0)
-    bench = Bench(document(("m",), ("alpha",)), points(records))
-    panel = chart(places(bench), inks(engine_labels(bench))).panels[0]
-    assert [list(curve.y) for curve in panel.curves if curve.marker == "_"] == [[1e-3]]
-    open_end = chart(PLACES, INKS).panels[0]
-    assert "_" not in {curve.marker for curve in open_end.curves}
-    assert sorted(note.text for note in open_end.notes) == ["2", "2", "4", "4"]
 
 
 @pytest.fixture(scope="module")

@@ -163,11 +163,6 @@ def test_lengths_are_rounded_and_the_cost_is_printed(tmp_path):
     assert f"stroke by {missed:#.4g} mm." in done.stdout
 
 
-def test_a_mean_is_kept_by_a_mass_where_a_length_is_rounded():
-    words = ("--over", "rod.mass=0.1:0.2", "--keep", "joint_force:A.mean", "--round", "1")
-    assert "and the held figures stay within their ranges." in optimised(*PEAK, *ROD, *words).stdout
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -11,7 +11,6 @@ from analytic.description.json_schema import json_schema
 from analytic.description.loading import load
 from analytic.errors import DescriptionError, LinkproofError, StructureError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.parameters import parameters
 from reports.command_line.commands import mechanisms
 from reports.command_line.destination import Destination
 from tests.analytic.textbook import DOUBLE_ROCKER
@@ -145,14 +144,6 @@ def test_every_number_has_the_value_and_the_unit_of_the_file():
     numbers = _listed("numbers")[1]
     expected = {"crank.A.x": (15.5, "mm"), "coupler.mass": (0.03, "kg"), "gravity.y": (-9.81, "m/s^2")}
     assert {**expected, "output.along.y": (1.0, "")}.items() <= numbers.items()
-
-
-@pytest.mark.parametrize("name", ["juki-mf7923d", "slotted-takeup", "andrews-squeezer"])
-def test_a_number_that_is_printed_gives_the_value_back(name):
-    shown = [row.split() for row in linkproof("list", name).stdout.partition("number  ")[2].splitlines()]
-    texts = {row[0]: row[-1] for row in shown if len(row) > 1}
-    for each in parameters(load(name)).values():
-        assert each.si(texts[each.name]) == each.value, each.name
 
 
 @pytest.mark.parametrize(

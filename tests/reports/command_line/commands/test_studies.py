@@ -3,7 +3,6 @@
 import json
 import os
 import re
-from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
 from xml.etree import ElementTree
@@ -14,7 +13,6 @@ from analytic.description.loading import read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign import results
 from comparisons.stress import campaign
-from comparisons.stress.verdict import StressVerdict, blank_result
 from comparisons.work_precision.measure import Extent
 from comparisons.work_precision.records import load
 from reports.command_line.commands import bench as bench_command
@@ -135,23 +133,6 @@ def short(monkeypatch):
     monkeypatch.setattr(bench_command, "_default_runs", lambda options: hurried)
 
 
-@pytest.mark.parametrize(
-    ("options", "regimes", "times"),
-    [
-        ({}, ("run-up-quintic", "run-up"), (0.6, 0.1)),
-        ({"quick": True}, ("run-up-quintic",), (0.06, 0.03)),  # a turn, unless its times are given
-        ({"quick": True, "regime": ("own",)}, ("own",), (0.06, 0.03)),
-        ({"quick": True, "speed": -3000.0}, ("run-up-quintic",), (0.02, 0.01)),
-        ({"quick": True, "hold_time": 0.2}, ("run-up-quintic",), (0.6, 0.2)),
-        ({"quick": True, "from_angle": 0.0, "to_angle": 90.0}, (), (0.6, 0.1)),
-    ],
-)
-def test_the_regimes_and_times_of_a_benchmark(options, regimes, times):
-    options = bench_command._default_runs(BenchOptions(**options))
-    assert options.regime == regimes
-    assert (options.ramp_time, options.hold_time) == pytest.approx(times)
-
-
 def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
     assert bench(BENCH, Destination(out=tmp_path / "out")) == 0
     text = capsys.readouterr().out
@@ -184,17 +165,6 @@ def test_bad_input_of_a_benchmark_is_refused_before_any_run(options, kind, words
     monkeypatch.setattr(bench_command, "measure_all", lambda *_: pytest.fail("something was run"))
     with pytest.raises(kind, match=words):
         bench(options, Destination())
-
-
-def test_an_engine_that_finishes_no_point_fails(short, monkeypatch):
-    real = bench_command.measure_all
-
-    def failing(request, *rest):
-        measured = real(request, *rest)
-        return replace(measured, points=tuple(replace(point, outcome="diverged") for point in measured.points))
-
-    monkeypatch.setattr(bench_command, "measure_all", failing)
-    assert bench(BENCH, Destination(quiet=True)) == 1
 
 
 CELL = "start/positions/1e-08/direct/tuned"
@@ -244,11 +214,3 @@ def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
     tables = capsys.readouterr().out
     assert "missed 0" in " ".join(tables.split())
     assert linkproof("stress", "--out", tmp_path).stdout == tables
-
-
-def test_a_missed_cell_fails_the_command(monkeypatch, capsys):
-    within = blank_result(stress_command.find_cell(CELL), "m")
-    missed = replace(within, verdict=StressVerdict.MISSED, reason="no invariant saw it")
-    monkeypatch.setattr(stress_command, "make_cells", lambda *_: [missed])
-    assert stress(StressOptions(words=(CELL,)), Destination()) == 1
-    assert "missed" in capsys.readouterr().out
