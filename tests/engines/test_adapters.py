@@ -36,6 +36,7 @@ from tests.engines.closed_form import (
 
 # Of the peak, what one tuned run leaves: of torque, forces and accelerations; of places and velocities.
 LIMITS = {
+    "dart": (5e-5, 5e-6),
     "exudyn": (1e-4, 5e-6),
     "mujoco": (1e-6, 1e-7),
     "ondsel": (1e-11, 1e-11),
@@ -43,15 +44,15 @@ LIMITS = {
     "simbody": (1e-9, 1e-9),
 }
 ENGINES = tuple(LIMITS)
-LOADS = tuple(name for name in ENGINES if name != "ondsel")
+LOADS = tuple(name for name in ENGINES if name not in ("dart", "ondsel"))
 KINDS = {
     "rimoldi-164": ENGINES,  # pins, and a guide on the ground
     "slotted-takeup": ENGINES,  # a mass on a pin in a slot that turns, and a damper on the crank
-    "carried-slider": ("ondsel",),  # a body that slides and turns with its host
+    "carried-slider": ("dart", "ondsel"),  # a body that slides and turns with its host
     "moving-guides": ENGINES,  # guides on hosts that slide, turn and rest
     "ground-pin-in-slot": ENGINES,
-    "scotch-yoke": ("exudyn", "pymunk"),  # a slot in a body that does not turn
-    "three-on-one-pin": ("exudyn", "simbody"),
+    "scotch-yoke": ("dart", "exudyn", "pymunk"),  # a slot in a body that does not turn
+    "three-on-one-pin": ("dart", "exudyn", "simbody"),
     "force-over-angle": LOADS,
     "spring-and-damper": LOADS,
 }
@@ -66,7 +67,7 @@ def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(linkag
     assert {key: error for key, error in errors.items() if not error < limits[key]} == {}
 
 
-@pytest.mark.parametrize("name", ["exudyn", "pymunk"])
+@pytest.mark.parametrize("name", ["dart", "exudyn", "pymunk"])
 def test_best_is_better_than_tuned_in_a_run_up_turned_backwards(name):
     motion = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02, start_angle=0.3, clockwise=True)
     linkage = mechanism("juki-mf7923d")
@@ -78,6 +79,7 @@ def test_best_is_better_than_tuned_in_a_run_up_turned_backwards(name):
 @pytest.mark.parametrize(
     ("name", "channel", "least", "most"),
     [
+        ("dart", "torque", 0.1, math.inf),  # a hundredth of a gap is closed in a step
         ("exudyn", "torque", 1e-4, 1e-2),
         ("pymunk", "acceleration", 1e-2, math.inf),
         ("mujoco", "torque", 0.1, math.inf),  # its own stiffness gives way by more than a tenth
@@ -94,7 +96,7 @@ def test_a_naive_run_is_as_rough_as_a_newcomers(name, channel, least, most):
         assert least < error_of(signal.values, true_motion(linkage, motion, signal.time)[2]) < most
 
 
-@pytest.mark.parametrize("name", ["mujoco", "ondsel", "simbody"])
+@pytest.mark.parametrize("name", ["dart", "mujoco", "ondsel", "simbody"])
 def test_a_joint_force_acts_on_the_body_that_the_scene_names_first(name):
     linkage, motion = mechanism("rimoldi-164"), crank_motion("constant-speed", ramp_time=0.02, hold_time=0.0)
     pins = driven(linkage, motion).pins
@@ -171,6 +173,8 @@ def test_every_method_gives_a_finite_history_in_steps_that_it_counts(name):
 @pytest.mark.parametrize(
     ("name", "method", "order", "steps", "effort"),
     [
+        ("dart", "centred", 2, (5e-4, 2.5e-4), None),
+        ("dart", "centred x2", 3, (5e-4, 2.5e-4), None),
         ("exudyn", "trapezoidal", 2, (1e-3, 5e-4), 1e-13),
         ("exudyn", "trapezoidal x2", 4, (1e-3, 5e-4), 1e-13),
         ("exudyn", "trapezoidal x3", 6, (2.4e-3, 1.2e-3), 1e-13),
@@ -275,6 +279,9 @@ def _damper_elsewhere(model):
         ("simbody", "force-over-angle", _free, "changes with its angle"),
         # OpenSim would drop its inertia.
         ("simbody", "juki-mf7923d", _flywheel_without_mass, "takes no inertia of a body without mass, as 'crank' has"),
+        ("dart", "juki-mf7923d", _free, "free drive"),
+        ("dart", "force-over-angle", lambda model: model, "no applied torque"),
+        ("dart", "spring-and-damper", lambda model: model, "no point spring"),
         ("ondsel", "juki-mf7923d", _free, "free drive"),
         ("ondsel", "force-over-angle", lambda model: model, "applied force"),
         ("ondsel", "spring-and-damper", lambda model: model, "point spring"),

@@ -67,6 +67,7 @@ def _run_alone(text, folder):
 
 # Every engine with a load over φ or one over time, or with a linear driver; the rest nightly.
 USUAL = [
+    ("dart", "slotted-takeup", "run-up", "naive"),
     ("exudyn", "driven slider", "sample", "naive"),
     ("mujoco", "double-rocker", "switched", "tuned"),
     ("ondsel", "slotted-takeup", "run-up", "tuned"),

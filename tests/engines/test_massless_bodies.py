@@ -20,6 +20,7 @@ HELD = {
     "exudyn": {*TAKEN},
     "ondsel": {*TAKEN},
     "simbody": {"crank", "follower's inertia"},  # a mass off its pin has a moment about it
+    "dart": set(),
     "mujoco": set(),
     "pymunk": set(),
 }

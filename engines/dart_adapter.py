@@ -1,0 +1,103 @@
+"""DART: a velocity-level engine in which every body moves freely in the plane and joints are constraints on probes.
+
+**Second order.** A step changes velocities by the forces at its start, closes the joints' gaps by these velocities and
+moves the bodies by them: they are those of the step's middle, and the forces those of its start. So the motion is of
+second order as long as no force depends on velocities. In a tree of joints forces of inertia do, and it is of first
+order. Here every body has the coordinates x, y and angle of its own. As shipped a step closes a hundredth of a gap: the
+joints open, and the torque is off by a third.
+
+**Forces.** The force of a constraint cannot be read. A constraint acts on a probe without weight to speak of, which a
+joint of its carrier's holds: the force in that joint is read. A probe that slides on its carrier makes a guide or slot
+of the same constraint; DART's own constraint of that kind lets the pair of forces turn the two bodies, as it does not
+act on both in one place.
+
+**Drive.** A joint with a velocity as command has it exactly: the crank is where it is to be at the end of every step.
+What ``Joint.getForce`` gives there is the force before the constraints act; the torque is in the force on the body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from analytic.description.linkage import GROUND
+from engines.contract import Abilities, ReadOut, Setting
+from engines.mechanics.joints import JointEquations
+from engines.mechanics.states import pose_of, start_motion
+from engines.scene import GUIDES, AppliedForce, Channel, Prescribed, Scene, SliderJoint, TurnDamper
+from engines.stepping.stepped_engine import LoopEngine, Recipe
+
+
+@dataclass(frozen=True, kw_only=True)
+class DartRecipe(Recipe):
+    """``lead``: 1 for read-outs at their own instants and joints closed in every step; 0 as a newcomer has it."""
+
+    lead: float = 1.0
+    restarted: bool = False
+
+
+NEWCOMER = DartRecipe(step=1e-3, lead=0.0, in_own_units=False)
+
+
+class DartEngine(LoopEngine[DartRecipe]):
+    """Prescribed cranks alone: a free one's 160 turns would be a million steps."""
+
+    name = "dart"
+    package = distribution = "dartpy"
+    oldest = "6.20"
+    loop = "engines.dart_loop"
+    chatters = True
+    abilities = Abilities(
+        readouts={
+            Channel.POSITION: ReadOut("Joint.getPositions"),
+            Channel.VELOCITY: ReadOut("Joint.getVelocities; mean of half a step before and after"),
+            Channel.ACCELERATION: ReadOut("Joint.getAccelerations"),
+            Channel.TORQUE: ReadOut("BodyNode.getBodyForce of the crank", drive="the drive's alone"),
+            Channel.JOINT_FORCE: ReadOut(
+                "BodyNode.getBodyForce of a probe", "the probe's, turned", drive="not included"
+            ),
+        },
+        drives=frozenset({Prescribed}),
+        joints=GUIDES,
+        loads=frozenset({AppliedForce, TurnDamper}),
+        varying_loads=False,
+        massless=False,
+    )
+    settings: Mapping[type, Mapping[Setting, DartRecipe]] = {
+        Prescribed: {
+            Setting.NAIVE: NEWCOMER,
+            Setting.TUNED: DartRecipe(steps_per_turn=100, ratios=(80,)),
+            Setting.BEST: DartRecipe(steps_per_turn=100, ratios=(10, 15, 20), orders=(2, 3)),
+        }
+    }
+    studied: Mapping[str, tuple[str, DartRecipe]] = {
+        "defaults": ("DART's defaults, every read-out at face value", NEWCOMER),
+        "centred": ("joints closed in every step, every read-out at its own instant", DartRecipe()),
+        "centred x2": ("centred at 1 and 1/2 of the step, extrapolated", DartRecipe(ratios=(1, 2), orders=(2, 3))),
+    }
+
+    def model(self, scene: Scene, recipe: DartRecipe) -> Mapping[str, Any]:
+        assert isinstance(scene.drive, Prescribed)
+        turning = {body.name for body in scene.bodies if body.inertia is not None}
+        start, joints = start_motion(scene), list[Any]()
+        for pin in scene.pins:
+            ends = (pin.first, pin.first_anchor, pin.second, -1.0), (pin.second, pin.second_anchor, pin.first, 1.0)
+            carrier, point, other, sign = ends[pin.first == GROUND]  # on the ground a probe would not move
+            joints.append((pin.name, (carrier, other), (point, None), sign, False))
+        arms = JointEquations(scene, unit=1.0).arms(pose_of(start[0]))
+        for guide, gap, along in zip(scene.guided, arms.gap[0, len(scene.pins) :], arms.along[0], strict=True):
+            point = tuple(a + gap @ along * b for a, b in zip(guide.through, guide.along, strict=True))
+            keeps_angle = isinstance(guide, SliderJoint) and guide.body in turning
+            joints.append((guide.name, (guide.host, guide.body), (point, guide.along), 1.0, keeps_angle))
+        return {
+            "lead": recipe.lead,
+            "gravity": scene.gravity,
+            "crank": scene.crank,
+            "bodies": [(body.name, body.mass, body.inertia) for body in scene.bodies],
+            "start": start,
+            "joints": joints,
+            "loads": [(load.body, load.anchor, load.force.values) for load in scene.forces],
+            "dampers": [(damper.first, damper.second, damper.coefficient) for damper in scene.dampers],
+            "motion": [(segment.start, segment.coefficients) for segment in scene.drive.motion.segments],
+        }

@@ -1,0 +1,148 @@
+"""One pass in DART: bodies that move freely in the plane, joined by constraints that act on probes without weight."""
+
+from typing import Any
+
+import dartpy as dart
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Data = dict[str, Any]
+
+TINY = 1e-15  # of what weighs nothing, in units in which a link weighs some 1e-3: DART takes no body without a mass
+SHIPPED, WHOLE = (0.01, 10.0), (1.0, 1e9)  # the share of a joint's gap that a step closes, and its largest speed
+Z = np.array([0.0, 0.0, 1.0])
+
+
+class World:
+    """A world of one time step in its start state.
+
+    Every body is a skeleton of its own with the coordinates x, y and angle; probes on it have those that follow.
+    ``bodies`` has the nodes by name, the ground's last. ``forces`` has for every joint of the scene its probe, the row
+    of the body that carries it, the direction of the probe's frame there, and the force's sign.
+    """
+
+    def __init__(self, given: Data, step: float) -> None:
+        self.given, self.lead, self.world = given, given["lead"] * step, dart.simulation.World()
+        self.world.setTimeStep(step)
+        self.world.setGravity([*given["gravity"], 0.0])
+        options = self.world.getDeactivationOptions()
+        options.mEnabled = not self.lead  # as shipped, what hardly moves falls asleep
+        self.world.setDeactivationOptions(options)
+        self.bodies = {name: self.new_body(name, *weights) for name, *weights in given["bodies"]}
+        self.skeletons = [body.getSkeleton() for body in self.bodies.values()]
+        self.start, self.rates, changes = (np.array(each)[0, :-1] for each in given["start"])
+        speeds = self.rates - 0.5 * self.lead * changes  # the rates of a step are those of its middle
+        for skeleton, place, speed in zip(self.skeletons, self.start, speeds, strict=True):
+            skeleton.setPositions(place)
+            skeleton.setVelocities(speed)
+        self.turns = {name: body.getParentJoint() for name, body in self.bodies.items()}
+        self.turns[given["crank"]].setActuatorType(dart.dynamics.ActuatorType.VELOCITY)
+        _, self.bodies["ground"] = self.attach(dart.dynamics.Skeleton("ground"), "WeldJoint")
+        self.forces = dict[str, tuple[Any, int, complex, float]]()
+        constraints = [self.new_joint(*joint) for joint in given["joints"]]
+        for body in self.bodies.values():
+            self.world.addSkeleton(body.getSkeleton())
+        for constraint in constraints:  # what is set holds for every constraint of the process until it is set anew
+            share, fastest = WHOLE if self.lead else SHIPPED
+            constraint.setErrorReductionParameter(share)
+            constraint.setMaxErrorReductionVelocity(fastest)
+            self.world.getConstraintSolver().addConstraint(constraint)
+
+    def attach(self, parent: Any, kind: str, mass: float = TINY, inertia: float = TINY) -> tuple[Any, Any]:  # noqa: ANN401
+        """A new joint and its body on another body, or on the ground in an empty skeleton."""
+        joint, body = getattr(parent, f"create{kind}AndBodyNodePair")()
+        body.setInertia(dart.dynamics.Inertia(mass, np.zeros(3), inertia * np.eye(3)))
+        return joint, body
+
+    def new_body(self, name: str, mass: float, inertia: float | None) -> Any:  # noqa: ANN401
+        """A body in a skeleton of its own; what cannot turn has its angle locked."""
+        _, carrier = self.attach(dart.dynamics.Skeleton(name), "TranslationalJoint2D")
+        joint, body = self.attach(carrier, "RevoluteJoint", mass, inertia or mass)
+        if inertia is None:
+            joint.setActuatorType(dart.dynamics.ActuatorType.LOCKED)
+        return body
+
+    def new_joint(self, name: str, ends: tuple[str, str], line: Any, sign: float, keeps_angle: bool) -> Any:  # noqa: ANN401
+        """The constraint of a pin at a point of its first body, the carrier, or of one that slides along a line of it.
+
+        DART has no force of a constraint to read: it acts on a probe that the carrier holds by a joint.
+        """
+        (carrier, other), (point, along) = (self.bodies[end] for end in ends), line
+        joint, probe = self.attach(carrier, "PrismaticJoint" if along else "WeldJoint")
+        x, y = along or (1.0, 0.0)
+        turn = np.array([[x, -y, 0.0], [y, x, 0.0], [0.0, 0.0, 1.0]])
+        joint.setTransformFromParentBodyNode(dart.math.Isometry3(turn, [*point, 0.0]))
+        if along:
+            joint.setAxis([1.0, 0.0, 0.0])
+        self.forces[name] = probe, [*self.bodies].index(ends[0]), complex(x, y), sign
+        if keeps_angle:
+            return dart.constraint.WeldJointConstraint(probe, other)
+        return dart.constraint.BallJointConstraint(probe, other, probe.getTransform().translation())
+
+    def spin(self, body: str) -> float:
+        """Angular velocity of a body at the instant of its position."""
+        joint = self.turns.get(body)
+        return float(joint.getVelocity(0) + 0.5 * self.lead * joint.getAcceleration(0)) if joint else 0.0
+
+    def advance(self, speed: float) -> None:
+        """One step with a speed of the crank."""
+        self.turns[self.given["crank"]].setCommand(0, speed)
+        for body, anchor, force in self.given["loads"]:
+            self.bodies[body].addExtForce([*force, 0.0], [*anchor, 0.0], False, True)
+        for first, second, coefficient in self.given["dampers"]:
+            drag = coefficient * (self.spin(first) - self.spin(second)) * Z
+            self.bodies[first].addExtTorque(-drag)
+            self.bodies[second].addExtTorque(drag)
+        self.world.step()
+
+    def state(self, order: str) -> Array:
+        """The bodies' x, y and angle (``Positions``), or their ``Velocities`` or ``Accelerations``."""
+        return np.array([getattr(skeleton, f"get{order}")()[:3] for skeleton in self.skeletons])
+
+    def read(self, place: Array) -> Data:
+        """What the last step left, and the forces in the ground's axes of bodies at a place."""
+        changes, axes, forces = self.state("Accelerations"), np.exp(1j * np.append(place[:, 2], 0.0)), list[complex]()
+        for probe, row, direction, sign in self.forces.values():
+            forces.append(sign * complex(*probe.getBodyForce()[3:5]) * direction * axes[row])
+        return {
+            "position": place,
+            "velocity": self.state("Velocities") - 0.5 * self.lead * changes,
+            "acceleration": changes,
+            "torque": self.bodies[self.given["crank"]].getBodyForce()[2],
+            "joint_force": [(force.real, force.imag) for force in forces],
+        }
+
+
+def build(model: Data) -> Data:
+    """The model as it is: a world needs the step, which only the pass knows."""
+    return model
+
+
+def follow(given: Data, course: Data) -> Data:
+    """The samples of a course of one part; accelerations and forces begin after the start.
+
+    A step ends with the velocities of its middle; its forces are those of the state before it.
+    """
+    (part,), ratio, samples = course["parts"], course["ratio"], Data()
+    steps, ahead = ratio * part["samples"], round(given["lead"])
+    step = part["end"] / steps
+    world, times = World(given, step), step * np.arange(steps + ahead + 1)
+    rows, angles = [{"position": world.start, "velocity": world.rates}], np.empty_like(times)
+    for start, coefficients in given["motion"]:  # the last goes on beyond the end
+        later = times >= start
+        angles[later] = np.polynomial.Polynomial(coefficients)(times[later] - start)
+    for number, speed in enumerate(np.diff(angles) / step):
+        sampled = number >= ahead and (number + 1 - ahead) % ratio == 0
+        place = world.state("Positions") if sampled else world.start
+        world.advance(speed)
+        if sampled:
+            rows.append(world.read(place if ahead else world.state("Positions")))
+    for name in course["channels"]:
+        first = 0 if name in ("position", "velocity") else 1
+        instants = times[first * ratio : steps + 1 : ratio]
+        samples[name] = instants, np.array([row[name] for row in rows[first:]])
+    if "joint_force" in samples:
+        instants, forces = samples["joint_force"]
+        samples["joint_force"] = {joint: (instants, forces[:, n]) for n, joint in enumerate(world.forces)}
+    return samples
