@@ -50,9 +50,9 @@ class DartEngine(LoopEngine[DartRecipe]):
     chatters = True
     abilities = Abilities(
         readouts={
-            Channel.POSITION: ReadOut("Joint.getPositions"),
-            Channel.VELOCITY: ReadOut("Joint.getVelocities; mean of half a step before and after"),
-            Channel.ACCELERATION: ReadOut("Joint.getAccelerations"),
+            Channel.POSITION: ReadOut("Skeleton.getPositions"),
+            Channel.VELOCITY: ReadOut("Skeleton.getVelocities; mean of half a step before and after"),
+            Channel.ACCELERATION: ReadOut("Skeleton.getAccelerations"),
             Channel.TORQUE: ReadOut("BodyNode.getBodyForce of the crank", drive="the drive's alone"),
             Channel.JOINT_FORCE: ReadOut(
                 "BodyNode.getBodyForce of a probe", "the probe's, turned", drive="not included"
