@@ -303,7 +303,8 @@ def _law(law: Law, mechanism: Mechanism) -> dict[str, Any]:
     """A load over φ as cubics, and which it is."""
     knots, pieces = law.pieces()
     load = [curve is law for curve in loads(mechanism.linkage)].index(True)
-    return {"knots": knots, "pieces": pieces, "period": FULL_TURN if law.periodic else 0, "load": load}
+    period = FULL_TURN if law.periodic else 0
+    return {"knots": knots, "pieces": pieces, "period": period, "corners": law.corners, "load": load}
 
 
 def _motion(motion: CrankMotion, *, is_linear: bool) -> dict[str, Any]:

@@ -81,12 +81,16 @@ def _sentences(study: ToleranceStudy, row: int) -> Iterator[str]:
     end = f" {unit.name}".rstrip()
     nominal, worst = study.nominal[row] / unit.size, study.worst[row] / unit.size
     low, high = study.corners[row] / unit.size
-    which = "all" if study.has_all_corners else "the two to which derivatives point,"
-    corners = 2 ** len(study.request.tolerances) if study.has_all_corners else 2
+    count = 2 ** len(study.request.tolerances)
+    where = (
+        f"at all {count} combinations of limits"
+        if study.has_all_corners
+        else f"at the 2 of {count} combinations of limits that the derivatives single out"
+    )
     lost = f", of which {study.lost_corners} do not assemble" if study.lost_corners else ""
     yield (
         f"worst case: {figure(nominal - worst, 6)} to {figure(nominal + worst, 6)}{end} linear; "
-        f"{figure(low, 6)} to {figure(high, 6)}{end} of {which} {corners} corners{lost}"
+        f"{figure(low, 6)} to {figure(high, 6)}{end} {where}{lost}"
     )
     linear, deviation = study.deviations[row] / unit.size, study.deviation[row] / unit.size
     least, most = study.quantiles[row] / unit.size

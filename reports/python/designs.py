@@ -241,7 +241,7 @@ def dataset(study: ToleranceStudy) -> xarray.Dataset:
             "variant": request.mechanism.linkage.variant,
             "conditions": request.conditions,
             "derivatives": study.how,
-            "corners": "all" if study.has_all_corners else "those to which derivatives point",
+            "corners": "all" if study.has_all_corners else "the two that derivatives single out",
             "samples": request.samples,
             "seed": SEED,
             "assembled": study.assembled,

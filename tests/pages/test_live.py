@@ -13,7 +13,20 @@ import pytest
 from analytic.description.loading import catalogue, literature, load
 from tests.commands import linkproof, watching
 from tests.pages.browser import NAMES, PATIENCE, WIDTHS, executable, started
-from tests.pages.live_page import AT_HAND, FOUR_BAR, at_work, click, copied, drag, figure, grab, number, touch, worst
+from tests.pages.live_page import (
+    AT_HAND,
+    FOUR_BAR,
+    at_work,
+    click,
+    copied,
+    drag,
+    figure,
+    grab,
+    number,
+    of_results,
+    touch,
+    worst,
+)
 
 pytestmark = pytest.mark.usefixtures("_at_a_browser")
 
@@ -66,6 +79,13 @@ def page_of(tmp_path_factory):
     return write
 
 
+def live_data(page):
+    """What a page gives its linkage that can be pulled at."""
+    live = re.search(r'data-kind="live".*?json">(.*?)</script>', page.read_text("utf-8"), re.DOTALL)
+    assert live
+    return json.loads(live[1])
+
+
 @pytest.mark.parametrize(
     ("browser", "name"),
     [
@@ -78,11 +98,9 @@ def page_of(tmp_path_factory):
 )
 def test_the_page_computes_the_values_of_results_for_the_copied_file(browser, page_of, tmp_path, name):
     page = page_of(name, FOUR_BAR if name == "four-bar" else "")
-    live = re.search(r'data-kind="live".*?json">(.*?)</script>', page.read_text("utf-8"), re.DOTALL)
-    assert live
     chance = np.random.default_rng(5)
     with at_work(browser, page) as seen:
-        offered = [one for one in json.loads(live[1])["numbers"] if one["offered"]]
+        offered = [one for one in live_data(page)["numbers"] if one["offered"]]
         for _ in range(CHANGES):
             some = chance.choice(len(offered), min(9, len(offered)), replace=False)
             design = {offered[k]["name"]: float(offered[k]["value"] * chance.uniform(0.98, 1.02)) for k in some}
@@ -90,6 +108,28 @@ def test_the_page_computes_the_values_of_results_for_the_copied_file(browser, pa
             off = worst(seen.page, tmp_path)
             assert max(off.values()) <= SAME, (design, {one: value for one, value in off.items() if value > SAME})
         assert seen.faults == []
+
+
+CORNERED = """
+torques = [{ link = "crank", interpolation = "linear", angle = [0.3, 100.123, 200.7], torque = [0, -9, 3] }]
+"""
+FIGURES = """data => linkproof.load(document.querySelector('.widget[data-kind="live"]'), "model").then(formulas => {
+  const model = linkproof.liveModel(formulas, data);
+  return Object.fromEntries(model.figures(model.whole({})).map(({ name, value }) => [name, value]));
+})"""
+
+
+def test_peaks_and_means_of_a_load_of_straight_lines_are_those_of_results(browser, page_of, tmp_path):
+    """The peak of the torque is at a corner of the load, between two instants of the page."""
+    text = FOUR_BAR.replace("forces =", "#") + CORNERED
+    page = page_of("cornered", text)
+    with at_work(browser, page) as seen:
+        shown = seen.page.evaluate(FIGURES, live_data(page))
+        assert seen.faults == []
+    table = of_results(tmp_path, text)["figures"]["drive"]
+    truth = {row["what"]: row["value"] for row in table if row["signal"] == "Mkr"}
+    for name in ("peak torque", "RMS torque"):
+        assert shown[name] == pytest.approx(truth[name], rel=1e-11)
 
 
 PULLS = {  # the numbers in the file, with their values, that a pull at a point changes, and that it leaves

@@ -10,6 +10,7 @@ linkproof.liveModel = (formulas, data) => {
   const STEP = Math.PI / 360, FEWEST = 720, MOST = 2880; // rad, and intervals of a motion
   const NARROW = 4, LOOKS = 9, TOPS = 3, SAME = 1e-12; // times a bracket shrinks to a quarter
   const AT_END = 1e-3; // of a motion's way
+  const PARTS = 24, GAUSS = [[0.5 - Math.sqrt(0.15), 5 / 18], [0.5, 4 / 9], [0.5 + Math.sqrt(0.15), 5 / 18]];
   const { motion, results } = data, places = new Map(results.map((one, k) => [one.name, k]));
   const moving = results.length, width = results.length + 1 + data.groups.length;
   const given = data.numbers.filter((one) => one.role === "given");
@@ -36,7 +37,32 @@ linkproof.liveModel = (formulas, data) => {
     }
     const count = motion.linear ? FEWEST : Math.min(MOST, Math.max(FEWEST, Math.ceil(way / STEP - 1e-6)));
     const times = Float64Array.from({ length: count + 1 }, (_, i) => (i < count ? i * (duration / count) : duration));
-    return { segments, duration, times, followed: followed(segments, times) };
+    const known = followed(segments, times);
+    return { segments, duration, times, followed: known, corners: cornersOf(segments, times, known[0]) };
+  }
+
+  /** The times at which a motion passes a corner of a load over φ: peaks are there, and means change. */
+  function cornersOf(segments, times, phi) {
+    const passed = new Set();
+    for (const { corners, period } of data.laws)
+      for (const corner of corners)
+        for (let i = 1; i < times.length; i += 1) {
+          const turn = period ? period * Math.floor((Math.max(phi[i - 1], phi[i]) - corner) / period) : 0;
+          const place = corner + turn;
+          if (phi[i - 1] < place !== phi[i] < place) passed.add(timeOf(segments, place, times[i - 1], times[i]));
+        }
+    return [...passed].sort((one, other) => one - other);
+  }
+
+  /** When a motion passes a value of φ, by bisection between two times. */
+  function timeOf(segments, place, before, after) {
+    const isBelow = along(segments, before, 0) < place;
+    for (let n = 0; n < 50; n += 1) {
+      const middle = (before + after) / 2;
+      if (along(segments, middle, 0) < place === isBelow) before = middle;
+      else after = middle;
+    }
+    return after;
   }
   const followed = (segments, time) =>
     [0, 1, 2].map((order) => Float64Array.from(time, (t) => along(segments, t, order)));
@@ -126,7 +152,8 @@ linkproof.liveModel = (formulas, data) => {
     const highest = Math.max(...best.map(height)), size = Math.abs(highest);
     const near = best.filter((i) => height(i) >= highest - 1e-3 * size).sort((i, j) => height(j) - height(i));
     const between = (i) => climb(over.times[Math.max(i - 1, 0)], over.times[Math.min(i + 1, count - 1)]);
-    const climbed = near.slice(0, TOPS).map(between).sort((one, two) => one.time - two.time);
+    const cornered = over.corners.map((time) => ({ height: measure(over.at([time])[row]), time }));
+    const climbed = [...near.slice(0, TOPS).map(between), ...cornered].sort((one, two) => one.time - two.time);
     const most = Math.max(...climbed.map((one) => one.height));
     return climbed.find((one) => one.height >= most - SAME * Math.abs(most)) ?? { height: NaN, time: 0 };
 
@@ -145,6 +172,26 @@ linkproof.liveModel = (formulas, data) => {
       const isTop = j === inner && rise <= 1e-6 * Math.abs(here);
       return { height: isTop ? here + rise : y[j], time: x[j] };
     }
+  }
+
+  /** The mean of a measure of one result over a turn: of even samples where it is smooth, else between its corners. */
+  function mean(over, row, measure, isQuick) {
+    const count = over.times.length;
+    if (isQuick || !over.corners.length)
+      return over.found.subarray(row * count, (row + 1) * count - 1).reduce((sum, one) => sum + measure(one), 0) / (count - 1);
+    const ends = [0, ...over.corners, over.duration];
+    let sum = 0;
+    for (let cell = 1; cell < ends.length; cell += 1) {
+      const width = (ends[cell] - ends[cell - 1]) / PARTS, time = [], weights = [];
+      for (let part = 0; part < PARTS; part += 1)
+        for (const [place, weight] of GAUSS) {
+          time.push(ends[cell - 1] + width * (part + place));
+          weights.push(width * weight);
+        }
+      const seen = over.at(time);
+      weights.forEach((weight, i) => { sum += weight * measure(seen[row * time.length + i]); });
+    }
+    return sum / over.duration;
   }
 
   /** The whole motion of a design: results, where S counts from, whether and between which angles it moves. */
@@ -170,7 +217,7 @@ linkproof.liveModel = (formulas, data) => {
       const turn = Float64Array.from({ length: FEWEST + 1 }, (_, i) => (2 * Math.PI * i) / FEWEST);
       const found = still(design, turn);
       if (found.subarray(moving * turn.length, (moving + 1) * turn.length).every(Boolean))
-        wide = { times: turn, found, at: (phi) => still(design, phi) };
+        wide = { times: turn, found, corners: [], at: (phi) => still(design, phi) };
     }
     const farthest = top(wide, row, (s) => (Number.isNaN(s) ? -Infinity : -s)).height;
     for (let i = 0; i < count; i += 1) over.found[row * count + i] += farthest;
@@ -189,8 +236,7 @@ linkproof.liveModel = (formulas, data) => {
 
   /** @returns {Figure[]} key figures in the file's units; not numbers where the linkage does not pass its motion */
   function figures(over, isQuick = false) {
-    const list = [], count = over.times.length;
-    const row = (name) => over.found.subarray(places.get(name) * count, (places.get(name) + 1) * count);
+    const list = [];
     const put = (name, signal, measure, sign = 1) => {
       const { unit, size } = results[places.get(signal)];
       const peak = over.isWhole ? top(over, places.get(signal), measure, isQuick) : { height: NaN, time: 0 };
@@ -198,20 +244,19 @@ linkproof.liveModel = (formulas, data) => {
       const value = ((sign === 0 ? Math.sign(there) : sign) * peak.height) / size;
       list.push({ name, unit, value, isOpen: isAtOpenEnd(over, peak.time) });
     };
-    const mean = (name, what, of) => {
-      const { unit, size } = results[places.get(what)];
-      const values = row(what).subarray(0, count - 1);
-      list.push({ name, unit, value: over.isWhole ? of(values) / size : NaN, isOpen: false });
+    const putMean = (name, signal, measure, of) => {
+      const { unit, size } = results[places.get(signal)];
+      const value = over.isWhole ? of(mean(over, places.get(signal), measure, isQuick)) / size : NaN;
+      list.push({ name, unit, value, isOpen: false });
     };
     const force = motion.linear ? "force" : "torque";
-    const average = (values) => values.reduce((a, b) => a + b, 0) / values.length;
     if (places.has("Mkr")) {
       put(`peak ${force}`, "Mkr", Math.abs, 0);
       put("peak power", "Peq", (power) => power);
       put("peak braking power", "Peq", (power) => -power, -1);
       if (motion.turns) {
-        mean(`RMS ${force}`, "Mkr", (values) => Math.sqrt(average(values.map((one) => one * one))));
-        mean("mean Jeq", "Jeq", average);
+        putMean(`RMS ${force}`, "Mkr", (torque) => torque * torque, Math.sqrt);
+        putMean("mean Jeq", "Jeq", (inertia) => inertia, (one) => one);
       }
     }
     if (places.has("S")) {

@@ -210,7 +210,7 @@ def test_tables_files_and_python_have_the_same_numbers_of_tolerances(tmp_path, t
     )
     assert lines[0] == head
     assert "stroke [mm]: 30.9866" in lines
-    assert any(line.startswith("worst case: ") and "of all 8 corners" in line for line in lines)
+    assert any(line.startswith("worst case: ") and "at all 8 combinations of limits" in line for line in lines)
     assert "50 random designs, seed 0: all of them assemble" in lines
     assert lines[-1].startswith("± of a normal distribution are three standard deviations")
     assert "rocker.C.angle" in (tmp_path / "a.svg").read_text(encoding="utf-8")
