@@ -9,7 +9,9 @@ complete: what passes them all is the motion of the scene, short of what their l
   each group to the mode it starts in: its equations' determinant changes sign where the other one is entered.
 - *Velocities and accelerations* are fixed by the positions and the crank's: ``closure`` on the next two levels.
 - *Torque and joint forces* are fixed by those and the loads, standstill included: ``torque_two_routes`` and
-  ``force_balance``.
+  ``force_balance``, within limits that let weights pass beside forces of inertia. ``weight_on_frame`` has the weight by
+  itself: over a whole turn at constant speed the momentum comes back, so the frame carries the linkage's weight and
+  what else loads it, however fast the crank.
 - *A released crank* obeys φ' = ω, ω' = ε and the equation of motion for ε: ``crank_phase``, ``closure`` and
   ``torque_two_routes`` hold it to each. What each of them lets through adds up over turns, but moves the energy: δE in
   it makes δE/2T of the speed, and ``crank_phase`` is what that has come to, beside what ω does not integrate to. (On
@@ -31,14 +33,23 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
+from analytic.description.linkage import GROUND
 from comparisons.case import Case
 from comparisons.invariants.corrections import LEVELS, speed_errors, undissipated_error
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import judge
 from comparisons.judging.quantities import UNBOUNDED, near_jumps
 from comparisons.judging.records import Record, Verdict
-from comparisons.observed_motion import ObservedMotion, error_bound, error_estimate, integral
+from comparisons.observed_motion import (
+    DENSE,
+    ObservedMotion,
+    error_bound,
+    error_estimate,
+    integral,
+    resample_piecewise,
+)
 from engines.contract import History, Signal
+from engines.mechanics.joints import applied_loads
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed
 
@@ -46,6 +57,8 @@ Array = NDArray[np.float64]
 
 TINY = float(np.finfo(float).tiny)
 
+ROUNDING = 1e-9  # of the time of a turn
+MEAN_POINTS = 10  # of the polynomials through a force: at 6 its mean over a hundred samples is off by 1e-6
 HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 
 
@@ -63,8 +76,8 @@ def energy_scale(motion: ObservedMotion) -> float:
 
 
 @dataclass(frozen=True)
-class EnergyBalance:
-    """Energy gained beyond the work put in, at the samples of a clock, with an estimate and a bound of its error, J."""
+class Balance:
+    """What a balance that should be 0 gains at the samples of a clock, with an estimate and a bound of its error."""
 
     time: Array
     gained: Array
@@ -73,12 +86,12 @@ class EnergyBalance:
 
     @property
     def excess(self) -> Array:
-        """Energy gained beyond the error bound, J: it certainly has no source."""
+        """What is gained beyond the error bound: it certainly has no source."""
         return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_bound, 0.0))
 
 
-def energy_balance(inspection: Inspection) -> EnergyBalance:
-    """T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt on the torque's clock.
+def energy_balance(inspection: Inspection) -> Balance:
+    """T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt on the torque's clock, J.
 
     The error is that of the quadrature and, where the motion changes within a sample or two, all that changes there.
     """
@@ -100,7 +113,7 @@ def energy_balance(inspection: Inspection) -> EnergyBalance:
     swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
     unresolved = np.concatenate([[0.0], np.cumsum(np.where(inspection.unresolved_intervals(time), swing, 0.0))])
     errors = (error(Signal(time, power), work, jumps) + unresolved for error in (error_estimate, error_bound))
-    return EnergyBalance(time, stored - stored[0] - work, *errors)
+    return Balance(time, stored - stored[0] - work, *errors)
 
 
 def angle_error_from_energy(inspection: Inspection) -> Signal:
@@ -180,8 +193,72 @@ def _largest_gap(inspection: Inspection) -> float:
     return turned if turned > HALF_TURN * inspection.radian else 0.0
 
 
+def steady_turn(motion: ObservedMotion) -> tuple[float, float] | None:
+    """Start and end, s, of a turn in the middle of the last piece at constant speed that has one; None without one.
+
+    In the middle there are samples on both sides, and what a jump before the piece has stirred up has died down.
+    """
+    drive, found = motion.scene.drive, None
+    if motion.is_linear or isinstance(drive, Free):
+        return None
+    for segment in drive.motion.segments:
+        speed, *rates = (*segment.coefficients[1:], 0.0)
+        turn = FULL_TURN / abs(speed) if speed and not any(rates) else np.inf
+        if turn <= (segment.end - segment.start) * (1.0 + ROUNDING):
+            middle = 0.5 * (segment.start + segment.end)
+            found = (middle - 0.5 * turn, middle + 0.5 * turn)
+    return found
+
+
+def total_weight(motion: ObservedMotion) -> float:
+    """Weight of all bodies, N."""
+    return float(np.sum(motion.masses[:, 0]) * np.hypot(*motion.scene.gravity))
+
+
+def weight_on_frame(inspection: Inspection, turn: tuple[float, float]) -> Balance:
+    """Mean force, N, that the frame's joints, weights and loads leave on the linkage in a turn at constant speed.
+
+    One value, at the middle of the turn, 0 in a true motion; its error is the change that every other sample makes.
+    """
+    motion = inspection.motion
+    clocks = (motion.signal(Channel.POSITION).time, *(force.time for force in motion.history.joint_force.values()))
+    samples = min(np.count_nonzero((clock >= turn[0]) & (clock <= turn[1])) for clock in clocks)
+    time = np.linspace(*turn, max(int(samples), DENSE), endpoint=False)
+    mean, error = _mean_force(motion, time), np.inf
+    if samples >= DENSE and not inspection.unresolved_intervals(time).any():
+        error = float(np.hypot(*(mean - _mean_force(_with_every_other_sample(motion), time))))
+    return Balance(np.array([np.mean(turn)]), np.array([np.hypot(*mean)]), np.array([error]), np.array([error]))
+
+
+def _mean_force(motion: ObservedMotion, time: Array) -> Array:
+    """Mean over these times of all forces on the moving bodies from outside, the frame's joints among them, (2,), N."""
+    scene = motion.scene
+    jumps = scene.drive.motion.jumps if isinstance(scene.drive, Prescribed) else ()
+    loads = applied_loads(scene, motion.pose(time), motion.bodies(Channel.VELOCITY, time))[:, :-1, :2]
+    total = np.mean(np.sum(loads, axis=1), axis=0)
+    ends = {pin.name: (pin.first, pin.second) for pin in scene.pins}
+    ends |= {joint.name: (joint.body, joint.host) for joint in scene.guided}
+    for name, (first, second) in ends.items():
+        if GROUND in (first, second):
+            force = resample_piecewise(motion.history.joint_force[name], time, jumps, MEAN_POINTS)
+            total = total + np.mean(force, axis=0) * (-1.0 if first == GROUND else 1.0)
+    return np.asarray(total)
+
+
+def _with_every_other_sample(motion: ObservedMotion) -> ObservedMotion:
+    """The motion as half of the samples show it."""
+
+    def half(signal: Signal) -> Signal:
+        return replace(signal, time=signal.time[::2], values=signal.values[::2])
+
+    history, (position, velocity) = motion.history, map(motion.signal, LEVELS[:2])
+    forces = {name: half(force) for name, force in history.joint_force.items()}
+    return replace(motion, history=History(position=half(position), velocity=half(velocity), joint_force=forces))
+
+
 UNITS: Mapping[str, str] = {
     **dict.fromkeys(("closure", "assembly_mode", "force_balance"), ""),
+    "weight_on_frame": "N",
     "joint_gap": "m",
     "crank_phase": "rad",
     "energy_balance": "J",
@@ -211,20 +288,25 @@ NEEDED_CHANNELS: Mapping[str, tuple[Channel, ...]] = {
     "energy_balance": (*LEVELS[:2], Channel.TORQUE),
     "torque_two_routes": (*LEVELS, Channel.TORQUE),
     "force_balance": (*LEVELS, Channel.JOINT_FORCE),
+    "weight_on_frame": (*LEVELS[:2], Channel.JOINT_FORCE),
 }
+OF_FORCES = frozenset(("force_balance", "weight_on_frame"))
 
 
 def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
     inspection = Inspection(motion, change_points(case))
+    weighs = steady_turn(motion) is not None and total_weight(motion) > 0.0
     for name, needed in NEEDED_CHANNELS.items():
-        if name == "force_balance" and Channel.JOINT_FORCE not in motion.scene.channels:
+        if name in OF_FORCES and Channel.JOINT_FORCE not in motion.scene.channels:
+            continue
+        if name == "weight_on_frame" and not weighs:
             continue
         lacking = _missing_channels(motion, name, needed)
         unit = UNITS[name] if not motion.is_linear else LINEAR_UNITS.get(name, UNITS[name])
         record = replace(blank, quantity=name, unit=unit)
         if lacking:
             yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
-        elif name == "force_balance" and case.unbounded_at is not None:
+        elif name in OF_FORCES and case.unbounded_at is not None:
             yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
         elif name in BALANCES and case.mechanism.linkage.is_idle:
             yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
@@ -247,7 +329,7 @@ def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
 
 def _missing_channels(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:
     lacking = [channel.value for channel in needed if not motion.has(channel)]
-    if name == "force_balance" and not lacking:
+    if name in OF_FORCES and not lacking:
         forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
         if not all(joint.name in forces and forces[joint.name].values.ndim > 1 for joint in joints):
             return "direction of joint forces"
@@ -258,7 +340,7 @@ def _invariant_record(case: Case, inspection: Inspection, record: Record) -> Rec
     """The record of one invariant whose channels are there."""
     motion, samples = inspection.motion, len(inspection.motion.signal(Channel.POSITION).time)
     if record.quantity == "energy_balance":
-        return _judge_energy(case, replace(record, peak=energy_scale(motion)), energy_balance(inspection))
+        return _judge_balance(case, replace(record, peak=energy_scale(motion)), energy_balance(inspection))
     if record.quantity == "closure":
         signal, count = _closure_signal(case, inspection)
         return _judge_signal(record, signal, 1.0, count)
@@ -267,6 +349,10 @@ def _invariant_record(case: Case, inspection: Inspection, record: Record) -> Rec
     if record.quantity in SHARES:
         scale = inspection.radian if record.quantity == "crank_phase" else 1.0
         return _judge_signal(record, SHARES[record.quantity](inspection), scale, samples)
+    if record.quantity == "weight_on_frame":
+        turn = steady_turn(motion)
+        assert turn is not None
+        return _judge_balance(case, replace(record, peak=total_weight(motion)), weight_on_frame(inspection, turn))
     samples = len(motion.signal(Channel.ACCELERATION).time)
     if record.quantity == "force_balance":
         return _judge_signal(record, _without_jumps(case, inspection.force_balance()), 1.0, samples)
@@ -330,8 +416,8 @@ def _judge_signal(blank: Record, signal: Signal, scale: float, total: int) -> Re
     )
 
 
-def _judge_energy(case: Case, blank: Record, balance: EnergyBalance) -> Record:
-    """The record of an energy balance: the energy gained, or its error estimate where that is larger.
+def _judge_balance(case: Case, blank: Record, balance: Balance) -> Record:
+    """The record of a balance over its scale, the ``blank`` record's peak: what is gained, or its error estimate.
 
     A gain over the limit by more than its error bound fails; one over the limit by less is undefined.
     """
@@ -349,7 +435,8 @@ def _judge_energy(case: Case, blank: Record, balance: EnergyBalance) -> Record:
     error, bound = possible.error_max, possible.limit
     if error is None or bound is None or error <= bound:
         return possible
-    reason = f"its own error estimate, {error:.2g} of the energy scale, is over the limit {bound:.2g}: use more samples"
+    scale = "weight" if blank.quantity == "weight_on_frame" else "energy scale"
+    reason = f"its own error estimate, {error:.2g} of the {scale}, is over the limit {bound:.2g}: use more samples"
     return _undefined(possible, reason)
 
 

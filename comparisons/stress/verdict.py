@@ -239,6 +239,7 @@ ALARMS: Mapping[str, str] = {
     "energy_balance": "{error} of the energy scale has no source",
     "torque_two_routes": "the torque is {error} of its peak away from what the motion takes",
     "force_balance": "a joint force is {error} of its peak away from the bodies' balance",
+    "weight_on_frame": "over a turn at constant speed the frame carries {error} of the weight too much or too little",
 }
 
 
