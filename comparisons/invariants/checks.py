@@ -215,12 +215,13 @@ def total_weight(motion: ObservedMotion) -> float:
     return float(np.sum(motion.masses[:, 0]) * np.hypot(*motion.scene.gravity))
 
 
-def weight_on_frame(inspection: Inspection, turn: tuple[float, float]) -> Balance:
+def weight_on_frame(inspection: Inspection) -> Balance:
     """Mean force, N, that the frame's joints, weights and loads leave on the linkage in a turn at constant speed.
 
     One value, at the middle of the turn, 0 in a true motion; its error is the change that every other sample makes.
     """
-    motion = inspection.motion
+    motion, turn = inspection.motion, steady_turn(inspection.motion)
+    assert turn is not None
     clocks = (motion.signal(Channel.POSITION).time, *(force.time for force in motion.history.joint_force.values()))
     samples = min(np.count_nonzero((clock >= turn[0]) & (clock <= turn[1])) for clock in clocks)
     time = np.linspace(*turn, max(int(samples), DENSE), endpoint=False)
@@ -270,13 +271,18 @@ SHARES: Mapping[str, Callable[[Inspection], Signal]] = {
     "assembly_mode": Inspection.assembly_mode,
     "crank_phase": crank_phase,
 }
+# Those that add up over time: over what scale, and what is added.
+SUMS: Mapping[str, tuple[Callable[[ObservedMotion], float], Callable[[Inspection], Balance]]] = {
+    "energy_balance": (energy_scale, energy_balance),
+    "weight_on_frame": (total_weight, weight_on_frame),
+}
 BALANCES = frozenset(("energy_balance", "torque_two_routes", "force_balance"))
 LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
 def checks(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Record, ...]:
     """One record per invariant; one that needs a channel the engine has not recorded says so."""
-    return tuple(_checks(case, motion, blank))
+    return tuple(each_check(case, motion, blank))
 
 
 # What each invariant is made of: the joints' equations are looked at level by level.
@@ -293,7 +299,8 @@ NEEDED_CHANNELS: Mapping[str, tuple[Channel, ...]] = {
 OF_FORCES = frozenset(("force_balance", "weight_on_frame"))
 
 
-def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
+def each_check(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
+    """The records of ``checks`` one by one."""
     inspection = Inspection(motion, change_points(case))
     weighs = steady_turn(motion) is not None and total_weight(motion) > 0.0
     for name, needed in NEEDED_CHANNELS.items():
@@ -339,8 +346,9 @@ def _missing_channels(motion: ObservedMotion, name: str, needed: Sequence[Channe
 def _invariant_record(case: Case, inspection: Inspection, record: Record) -> Record:
     """The record of one invariant whose channels are there."""
     motion, samples = inspection.motion, len(inspection.motion.signal(Channel.POSITION).time)
-    if record.quantity == "energy_balance":
-        return _judge_balance(case, replace(record, peak=energy_scale(motion)), energy_balance(inspection))
+    if record.quantity in SUMS:
+        scale, balance = SUMS[record.quantity]
+        return _judge_balance(case, replace(record, peak=scale(motion)), balance(inspection))
     if record.quantity == "closure":
         signal, count = _closure_signal(case, inspection)
         return _judge_signal(record, signal, 1.0, count)
@@ -349,10 +357,6 @@ def _invariant_record(case: Case, inspection: Inspection, record: Record) -> Rec
     if record.quantity in SHARES:
         scale = inspection.radian if record.quantity == "crank_phase" else 1.0
         return _judge_signal(record, SHARES[record.quantity](inspection), scale, samples)
-    if record.quantity == "weight_on_frame":
-        turn = steady_turn(motion)
-        assert turn is not None
-        return _judge_balance(case, replace(record, peak=total_weight(motion)), weight_on_frame(inspection, turn))
     samples = len(motion.signal(Channel.ACCELERATION).time)
     if record.quantity == "force_balance":
         return _judge_signal(record, _without_jumps(case, inspection.force_balance()), 1.0, samples)

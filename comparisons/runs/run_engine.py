@@ -77,7 +77,9 @@ def blamed_on(adapter: _Named) -> Iterator[None]:
         if isinstance(error, KeyboardInterrupt) and getsignal(SIGINT) != SIG_IGN:
             raise
         module = getattr(adapter, "module", type(adapter).__module__)  # a stand-in knows the module it stands for
-        place = _error_location(error, (module.rpartition(".")[0] or module,), f"announced in {module}")
+        modules = (module, getattr(adapter, "loop", module))  # a loop may be a module beside the adapter's
+        packages = tuple(name.rpartition(".")[0] or name for name in modules)
+        place = _error_location(error, packages, f"announced in {module}")
         raise AdapterError(f"the adapter of {adapter.name} raised {_error_words(error)} ({place})") from error
 
 

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,7 @@ def barwork(tmp_path, monkeypatch):
     """A folder with the page's files, its engine announced."""
     for name, text in BLOCKS.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
+        monkeypatch.delitem(sys.modules, Path(name).stem, raising=False)
     announce(tmp_path, "barwork", PROJECT["entry-points"]["linkproof.engines"])
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -50,6 +52,15 @@ def test_its_adapter_passes_the_conformance_test_where_it_is_installed(tmp_path)
     assert re.search(r"silence +expected failure +barwork's licence requires its line", done.stdout)
     assert int(re.search(r"(\d+) mutants +passed", done.stdout).group(1)) >= 35
     assert " failed" not in done.stdout
+
+
+def test_an_error_in_its_loop_is_named_with_file_and_line(barwork):
+    loop, line = BLOCKS["barwork_loop.py"].replace("mechanism.step(", "mechanism.stepp("), "mechanism.stepp(end)"
+    (barwork / "barwork_loop.py").write_text(loop, encoding="utf-8")
+    number = 1 + [text.strip() for text in loop.splitlines()].index(line)
+    detail = CHECKS["installed"].result(EngineTrial(import_module("linkproof_barwork").BarworkEngine())).detail
+    assert "raised AttributeError: 'Mechanism' object has no attribute 'stepp'" in detail
+    assert f"barwork_loop.py, line {number}): correct it" in detail
 
 
 def test_its_checks_are_cases_for_pytest(barwork, pytester):

@@ -280,6 +280,24 @@ def _without_the_crank(values, scene):
     values -= inertia * second - crank.mass * (arm[:, 0] * gy - arm[:, 1] * gx)
 
 
+def _first_at_rest(values, scene):
+    """The bodies rest at the first instant, as if their start velocities had been forgotten."""
+    if isinstance(scene.drive, Prescribed):
+        values[0] = 0.0
+
+
+def _first_late(values, scene):
+    """The first torque is that of half a step later."""
+    values[0] = 0.5 * (values[0] + values[1])
+
+
+def _doubled_where_parts_meet(values, scene):
+    """One torque of the sample where the ramp ends is twice as large."""
+    segments = scene.drive.motion.segments if isinstance(scene.drive, Prescribed) else ()
+    if len(segments) == 2:
+        values[round((len(values) - 1) * segments[1].start / segments[1].end)] *= 2.0
+
+
 def _in_the_body(values, history, scene):
     """The second joint's force, in the frame of its first body."""
     joint = list(history.joint_force)[1]
@@ -303,6 +321,12 @@ WRONG = {
     "an accelerometer": (of("acceleration", _with_gravity), "accelerations", "accelerometer"),
     "torque reversed": (of("torque", _times(-1.0)), "drive torque", "wrong sign"),
     "torque late": (sampled("torque", late(0.5)), "drive torque", "0.5 of a sample before"),
+    "a start at rest": (of("velocity", _first_at_rest), "velocities",
+                        r"off at t = 0 s, 1 of \d+ samples over it; the rest is within; look at the start velocities"),
+    "the first torque late": (of("torque", _first_late), "drive torque",
+                              r"off at t = 0 s, 1 of \d+ samples over it; the rest is within; look at the start"),
+    "a torque where parts meet": (of("torque", _doubled_where_parts_meet), "drive torque",
+                                  "the rest is within; two parts of the motion meet there"),
     "torque scaled": (of("torque", _times(1.001)), "drive torque", "1.001 times"),
     "torque without the crank": (of("torque", _without_the_crank), "drive torque", "crank's own inertia and weight"),
     "force on the other body": (force_of(1, lambda values, *_: -values), "joint forces", "wrong sign"),
