@@ -18,7 +18,7 @@ from analytic.description.written import change
 from comparisons.campaign.results import Results
 from comparisons.conformance.mutants import MUTANT
 from comparisons.conformance.trial import CheckResult, Finding
-from comparisons.judging.changes import CLOSED_FORM, Change, Kind
+from comparisons.judging.changes import CLOSED_FORM, Change, ChangeKind
 from comparisons.judging.limits import LimitTable, grouped
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
 from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
@@ -279,15 +279,16 @@ def changes_table(changes: Sequence[Change]) -> tuple[Table, ...]:
 
 def _row(entry: Change, count: int = 1) -> tuple[str, ...]:
     """The row of a change, or of ``count`` quantities of a run that have vanished or failed alike."""
-    place = (f"{entry.mechanism} ({entry.variant})", entry.regime, f"{entry.engine} {entry.setting}".rstrip())
-    is_figure = entry.engine == CLOSED_FORM
-    what = f"{entry.kind}: {entry.outcome}" if entry.kind is Kind.FAILING else entry.kind.value
+    mechanism, variant, regime, _, engine, setting, quantity = entry.place
+    place = (f"{mechanism} ({variant})", regime, f"{engine} {setting}".rstrip())
+    is_figure = engine == CLOSED_FORM
+    what = f"{entry.kind}: {entry.outcome}" if entry.kind is ChangeKind.FAILING else entry.kind.value
     if count > 1:
         return (*place, f"{count} quantities", what, "", "", "", "")
     values = (ABSENT if v is None else f"{v:.9g}" if is_figure else error(v) for v in (entry.before, entry.after))
     share = entry.share
     words = ABSENT if share is None else change(share, ".2g") if is_figure else f"{1.0 + share:.1f} times"
-    return (*place, entry.quantity, what, *values, entry.unit, words)
+    return (*place, quantity, what, *values, entry.unit, words)
 
 
 def appeared_note(changes: Sequence[Change]) -> tuple[str, ...]:

@@ -334,12 +334,6 @@ def check_published(mechanism: Mechanism) -> None:
             raise source.fault(f"published.{number}.{key}: {error}") from error
 
 
-def all_variants(name: str) -> tuple[Linkage, ...]:
-    """A mechanism in each of its variants, the file's own first."""
-    first = load(name)
-    return (first, *(load(name, variant) for variant in first.variants[1:]))
-
-
 def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
     """The printed figures of one linkage's variant beside ours; one mechanism serves them all."""
     entries = [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]

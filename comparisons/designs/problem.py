@@ -39,7 +39,7 @@ MOST_WINDOWS: Final = (
 ALLOWED_EXCESS: Final = 1e-9  # share of its size by which a figure may violate its constraint
 
 
-class Window(NamedTuple):
+class SampleWindow(NamedTuple):
     """Samples ``first`` to ``last`` of the grid, those beyond its ends a turn on, on a side of a signal."""
 
     side: SignalExtreme
@@ -85,7 +85,7 @@ class LocalMaxima:
             return np.linspace(0.0, FULL_TURN, count, endpoint=False)
         return np.linspace(self.motion.places[0], self.motion.places[-1], count)
 
-    def windows(self, numbers: Mapping[str, float]) -> tuple[Window, ...]:
+    def windows(self, numbers: Mapping[str, float]) -> tuple[SampleWindow, ...]:
         """The motion of a design cut at the minima between its maxima, for every side."""
         values = self._values(numbers, self._signals, self.grid)
         return tuple(
@@ -94,7 +94,7 @@ class LocalMaxima:
             for window in self._cut_windows(side, side.way * values[self._signals.index(side.signal)])
         )
 
-    def heights(self, numbers: Mapping[str, float], windows: Sequence[Window]) -> tuple[Array, Array]:
+    def heights(self, numbers: Mapping[str, float], windows: Sequence[SampleWindow]) -> tuple[Array, Array]:
         """The maximum in each window (windows,), SI, and its derivatives by the design's numbers (windows, parameters).
 
         Raises AssemblyError where the design cannot be assembled at every angle.
@@ -135,7 +135,7 @@ class LocalMaxima:
             raise self._dead_position_error
         return values
 
-    def _cut_windows(self, side: SignalExtreme, values: Array) -> list[Window]:
+    def _cut_windows(self, side: SignalExtreme, values: Array) -> list[SampleWindow]:
         """Windows of one side, one around each of its highest maxima, cut at the minima between them."""
         count, cyclic = len(values), self.motion.is_full_turn
         before, after = np.roll(values, 1), np.roll(values, -1)
@@ -144,14 +144,14 @@ class LocalMaxima:
         tops = np.flatnonzero((values > before) & (values >= after))
         tops = np.sort(tops[np.argsort(-values[tops], kind="stable")][:MOST_WINDOWS])
         if len(tops) == 0:
-            return [Window(side, 0, count - 1)]
+            return [SampleWindow(side, 0, count - 1)]
         ends = [*tops, tops[0] + count] if cyclic else tops
         cuts = [low + int(np.argmin(values[np.arange(low, high + 1) % count])) for low, high in pairwise(ends)]
         edges = [cuts[-1] - count, *cuts] if cyclic else [0, *cuts, count - 1]
-        return [Window(side, int(low), int(high)) for low, high in pairwise(edges)]
+        return [SampleWindow(side, int(low), int(high)) for low, high in pairwise(edges)]
 
 
-def _bracket_top(window: Window, values: Array) -> Array:
+def _bracket_top(window: SampleWindow, values: Array) -> Array:
     """Three samples in a row within a window, or beside it, of which one is its highest."""
     samples = np.arange(window.first, window.last + 1)
     top = int(samples[int(np.argmax(values[samples % len(values)]))])
@@ -268,11 +268,11 @@ class DesignProblem:
         values = np.clip(self.low + self.width * place, self.low, self.low + self.width)
         return dict(zip((variable.parameter.name for variable in self.variables), values.tolist(), strict=True))
 
-    def windows(self, place: Array) -> tuple[Window, ...]:
+    def windows(self, place: Array) -> tuple[SampleWindow, ...]:
         """Windows around the local maxima of the design at a place; raises AssemblyError."""
         return self.maxima.windows(self.numbers(place)) if self.maxima.sides else ()
 
-    def linearise(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
+    def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
         """Aim and constraints of a design with derivatives, a row for each window; raises AssemblyError."""
         pieces = self._pieces_of_figures(place, windows)
         aims = [piece.bounded_by(self.sign) for piece in pieces[: len(self.aims)]]
@@ -294,7 +294,7 @@ class DesignProblem:
             return np.empty(0), np.empty((0, len(self.variables)))
         return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])
 
-    def _pieces_of_figures(self, place: Array, windows: tuple[Window, ...]) -> list[Pieces]:
+    def _pieces_of_figures(self, place: Array, windows: tuple[SampleWindow, ...]) -> list[Pieces]:
         """The pieces of every aim and constrained figure at a place; raises AssemblyError."""
         numbers = self.numbers(place)
         heights: dict[SignalExtreme, tuple[Array, Array]] = {}

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import AssemblyError
-from comparisons.designs.problem import ALLOWED_EXCESS, DesignProblem, Linearised, Window
+from comparisons.designs.problem import ALLOWED_EXCESS, DesignProblem, Linearised, SampleWindow
 
 Array = NDArray[np.float64]
 
@@ -109,7 +109,7 @@ class Descent:
         here = self.linearise(place, self.problem.windows(place))
         return End(place, float(np.max(here.aim)), here.violation)
 
-    def linearise(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
+    def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
         """The design at a place, linearised and counted; raises AssemblyError."""
         self.counter.gradients += 1
         return self.problem.linearise(place, windows)

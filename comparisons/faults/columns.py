@@ -14,7 +14,7 @@ from analytic.description.written import signed
 from comparisons.faults.fault import (
     Correction,
     Fault,
-    Kind,
+    FaultKind,
     Predict,
     SignalTimes,
     Simulation,
@@ -104,7 +104,7 @@ def column_faults(evidence: Evidence, simulation: Simulation, names: Sequence[st
 
 def column_fault(
     name: str,
-    kind: Kind,
+    kind: FaultKind,
     columns: Collection[str],
     alter: Callable[[Array, Array, Array], Array],
     words: Callable[[Array], str],
@@ -126,7 +126,7 @@ def column_fault(
 def scale_fault(name: str, columns: Sequence[str], factor: float, words: str) -> Fault:
     """A fault of some columns: a factor that a sign or a unit explains."""
     correction = Correction(-1 if factor < 0.0 else 1, 1.0 / abs(factor))
-    return column_fault(name, Kind.COLUMN, frozenset(columns), lambda _, y, __: factor * y, lambda _: words,
+    return column_fault(name, FaultKind.COLUMN, frozenset(columns), lambda _, y, __: factor * y, lambda _: words,
                         cure=lambda _: dict.fromkeys(columns, correction))  # fmt: skip
 
 
@@ -145,14 +145,14 @@ def _unit_faults(evidence: Evidence) -> Iterator[Fault]:
 
 def _factor_fault(name: str) -> Fault:
     """A column times a factor that no unit explains."""
-    return column_fault(f"factor:{name}", Kind.FREE, (name,), lambda _, y, k: k[0] * y,
+    return column_fault(f"factor:{name}", FaultKind.FREE, (name,), lambda _, y, k: k[0] * y,
                         lambda k: f"{name} is {k[0]:.5g} times the closed form's", (1.0,), (1.0,))  # fmt: skip
 
 
 def _zero_faults(evidence: Evidence) -> Iterator[Fault]:
     """Another zero, counted the same way or the other: as a stroke from the other dead centre."""
     name, size = evidence.name, (evidence.scale,)
-    kind = Kind.COLUMN if has_free_zero(name) else Kind.SEVERAL
+    kind = FaultKind.COLUMN if has_free_zero(name) else FaultKind.SEVERAL
 
     def by(c: Array) -> str:
         return f"{signed(c[0] / evidence.unit_value, '.4g')} {evidence.unit}"
@@ -187,7 +187,7 @@ def _delay_fault(evidence: Evidence) -> Fault:
         return f"{name} is {abs(p[0]):.4g} s{whole} too {'early' if p[0] > 0.0 else 'late'}"
 
     return Fault(
-        f"delay:{name}", Kind.SEVERAL, apply, words, (0.0,), (step,), ((0.0,), (4.0 * step,), (-4.0 * step,)),
+        f"delay:{name}", FaultKind.SEVERAL, apply, words, (0.0,), (step,), ((0.0,), (4.0 * step,), (-4.0 * step,)),
         tuple((k * step,) for k in (0.5, -0.5, 1.0, -1.0, 2.0, -2.0)),
         cure=lambda p: {name: Correction(time_shift=float(p[0]))},
     )  # fmt: skip
@@ -202,7 +202,7 @@ def _single_sample_faults(evidence: Evidence) -> Iterator[Fault]:
         mirrored = np.abs(values + evidence.truth) <= evidence.tolerance + 0.01 * np.abs(evidence.truth)
         how = "has the other sign" if np.all(mirrored[stray]) else "is off"
         yield column_fault(
-            f"stray samples:{name}", Kind.SEVERAL, (name,),
+            f"stray samples:{name}", FaultKind.SEVERAL, (name,),
             lambda t, y, at: np.where(np.isin(t, at), np.interp(t, instants, values), y),
             lambda at: f"{name} {how} in {_sample_words(at)}", usual=(tuple(instants[stray]),),
         )  # fmt: skip
@@ -237,7 +237,7 @@ def _mistaken_quantity_fault(name: str, other: str, sign: float) -> Fault:
         return simulation.with_change(change)
 
     sense = "" if sign > 0.0 else " with the other sign"
-    return Fault(f"is {other}{sense}:{name}", Kind.COLUMN, apply, lambda _: f"{name} contains {other}{sense}")
+    return Fault(f"is {other}{sense}:{name}", FaultKind.COLUMN, apply, lambda _: f"{name} contains {other}{sense}")
 
 
 def group_faults(evidence: Sequence[Evidence]) -> Iterator[Fault]:

@@ -174,7 +174,7 @@ def is_rotary(name: str) -> bool:
     return name in ("phi", "omega", "epsilon", "Mkr", "shaking_moment") or name.startswith("link:")
 
 
-class Kind(IntEnum):
+class FaultKind(IntEnum):
     """Where a fault lies, in the order in which an engineer looks: of causes that fit alike the first is named."""
 
     COLUMN = 0  # sign, unit or meaning of a column of the file
@@ -218,7 +218,7 @@ class Fault:
     """
 
     name: str
-    kind: Kind
+    kind: FaultKind
     apply: Callable[[Simulation, Array], Simulation]
     words: Callable[[Array], str]
     start: Numbers = ()

@@ -108,7 +108,7 @@ def _number_fault(linkage: Linkage, name: str, number: Number) -> Fault:
         return f"{what} is {in_file_unit(linkage, kind, new[0])} in place of {in_file_unit(linkage, kind, value)}{end}"
 
     return Fault(
-        name, fault.Kind.NUMBER, number_change(name), words, (value,), (size or 1.0,),
+        name, fault.FaultKind.NUMBER, number_change(name), words, (value,), (size or 1.0,),
         usual=tuple((new,) for new in dict.fromkeys([*about, *usual]) if new != value),
         unit=factor(kind, linkage.units[kind]) if kind in linkage.units else 1.0,
         reshapes=kind == "length" and "centre" not in number.place and number.place[0] not in LOADS,
@@ -156,7 +156,7 @@ def _direction_fault(linkage: Linkage, name: str) -> Fault:
     of = name.removesuffix(".along")
     what = "the direction of the output" if of == "output" else f"the guide of '{of}'"
     return Fault(
-        name, fault.Kind.NUMBER, apply, lambda p: f"{what} is turned by {math.degrees(p[0]):.3g}°", (0.0,), (1.0,),
+        name, fault.FaultKind.NUMBER, apply, lambda p: f"{what} is turned by {math.degrees(p[0]):.3g}°", (0.0,), (1.0,),
         unit=math.radians(1.0), reshapes=of != "output",
     )  # fmt: skip
 
@@ -202,7 +202,7 @@ def scaling_fault(name: str, subject: str, usual: tuple[float, ...], *kinds: Kin
         scale = float(k[0]) if under.startswith(LOADS) else check_positive(k)
         return simulation.with_linkage(multiplied(simulation.linkage, scale, *kinds, under=under))
 
-    return Fault(name, fault.Kind.SEVERAL, apply, words, (1.0,), (1.0,),
+    return Fault(name, fault.FaultKind.SEVERAL, apply, words, (1.0,), (1.0,),
                  guesses=((1.0,),) if "length" in kinds else (),
                  usual=tuple((k,) for k in usual), unit=1.0, reshapes="length" in kinds)  # fmt: skip
 
@@ -222,7 +222,7 @@ def _distance_fault(linkage: Linkage, name: str, fixed: str, moved: str) -> Faul
         return f"the distance of '{moved}' from '{fixed}' on '{name}' is {lengths}"
 
     return Fault(
-        f"{name}.{fixed}-{moved}", fault.Kind.NUMBER, apply, words, (length,), (length,),
+        f"{name}.{fixed}-{moved}", fault.FaultKind.NUMBER, apply, words, (length,), (length,),
         unit=factor("length", linkage.units.get("length", "m")), reshapes=True,
     )  # fmt: skip
 
@@ -245,7 +245,7 @@ def _centre_fault(linkage: Linkage, name: str, link: Link) -> Fault:
         new, old = (", ".join(linkage.written(v).rpartition(" ")[0] for v in place) for place in (c, link.centre))
         return f"the mass centre of '{name}' is at ({new}) {unit} in place of ({old}), in the link's frame"
 
-    return Fault(f"{name}.centre", fault.Kind.SEVERAL, apply, words, link.centre, (size, size),
+    return Fault(f"{name}.centre", fault.FaultKind.SEVERAL, apply, words, link.centre, (size, size),
                  guesses=(link.centre,), usual=tuple(dict.fromkeys(p for p in usual if p != link.centre)))  # fmt: skip
 
 
@@ -286,7 +286,7 @@ def _load_fault(name: str, words: str, change: Callable[[Linkage], Linkage]) -> 
     def apply(simulation: Simulation, _: Array) -> Simulation:
         return simulation.with_linkage(change(simulation.linkage))
 
-    return Fault(name, fault.Kind.SETTING, apply, lambda _: words)
+    return Fault(name, fault.FaultKind.SETTING, apply, lambda _: words)
 
 
 def _change_load(part: str, number: int, linkage: Linkage, **changes: Any) -> Linkage:  # noqa: ANN401 - fields of a load
@@ -308,4 +308,4 @@ def _late_force_fault(name: str, number: int) -> Fault:
     def words(angle: Array) -> str:
         return f"the load '{name}' is late by {math.degrees(angle[0]):.3g}°"
 
-    return Fault(f"{name} late", fault.Kind.NUMBER, apply, words, (0.0,), (1.0,), unit=math.radians(1.0))
+    return Fault(f"{name} late", fault.FaultKind.NUMBER, apply, words, (0.0,), (1.0,), unit=math.radians(1.0))

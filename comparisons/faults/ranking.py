@@ -15,7 +15,7 @@ from comparisons.faults.columns import UNIT_RATIOS, Evidence, column_faults, gro
 from comparisons.faults.fault import (
     Correction,
     Fault,
-    Kind,
+    FaultKind,
     Numbers,
     Simulation,
     holds_acceleration,
@@ -86,8 +86,8 @@ class Fit:
     def rank(self) -> tuple[int, int]:
         """Small for what an engineer looks at first."""
         kind = self.fault.kind
-        if kind is Kind.SEVERAL and not self.digits:
-            return (Kind.SETTING, 0) if len(self.numbers) < 2 else (Kind.NUMBER, NOT_ROUND)
+        if kind is FaultKind.SEVERAL and not self.digits:
+            return (FaultKind.SETTING, 0) if len(self.numbers) < 2 else (FaultKind.NUMBER, NOT_ROUND)
         return kind, self.digits
 
 
@@ -438,7 +438,7 @@ class _Search:
 def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
     """Rivals to name beside the likeliest fit: no freer ones beside a setting or a column."""
     kind, _ = best.rank
-    most = Kind.NUMBER if kind <= Kind.SETTING else max(Kind.SEVERAL, kind)
+    most = FaultKind.NUMBER if kind <= FaultKind.SETTING else max(FaultKind.SEVERAL, kind)
     return (fit for fit in others if fit.rank[0] <= most)
 
 

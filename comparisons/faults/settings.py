@@ -14,7 +14,7 @@ from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_mot
 from analytic.description.linkage import RotaryDamper, rotate
 from analytic.description.written import fixed, signed
 from comparisons.case import Motion
-from comparisons.faults.fault import ChangedMotion, Correction, Fault, Kind, Simulation, is_rotary
+from comparisons.faults.fault import ChangedMotion, Correction, Fault, FaultKind, Simulation, is_rotary
 
 Array = NDArray[np.float64]
 
@@ -62,11 +62,11 @@ def _gravity_faults(simulation: Simulation) -> Iterator[Fault]:
 
     if size:
         usual = (0.0, -1.0, *(g / size for g in (EARTH, 9.81, 9.8) if g != size), 2.0, 1e3, 1e-3)
-        yield Fault("gravity", Kind.SETTING, along, words, (1.0,), (1.0,), usual=tuple((k,) for k in usual))
+        yield Fault("gravity", FaultKind.SETTING, along, words, (1.0,), (1.0,), usual=tuple((k,) for k in usual))
     quarter_turns = [rotate((x, y), turn) for turn in ((0.0, 1.0), (0.0, -1.0))] if size else []
     axes = ((0.0, -EARTH), (0.0, -9.81), (0.0, EARTH), (0.0, 9.81), (-EARTH, 0.0), (EARTH, 0.0))
     yield Fault(
-        "gravity's direction", Kind.SEVERAL, with_gravity,
+        "gravity's direction", FaultKind.SEVERAL, with_gravity,
         lambda g: f"gravity is ({fixed(g[0], 3)}, {fixed(g[1], 3)}) m/s² in place of ({x:zg}, {y:zg}) m/s²",
         (x, y), (EARTH, EARTH), usual=tuple(quarter_turns) or axes,
     )  # fmt: skip
@@ -80,7 +80,7 @@ def _mode_faults(simulation: Simulation) -> Iterator[Fault]:
         signs = tuple(-dyad.sign if n == number else dyad.sign for n, dyad in enumerate(dyads))
         words = f"'{dyads[number].first}' and '{dyads[number].second}' are assembled in their other mode"
         yield Fault(
-            f"mode:{dyads[number].first}", Kind.SETTING,
+            f"mode:{dyads[number].first}", FaultKind.SETTING,
             lambda simulation, _, signs=signs: simulation.with_modes(signs),  # type: ignore[misc]
             lambda _, words=words: words,  # type: ignore[misc]
             reshapes=True,
@@ -99,7 +99,7 @@ def _damper_faults(simulation: Simulation) -> Iterator[Fault]:
             if frozenset(pair) not in present:
                 present.add(frozenset(pair))
                 yield Fault(
-                    f"damping:{pin.point}", Kind.SEVERAL, _damper_change(pair),
+                    f"damping:{pin.point}", FaultKind.SEVERAL, _damper_change(pair),
                     lambda b, at=pin.point: f"a rotary damper of {b[0]:.3g} N m s acts in the pin '{at}'",  # type: ignore[misc]
                     (0.0,), (size,),
                 )  # fmt: skip
@@ -137,7 +137,7 @@ def motion_settings(motion: Motion, column: CrankColumn | None = None) -> Iterat
     yield _motion_fault("direction", lambda m, _: ChangedMotion(m, -1.0, 2.0 * start), lambda _: direction,
                         cure=_mirror_cure(2.0 * start) if from_column else lambda _: {})  # fmt: skip
     yield Fault(
-        "view from behind", Kind.SETTING, _mirror_drawing,
+        "view from behind", FaultKind.SETTING, _mirror_drawing,
         lambda _: "the motor's axis points the other way: angles, turns and torques count clockwise",
         usual=tuple((about,) for about in dict.fromkeys((2.0 * start, 0.0))),
         cure=lambda p: _mirror_cure(float(p[0]), "rotary")(p) if from_column else {},
@@ -161,7 +161,7 @@ def _unit_faults(column: CrankColumn, start: float) -> Iterator[Fault]:
             offset = start * (1.0 - k) if column.name == "omega" else 0.0
             cure = {column.name: Correction(factor=k)}
             yield Fault(
-                f"unit:{column.name}", Kind.COLUMN,
+                f"unit:{column.name}", FaultKind.COLUMN,
                 lambda simulation, _, k=k, by=offset: simulation.with_motion(ChangedMotion(simulation.motion, k, by)),  # type: ignore[misc]
                 lambda _, words=words: words, cure=lambda _, cure=cure: cure,  # type: ignore[misc]
             )  # fmt: skip
@@ -191,7 +191,7 @@ def _motion_fault(
     def apply(simulation: Simulation, p: Array) -> Simulation:
         return simulation.with_motion(change(simulation.motion, p))
 
-    return Fault(name, Kind.SETTING, apply, words, *numbers, **rest)
+    return Fault(name, FaultKind.SETTING, apply, words, *numbers, **rest)
 
 
 def _mirror_drawing(simulation: Simulation, p: Array) -> Simulation:

@@ -121,7 +121,7 @@ def _row(cells: list[str]) -> Row:
     return row
 
 
-class Kind(StrEnum):
+class ChangeKind(StrEnum):
     """What has become of a row. All but one fail."""
 
     FAILING = "newly failing"
@@ -135,14 +135,8 @@ class Kind(StrEnum):
 class Change:
     """A row that is not as it was recorded; ``before`` and ``after`` are its values, ``outcome`` is that of now."""
 
-    kind: Kind
-    mechanism: str
-    variant: str
-    regime: str
-    conditions: str
-    engine: str
-    setting: str
-    quantity: str
+    kind: ChangeKind
+    place: Place
     before: float | None
     after: float | None
     outcome: str = ""
@@ -151,12 +145,13 @@ class Change:
     @property
     def fails(self) -> bool:
         """Whether it fails the comparison; what has appeared is a note."""
-        return self.kind is not Kind.APPEARED
+        return self.kind is not ChangeKind.APPEARED
 
     @property
     def run(self) -> str:
         """The run in words."""
-        return f"{self.mechanism} ({self.variant}), {self.regime}, {self.engine} {self.setting}".rstrip()
+        mechanism, variant, regime, _, engine, setting, _ = self.place
+        return f"{mechanism} ({variant}), {regime}, {engine} {setting}".rstrip()
 
     @property
     def share(self) -> float | None:
@@ -166,14 +161,14 @@ class Change:
     @property
     def sentence(self) -> str:
         """The change in words."""
-        place = f"{self.run}, {self.quantity}"
-        if self.kind is Kind.FAILING:
+        place = f"{self.run}, {self.place.quantity}"
+        if self.kind is ChangeKind.FAILING:
             return f"{place}: {Verdict(self.outcome).value}, and was not before"
-        if self.kind is Kind.VANISHED:
+        if self.kind is ChangeKind.VANISHED:
             return f"{place}: was recorded, and {f'is {self.outcome}' if self.outcome else 'is not there any more'}"
-        if self.kind is Kind.APPEARED:
+        if self.kind is ChangeKind.APPEARED:
             return f"{place}: was not recorded"
-        if self.kind is Kind.GROWN:
+        if self.kind is ChangeKind.GROWN:
             return f"{place}: the error was {self.before:.2g} of the peak, and is {self.after:.2g}"
         share = f", {change(self.share, '.2g')}" if self.share is not None else ""
         return f"{place}: was {self.before:.9g} {self.unit}".rstrip() + f", and is {self.after:.9g} {self.unit}{share}"
@@ -188,27 +183,27 @@ def changes(before: Iterable[Row], after: Iterable[Row]) -> Iterator[Change]:
         kind = _kind(was, now, least)
         if kind is not None:
             values = (was.value if was else None, now.value if now else None)
-            yield Change(kind, *place, *values, now.outcome if now else "", now.unit if now else "")
+            yield Change(kind, place, *values, now.outcome if now else "", now.unit if now else "")
 
 
-def _kind(was: Row | None, now: Row | None, least: Mapping[Motion, float]) -> Kind | None:
+def _kind(was: Row | None, now: Row | None, least: Mapping[Motion, float]) -> ChangeKind | None:
     """What has become of a row; None if nothing has."""
     if was is None or now is None:
         there = was or now
         assert there is not None
-        return None if there.value is None else Kind.APPEARED if was is None else Kind.VANISHED
+        return None if there.value is None else ChangeKind.APPEARED if was is None else ChangeKind.VANISHED
     if now.is_figure:
         assert was.value is not None
         assert now.value is not None
         allowed = max(SAME_FIGURE * abs(was.value), least.get((*now.place[:4], now.unit), 0.0))
-        return None if abs(now.value - was.value) <= allowed else Kind.CHANGED
+        return None if abs(now.value - was.value) <= allowed else ChangeKind.CHANGED
     if Verdict(now.outcome).failed:
-        return None if Verdict(was.outcome).failed else Kind.FAILING
+        return None if Verdict(was.outcome).failed else ChangeKind.FAILING
     if now.value is None or was.value is None:
-        return None if was.value is None else Kind.VANISHED
+        return None if was.value is None else ChangeKind.VANISHED
     floor = FLOOR_SHARE * (now.limit or math.inf)
     is_grown = Verdict(now.outcome).judged and not now.value <= max(GROWTH * was.value, floor)
-    return Kind.GROWN if is_grown else None
+    return ChangeKind.GROWN if is_grown else None
 
 
 def _rounding_errors(old: Mapping[Place, Row], new: Mapping[Place, Row]) -> dict[Motion, float]:

@@ -204,7 +204,7 @@ def _displaced(body: Body, number: int, level: str, size: float) -> Body:
 
 
 @dataclass(frozen=True)
-class Row:
+class AxisRow:
     """One line of a map: all conditions but the one that varies. ``most`` is the largest value that makes sense."""
 
     label: str
@@ -229,7 +229,7 @@ class Axis:
     label: str
     values: tuple[float, ...]
     good: float
-    rows: tuple[Row, ...]
+    rows: tuple[AxisRow, ...]
     quick: tuple[float, ...] = ()
     settings: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
@@ -237,7 +237,7 @@ class Axis:
     seconds: float = 20.0
     narrow: bool = True
 
-    def row(self, label: str) -> Row:
+    def row(self, label: str) -> AxisRow:
         """A row by its label."""
         rows = {row.label: row for row in self.rows}
         if label not in rows:
@@ -249,11 +249,11 @@ class Axis:
         varied: dict[str, Any] = {self.vary: value}
         return replace(self.row(label).conditions, **varied)
 
-    def chosen_rows(self, *, quick: bool) -> tuple[Row, ...]:
+    def chosen_rows(self, *, quick: bool) -> tuple[AxisRow, ...]:
         """The rows of a full map, or of a quick one."""
         return tuple(row for row in self.rows if row.quick or not quick)
 
-    def chosen_values(self, row: Row, *, quick: bool) -> tuple[float, ...]:
+    def chosen_values(self, row: AxisRow, *, quick: bool) -> tuple[float, ...]:
         """The values of a row in a full map, or in a quick one."""
         return tuple(value for value in (self.quick if quick else self.values) if value <= row.most)
 
@@ -280,12 +280,12 @@ def _axis_of_table(table: dict[str, Any]) -> Axis:
     return Axis(**{**table, **lists}, rows=tuple(_row_of_table(common, row) for row in rows))
 
 
-def _row_of_table(common: Mapping[str, Any], table: Mapping[str, Any]) -> Row:
-    of_row = {field.name for field in fields(Row)} - {"conditions"}
+def _row_of_table(common: Mapping[str, Any], table: Mapping[str, Any]) -> AxisRow:
+    of_row = {field.name for field in fields(AxisRow)} - {"conditions"}
     conditions: dict[str, Any] = {
         key: _tuple_for_list(value) for key, value in {**common, **table}.items() if key not in of_row
     }
-    return Row(conditions=Conditions(**conditions), **{key: table[key] for key in of_row & table.keys()})
+    return AxisRow(conditions=Conditions(**conditions), **{key: table[key] for key in of_row & table.keys()})
 
 
 def _tuple_for_list(value: object) -> object:

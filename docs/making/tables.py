@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from analytic.description.loading import catalogue, literature
-from comparisons.datasheet.figures import all_variants, compare_published
+from analytic.description.loading import catalogue, literature, load
+from comparisons.datasheet.figures import compare_published
 from engines.registry import engine, engine_names
 from reports.document.markdown import table, written
 from reports.document.parts import Bullets, Section
@@ -29,7 +29,7 @@ def printed_figures() -> str:
 
 def figures_of(name: str) -> str:
     """The printed figures of a mechanism beside ours, and what there is to note; "" without any."""
-    rows = [vars(record) for record in compare_published(all_variants(name))]
+    rows = [vars(record) for record in compare_published([load(name, variant) for variant in load(name).variants])]
     noted = notes(rows)
     parts = (published_table(rows), *((Bullets(noted),) if noted else ()))
     return written((Section("", name, parts),), level=3) if rows else ""

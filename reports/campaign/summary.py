@@ -102,10 +102,11 @@ def _number_lines(record: Record) -> Iterator[str]:
 
 
 def _change_case(entry: Change) -> ElementTree.Element:
-    place = (CHANGES, entry.mechanism, entry.variant, entry.regime, entry.engine, entry.setting)
-    case = _test_case("/".join(filter(None, place)), entry.quantity)
+    mechanism, variant, regime, conditions, engine, setting, quantity = entry.place
+    suite = (CHANGES, mechanism, variant, regime, engine, setting)
+    case = _test_case("/".join(filter(None, suite)), quantity)
     kind = "failure" if entry.fails else "skipped"
-    ElementTree.SubElement(case, kind, message=_legal(entry.sentence), type=entry.kind.value).text = entry.conditions
+    ElementTree.SubElement(case, kind, message=_legal(entry.sentence), type=entry.kind.value).text = conditions
     return case
 
 

@@ -49,7 +49,7 @@ class CommandGroup(TyperGroup):
         return f"{super().get_help(ctx)}\n\n{GLOSSARY.read_text(encoding='utf-8')}"
 
 
-class Command(TyperCommand):
+class LinkproofCommand(TyperCommand):
     """A command that answers an option that is gone with what to do instead."""
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
@@ -102,7 +102,7 @@ def command(
         called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         called.__annotations__ = {number.name: number.annotation for number in parameters}
         del called.__wrapped__  # its signature would replace this one
-        app.command(name, cls=Command, short_help=summary)(called)
+        app.command(name, cls=LinkproofCommand, short_help=summary)(called)
         return function
 
     return add_command

@@ -21,7 +21,7 @@ from typing import Any
 
 from analytic.description.changes import design_numbers
 from analytic.description.loading import catalogue, load
-from comparisons.datasheet.figures import all_variants, compare_published
+from comparisons.datasheet.figures import compare_published
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -71,7 +71,8 @@ def variants() -> list[tuple[str, str]]:
 
 def figures() -> dict[str, Any]:
     """What list and check say, and the figures that the sources print."""
-    published = [vars(record) for name in catalogue() for record in compare_published(all_variants(name))]
+    every = [[load(name, variant) for variant in load(name).variants] for name in catalogue()]
+    published = [vars(record) for variants in every for record in compare_published(variants)]
     pins = {"list": said("list")["records"], "published": published}
     for mechanism, variant in variants():
         pins[f"check {mechanism} {variant}"] = said("check", mechanism, "--variant", variant)

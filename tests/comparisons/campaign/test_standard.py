@@ -43,9 +43,9 @@ def test_a_mass_changed_by_a_hundred_thousandth_is_seen(every_variant):
     before = judged(every_variant=every_variant).rows
     assert judged(before=before, every_variant=every_variant).changes == ()
     found = judged(replace(REQUEST, linkages=(_heavier(1e-5),)), before, every_variant=every_variant).changes
-    assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.quantity for one in found}
+    assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.place.quantity for one in found}
     assert all(re.search(r" was \S+ (N|N m|W|kg m²), and is .* %$", one.sentence) for one in found)
-    assert {one.variant for one in found} == ({"as-built", "as-printed"} if every_variant else {"as-built"})
+    assert {one.place.variant for one in found} == ({"as-built", "as-printed"} if every_variant else {"as-built"})
 
 
 RECORDED = Place("juki-mf7923d", "as-built", "run-up", "c, gravity on", "pymunk", "tuned", "Mkr")
@@ -68,7 +68,7 @@ RECORDED = Place("juki-mf7923d", "as-built", "run-up", "c, gravity on", "pymunk"
 )
 def test_what_is_asked_for_and_not_there_any_more_has_vanished(other, is_asked):
     row = Row(RECORDED._replace(**other), "passed", 1e-6)
-    vanished = [change.quantity for change in judged(before=[row]).changes if change.fails]
+    vanished = [change.place.quantity for change in judged(before=[row]).changes if change.fails]
     assert vanished == [row.place.quantity] * is_asked
     narrow = replace(REQUEST, quantities=("Jeq",))
     assert not any(change.fails for change in judged(narrow, [Row(RECORDED, "passed", 1e-6)]).changes)
@@ -78,7 +78,9 @@ def test_a_regime_of_a_file_is_the_same_whatever_its_conditions_are():
     linkage = load("two-crank-takeup")
     request = CampaignRequest((linkage,), (), "", ("pymunk",), own_regimes=("driven",))
     place = Place(linkage.name, linkage.variant, "driven", "released at 7°", "pymunk", "tuned", "phi")
-    vanished = [change.quantity for change in judged(request, [Row(place, "passed", 1e-6)]).changes if change.fails]
+    vanished = [
+        change.place.quantity for change in judged(request, [Row(place, "passed", 1e-6)]).changes if change.fails
+    ]
     assert vanished == ["phi"]
 
 

@@ -18,7 +18,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.refine import extremes, grid, periodic_mean
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.case import motion_of_file_regime
-from comparisons.datasheet.figures import MECHANISM_FIGURES, all_variants, compare_published, published_figure, verdict
+from comparisons.datasheet.figures import MECHANISM_FIGURES, compare_published, published_figure, verdict
 from comparisons.runs.workers import LocalPool
 from docs.making.tables import figures_of
 from reports.mechanism.published import published_table
@@ -79,7 +79,7 @@ def value(of: Mechanism, quantity: str, **keys: object) -> float:
 
 @cache
 def records(name):
-    return compare_published(all_variants(name))
+    return compare_published([load(name, variant) for variant in load(name).variants])
 
 
 @pytest.mark.parametrize(

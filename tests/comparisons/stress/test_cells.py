@@ -17,6 +17,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.runs import environment
 from comparisons.runs.run_engine import Failure, Lost
+from comparisons.runs.study import Journal
 from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress
@@ -288,6 +289,20 @@ def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_
     assert told["summary"]["perfect"]["caught"] == sum(one.verdict is StressVerdict.CAUGHT for one in found.cells)
     assert told["borders"][0]["inside_command"].startswith("linkproof stress 'mass/four-bar, coupler/")
     assert heard[-1][1] == heard[-1][2] == len(found.cells)
+
+
+def test_what_was_finished_before_an_interruption_is_not_run_again(with_engine, tmp_path):
+    def interrupt(_, done, known):
+        if done == 2:
+            raise KeyboardInterrupt
+
+    first = with_engine(Perfect())
+    with pytest.raises(KeyboardInterrupt):
+        campaign.stress(request(quick=True), interrupt, Journal(tmp_path, "as tested"))
+    second = with_engine(Perfect())
+    found = campaign.stress(request(quick=True), journal=Journal(tmp_path, "as tested"))
+    assert (len(first.asked), len(second.asked)) == (2, 1)
+    assert {one.cell.value for one in found.cells} == {*axes()["mass"].quick}
 
 
 def test_an_engine_that_raises_costs_its_own_cell(with_engine):

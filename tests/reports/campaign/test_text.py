@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 
 from comparisons.campaign.results import Results
-from comparisons.judging.changes import Change, Kind
+from comparisons.judging.changes import Change, ChangeKind, Place
 from comparisons.judging.records import Verdict, run_record
 from reports.campaign.summary import junit, markdown
 from reports.campaign.terminal import printout
@@ -60,11 +60,13 @@ def test_another_machine_on_another_day_writes_the_same(results, text):
     assert markdown(later) == text
 
 
-PLACE = ("m", "v", "r", "c")
-CHANGED = Change(Kind.CHANGED, *PLACE, "closed form", "", "Jeq.mean", 2.0, 2.02, unit="kg m²")
-GROWN = Change(Kind.GROWN, *PLACE, "e", "tuned", "Mkr", 1e-6, 4e-6, "passed")
-VANISHED = [Change(Kind.VANISHED, *PLACE, "e", "best", name, 1e-6, None) for name in ("S", "v")]
-APPEARED = Change(Kind.APPEARED, *PLACE, "e", "tuned", "Teq", None, 1e-6, "passed")
+PLACE = Place("m", "v", "r", "c", "e", "tuned", "Teq")
+CHANGED = Change(ChangeKind.CHANGED, Place("m", "v", "r", "c", "closed form", "", "Jeq.mean"), 2.0, 2.02, unit="kg m²")
+GROWN = Change(ChangeKind.GROWN, PLACE._replace(quantity="Mkr"), 1e-6, 4e-6, "passed")
+VANISHED = [
+    Change(ChangeKind.VANISHED, PLACE._replace(setting="best", quantity=name), 1e-6, None) for name in ("S", "v")
+]
+APPEARED = Change(ChangeKind.APPEARED, PLACE, None, 1e-6, "passed")
 
 
 def _cases(records, changes=()):
