@@ -11,11 +11,11 @@ import numpy as np
 
 from analytic.description.law import FULL_TURN
 from analytic.description.written import fixed
-from comparisons.datasheet.curves import extreme_samples
 from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import NEAR_ZERO, SETTING, ImportedJudgement, SignalVerdict
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import Record, Verdict
+from comparisons.judging.thinning import extreme_samples
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout

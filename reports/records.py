@@ -119,11 +119,11 @@ class View:
         return [self._read_trace(regime, record) for record in self.curved(regime, quantity)]
 
     def _read_trace(self, regime: Regime, record: Record) -> Trace:
-        time, angle, observed, reference = self.results.curve(record.run, record.quantity)
-        error = np.abs(observed - reference) / (record.peak or 1.0)
+        time, angle, reference, beyond = self.results.curve(record.run, record.quantity).astype(float)
+        error = np.abs(beyond) / (record.peak or 1.0)
         if regime.motion and holds_acceleration(record.quantity):
             error = np.where(near_jumps(time, regime.motion), np.nan, error)
-        return Trace(record, time, angle, observed, reference, error)
+        return Trace(record, time, angle, reference + beyond, reference, error)
 
 
 def views(results: Results) -> tuple[View, ...]:

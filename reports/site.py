@@ -19,7 +19,7 @@ from comparisons.datasheet.saved import load_cases
 from comparisons.datasheet.sheet import Sheet
 from comparisons.runs.files import claim, write_text
 from comparisons.runs.run_engine import Lost
-from comparisons.runs.study import has_study
+from comparisons.runs.store import has_study
 from comparisons.runs.workers import run_jobs, usual_processes
 from comparisons.stress import campaign as stress_test
 from comparisons.stress.campaign import Stress

@@ -16,8 +16,8 @@ from matplotlib.textpath import TextPath
 
 from comparisons.judging.limits import grouped
 from comparisons.judging.records import QuantityRecord
-from comparisons.runs.files import RECORDS
-from comparisons.stress.campaign import KIND, Border, Line, Stress
+from comparisons.runs.files import STORE
+from comparisons.stress.campaign import Border, Line, Stress
 from comparisons.stress.cells import axes
 from comparisons.stress.verdict import CellResult, StressVerdict
 from reports.charts.draw import drawn
@@ -435,7 +435,7 @@ def _incidents(stress: Stress) -> Iterator[Part]:
 
 def _run_section(stress: Stress) -> Section:
     spent = sum(result.spent for result in stress.results)
-    cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each a line of {KIND}/{RECORDS}")
+    cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each a run in {STORE}")
     facts = Facts((*environment_facts(stress.document["environment"]), cells))
     where = Fold("Where and with what", (facts,))
     return Section("run", "What was run", (Command(stress.document["command"]), where))

@@ -6,13 +6,14 @@ import gc
 import io
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
-from contextlib import chdir, contextmanager, nullcontext, redirect_stderr, redirect_stdout
+from contextlib import chdir, closing, contextmanager, nullcontext, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 from unittest.mock import patch
 
-from comparisons.runs.files import write_text
+from comparisons.runs.files import STORE, write_text
 from comparisons.runs.workers import run_jobs
 from reports.command_line.main import main
 from reports.document.html import Picture
@@ -24,6 +25,14 @@ COMMAND = (sys.executable, "-m", "reports.command_line.main")
 def run_here(function, jobs, processes):
     """The jobs of worker processes, run in this one, which has imported what they need."""
     return run_jobs(function, jobs, processes=0)
+
+
+def stored_runs(folder):
+    """How many runs a command has stored in a folder that it is still writing into."""
+    query = "SELECT count(*) FROM runs JOIN studies ON study = studies.id WHERE kind = ''"
+    with suppress(sqlite3.OperationalError), closing(sqlite3.connect(f"file:{folder / STORE}?mode=ro", uri=True)) as db:
+        return db.execute(query).fetchone()[0]
+    return 0  # it is being made, or written to
 
 
 def empty_picture(files, figure):

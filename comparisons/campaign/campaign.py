@@ -20,7 +20,8 @@ from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, bla
 from comparisons.observed_motion import ObservedMotion
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost, blamed_on, run_engine
-from comparisons.runs.study import Announce, Journal, Study, Task
+from comparisons.runs.store import Runs
+from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, run_jobs, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
@@ -136,22 +137,21 @@ def compare(
     *,
     bounds: Bounds = DEFAULT_BOUNDS,
     pool: Pool | None = None,
-    journal: Journal | None = None,
+    finished: Runs | None = None,
     todo: Sequence[Task] = (),
 ) -> CampaignRuns:
     """The runs of a request, made in parallel as they are gone through.
 
     ``announce`` receives the label of the run begun last, the number of finished runs and the number of all. Runs are
     made in the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is
-    made here, unbounded. A ``journal`` stores every finished run; runs that it has stored already are not repeated.
-    ``todo`` are its ``tasks`` where they are known.
+    made here, unbounded. ``finished`` runs are not repeated, and every further one is stored among them. ``todo`` are
+    the request's ``tasks`` where they are known.
 
-    What ``tasks`` raises is raised at once, before the first run; LinkproofError too, if the journal is
-    another request's.
+    What ``tasks`` raises is raised at once, before the first run.
     """
     todo = todo or tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
-    study = Study(judged, lost, RunRecord.written, RunRecord.from_row, journal, announce, where)
+    study = Study(judged, lost, RunRecord.written, RunRecord.from_row, finished, announce, where)
     return CampaignRuns(study, todo, bounds)
 
 

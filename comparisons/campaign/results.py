@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, NotRequired
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
@@ -31,12 +28,10 @@ from comparisons.datasheet.saved import (
 )
 from comparisons.judging.changes import Change, Row, error_row
 from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
-from comparisons.judging.records import CURVE, Record, RunRecord
+from comparisons.judging.records import Record, RunRecord
 from comparisons.runs.environment import environment
-from comparisons.runs.study import has_study, load_study, save_study
+from comparisons.runs.store import Curve, has_study, load_study, save_study
 from engines.contract import ReadOut
-
-Array = NDArray[np.float64]
 
 # The form of a campaign's saved document, by which it is checked when it is read back.
 
@@ -128,10 +123,10 @@ class Results:
         return tuple(dict.fromkeys(run.regime for run in self.runs))
 
     @cached_property
-    def _curves(self) -> Mapping[tuple[str, ...], Mapping[str, Array]]:
+    def _curves(self) -> Mapping[tuple[str, ...], Mapping[str, Curve]]:
         return {run.run: run.curves for run in self.runs}
 
-    def curve(self, run: Sequence[str], quantity: str) -> Array:
+    def curve(self, run: Sequence[str], quantity: str) -> Curve:
         """``CURVE`` of one run (mechanism, variant, regime, engine, setting) and quantity, (4, samples)."""
         return self._curves[tuple(run)][quantity]
 
@@ -171,9 +166,7 @@ def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, 
 def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> None:
     """Write a campaign, or a judgement, into a folder, in the place of another there and of a designer's results."""
     kind = kind_of(table)
-    save_study(folder, kind, table, ((run.key, *run.written()) for run in runs))
-    for other in {*KINDS, RESULTS} - {kind}:
-        shutil.rmtree(folder / other, ignore_errors=True)
+    save_study(folder, kind, table, ((run.key, *run.written()) for run in runs), {*KINDS, RESULTS} - {kind})
 
 
 def kind_of(table: Mapping[str, Any]) -> str:
@@ -197,11 +190,12 @@ def load(folder: Path) -> Results:
 
 # The curves of a campaign as CSV: a row per run, quantity and sample.
 
-CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", *CURVE)
+SAMPLE: Final = ("time", "angle", "observed", "reference")
+CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", *SAMPLE)
 
 
 def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
-    """Fill a CSV file with the curves of all runs, with every digit.
+    """Fill a CSV file with the curves of all runs, with every digit of their few samples.
 
     Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
     observed and reference in the unit.
@@ -216,5 +210,6 @@ def _curve_rows(runs: Iterable[RunRecord]) -> Iterator[tuple[str | float, ...]]:
     for run in runs:
         for error in run.errors:
             if error.quantity in run.curves:
-                columns = (column.tolist() for column in run.curves[error.quantity])
+                time, angle, reference, beyond = run.curves[error.quantity].astype(float)
+                columns = (column.tolist() for column in (time, angle, reference + beyond, reference))
                 yield from ((*run.run, error.quantity, error.unit, *row) for row in zip(*columns, strict=True))

@@ -25,11 +25,12 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.signals import THREAD_FEED, reference_angle, reference_length, stop_position
 from comparisons.case import Case, motion_of_file_regime
-from comparisons.datasheet.curves import Curves, Instants, SignalFigure, choose_samples, extreme_samples
+from comparisons.datasheet.curves import Curves, Instants, SignalFigure, choose_samples
 from comparisons.datasheet.figures import compare_published, figure_tables, required_feed
 from comparisons.datasheet.linkage_check import file_facts, mechanism_facts
 from comparisons.datasheet.open_ends import inset_ends, open_end_warning
 from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
+from comparisons.judging.thinning import extreme_samples
 
 Array = NDArray[np.float64]
 

@@ -210,23 +210,6 @@ def choose_samples(axis: Array, curves: Array, few: int, most: int) -> NDArray[n
     return places
 
 
-def extreme_samples(values: Array, stretches: int) -> NDArray[np.intp]:
-    """Indices of the samples that show a long curve: extremes of every stretch and both ends; all if it is short."""
-    if len(values) <= 2 * stretches:
-        return np.arange(len(values))
-    ends = np.array([0, len(values) - 1])
-    return np.unique(np.concatenate([ends, highest_samples(values, stretches), highest_samples(-values, stretches)]))
-
-
-def highest_samples(values: Array, stretches: int) -> NDArray[np.intp]:
-    """Index of the highest sample of each of a curve's stretches, which are equally long but for the last."""
-    size = -(-len(values) // stretches) or 1
-    starts = np.arange(0, len(values), size)
-    padded = np.full(len(starts) * size, -np.inf)
-    padded[: len(values)] = values
-    return np.asarray(starts + np.argmax(padded.reshape(-1, size), axis=1), dtype=np.intp)
-
-
 @dataclass(frozen=True)
 class SignalFigure:
     """A number of a designer: ``what`` it is, of a force the link it acts ``on``, its signal, value and SI unit.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -15,7 +14,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case, case_of_file_regime
-from comparisons.runs.study import has_study, load_study, save_study
+from comparisons.runs.store import has_study, load_study, save_study
 
 RESULTS: Final = "results"
 
@@ -79,22 +78,22 @@ def save_case(folder: Path, case: Case) -> None:
         regime=motion.regime,
         conditions=case.conditions,
     )
-    key = f"{linkage.name}/{linkage.variant}"
-    rows = {**(dict(_load_rows(folder)) if has_study(folder, RESULTS) else {}), key: row}
-    rows[key] = rows.pop(key)  # the last one
+    rows = {**({_key(row): row for row in _load_rows(folder)} if has_study(folder, RESULTS) else {}), _key(row): row}
+    rows[_key(row)] = rows.pop(_key(row))  # the last one
     save_study(folder, RESULTS, {}, ((key, row, {}) for key, row in rows.items()))
+
+
+def _key(row: CaseRow) -> str:
+    return f"{row['linkage']['name']}/{row['linkage']['variant']}"
 
 
 def load_cases(folder: Path) -> list[Case]:
     """The cases of a folder; raises LinkproofError for one that is damaged."""
-    return [_case_of_row(row) for _, row in _load_rows(folder)] if has_study(folder, RESULTS) else []
+    return [*map(_case_of_row, _load_rows(folder))] if has_study(folder, RESULTS) else []
 
 
-def _load_rows(folder: Path) -> tuple[tuple[str, CaseRow], ...]:
-    def read(row: Mapping[str, Any], _: object) -> tuple[str, CaseRow]:
-        return row["key"], CASE.validate_python(row)
-
-    return load_study(folder, RESULTS, TypeAdapter(dict[str, Any]), read)[1]
+def _load_rows(folder: Path) -> tuple[CaseRow, ...]:
+    return load_study(folder, RESULTS, TypeAdapter(dict[str, Any]), lambda row, _: CASE.validate_python(row))[1]
 
 
 def _case_of_row(row: CaseRow) -> Case:

@@ -26,7 +26,9 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import top_of_turn
 from analytic.signals import SINGLE_SIGNALS, feed, feed_of_length, reference_angle, reference_length, unit_of
 from comparisons.case import Case, Motion, zero_of_output
+from comparisons.judging.thinning import stored_curve
 from comparisons.observed_motion import SHARP_POINTS, ObservedMotion, peak, resample
+from comparisons.runs.store import Curve
 from engines.contract import Origin, Signal
 from engines.scene import Channel
 
@@ -358,9 +360,9 @@ class Deviation:
     error_at_jumps: float = 0.0
 
     @property
-    def curve(self) -> Array:
-        """The samples as a run's record has them (``comparisons.judging.records.CURVE``), (4, samples)."""
-        return np.array([self.time, self.angle, self.observed, self.reference])
+    def curve(self) -> Curve:
+        """The samples as a run's record has them."""
+        return stored_curve(self.time, self.angle, self.reference, self.observed - self.reference)
 
 
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
@@ -10,17 +9,12 @@ from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import InstanceOf, TypeAdapter
+
+from comparisons.runs.store import Curve
 
 if TYPE_CHECKING:
     from comparisons.case import Case
-
-
-Array = NDArray[np.float64]
-
-CURVE: Final = ("time", "angle", "observed", "reference")  # s, rad (m of a linear drive), and twice the unit
 
 
 class Verdict(StrEnum):
@@ -53,6 +47,7 @@ class Verdict(StrEnum):
 
 CONTROL = "control"  # the origin of the suite's second derivation, which is no engine
 IMPORTED = "imported"  # the origin of values read from another tool's files
+OUTCOMES: Final = frozenset(verdict.value for verdict in Verdict)
 FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED, Verdict.ADAPTER_ERROR))
 
 
@@ -131,14 +126,14 @@ ERRORS: Final = tuple(field.name for field in fields(QuantityRecord))
 class RunRecord(RunFacts):
     """One run: its errors by quantity, its invariants, what its adapter says of it, and the curves behind the errors.
 
-    A curve, by its quantity, has ``CURVE`` in its rows, (4, samples). A study whose runs have more to them has a class
-    of its own below this one.
+    A curve, by its quantity, has ``CURVE`` of the store in its rows, (4, samples). A study whose runs have more to them
+    has a class of its own below this one.
     """
 
     errors: tuple[QuantityRecord, ...] = ()
     invariants: tuple[QuantityRecord, ...] = ()
     details: Mapping[str, str | int | float] = field(default_factory=dict)
-    curves: Mapping[str, InstanceOf[Array]] = field(default_factory=dict, compare=False, repr=False)
+    curves: Mapping[str, InstanceOf[Curve]] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def records(self) -> tuple[Record, ...]:
@@ -173,7 +168,7 @@ class RunRecord(RunFacts):
         errors, invariants = ([vars(record) for record in part] for part in (self.errors, self.invariants))
         return {**own, "errors": errors, "invariants": invariants, "details": dict(self.details)}
 
-    def written(self) -> tuple[Mapping[str, Any], Mapping[str, Array]]:
+    def written(self) -> tuple[Mapping[str, Any], Mapping[str, Curve]]:
         """The run for a file: ``data`` and curves."""
         return self.data, self.curves
 
@@ -183,21 +178,20 @@ class RunRecord(RunFacts):
         return TypeAdapter(cls)
 
     @classmethod
-    def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Array] = MappingProxyType({})) -> Self:
+    def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Curve] = MappingProxyType({})) -> Self:
         """A run back from what was ``written``; raises ValueError for anything else."""
-        result = cls._adapter().validate_python({name: value for name, value in row.items() if name != "curves"})
-        parts = {
-            name: tuple(QuantityRecord(**_interned_fields(entry)) for entry in getattr(result, name))
-            for name in ("errors", "invariants")
-        }
-        return cls(**{**_interned_fields(result), **parts, "curves": curves})
+        parts = {name: tuple(QuantityRecord(*values) for values in row[name]) for name in ("errors", "invariants")}
+        if not {error.outcome for part in parts.values() for error in part} <= OUTCOMES:
+            raise ValueError("it has an outcome that no run can have")
+        facts = cls._adapter().validate_python({name: row[name] for name in row if name not in parts})
+        return replace(facts, **parts, curves=curves)
 
 
 def run_record(
     facts: RunFacts,
     records: Iterable[Record],
     checks: Iterable[Record] = (),
-    curves: Mapping[str, Array] = MappingProxyType({}),
+    curves: Mapping[str, Curve] = MappingProxyType({}),
     details: Mapping[str, str | int | float] = MappingProxyType({}),
 ) -> RunRecord:
     """A run of its facts and of flat records."""
@@ -208,11 +202,6 @@ def run_record(
 
 def _quantity_record(record: Record) -> QuantityRecord:
     return QuantityRecord(**{name: getattr(record, name) for name in ERRORS})
-
-
-def _interned_fields(record: object) -> dict[str, Any]:
-    """The fields of a record, their texts those of others of the same words: there may be millions."""
-    return {name: sys.intern(value) if type(value) is str else value for name, value in vars(record).items()}
 
 
 def blank_record(case: Case, setting: str, engine: str = "", version: str = "") -> Record:

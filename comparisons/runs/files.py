@@ -1,49 +1,28 @@
-"""Writing files so that nothing is ever half-written, to a neighbour first, then renamed; and records that only grow.
+"""Writing files so that nothing is ever half-written: to a neighbour first, then renamed; and claiming a folder.
 
 A link is followed; what stands at a path and is no file, a pipe or a device, is refused.
-
-Records are only appended, so that a killed process loses no more than the record being written; only the position
-of each record is in memory.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
-import math
 import os
-import shutil
 import stat
-import tempfile
 import weakref
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
-from multiprocessing.util import get_temp_dir
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import Final
 from uuid import uuid4
-
-import numpy as np
-from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
 
-STUDIES: Final = ("compare", "judge", "bench", "stress", "results")
+STORE: Final = "linkproof.sqlite"  # all results of a folder
 # What linkproof writes into a folder.
 ENTRIES: Final = (
-    *STUDIES, *(f".{study}.{state}" for study in STUDIES for state in ("new", "old")), "unfinished", ".unfinished",
-    "index.html", "bench.html", "stress.html", "RESULTS.md", "assets", "data", "figures", "mechanisms",
+    STORE, f"{STORE}-journal", "index.html", "bench.html", "stress.html", "RESULTS.md", "assets", "data", "figures",
+    "mechanisms",
 )  # fmt: skip
 _OPEN_FILES: Final = Path("/proc/self/fd")  # a file without a name has one there
-
-Array = NDArray[np.float64]
-
-RECORDS: Final = "records.jsonl"
-CURVES: Final = "curves.npy"  # doubles; a record's "curves" has the place of the first and the shape, by name
-HEADER_SIZE: Final = 128  # bytes of NumPy's header, padded by it so that the number of doubles may grow
-_SHOWN_BYTES: Final = 40  # bytes of a line in a message
-_CHECKSUM: Final = ', "checksum": "'  # ends a line: of all before it and of the record's arrays
 
 
 class Claim:
@@ -137,7 +116,8 @@ def write_file(path: Path, write: Callable[[Path], object]) -> None:
         try:
             target = temporary if handle is None else _OPEN_FILES / str(handle)
             write(target)
-            target.chmod(0o644)
+            if place.exists():  # its permissions stay
+                target.chmod(stat.S_IMODE(place.stat().st_mode))
             if handle is not None:
                 os.link(target, temporary, src_dir_fd=handle)  # given a folder, it follows links
             os.replace(temporary, place)
@@ -152,7 +132,7 @@ def _open_nameless_file(folder: Path) -> int | None:
     if not _OPEN_FILES.is_dir() or not hasattr(os, "O_TMPFILE"):
         return None
     try:
-        return os.open(folder, os.O_TMPFILE | os.O_RDWR)
+        return os.open(folder, os.O_TMPFILE | os.O_RDWR, 0o666)
     except OSError:  # a file system without them
         return None
 
@@ -193,168 +173,3 @@ def _no_file_error(path: Path) -> LinkproofError:
 
 def _write_error(path: Path, error: OSError) -> LinkproofError:
     return LinkproofError(f"cannot write '{path}': {error.strerror}; give a place that can be written")
-
-
-@dataclass(eq=False)
-class RecordFile:
-    """The records in a folder, by key.
-
-    Where it ``may_be_torn``, a record that is incomplete, or whose checksum does not match, is left out.
-    ``survives_power_failure`` costs some milliseconds a record.
-    """
-
-    folder: Path
-    may_be_torn: bool = True
-    survives_power_failure: bool = False
-    _places: dict[str, tuple[int, int]] = field(default_factory=dict, init=False, repr=False)  # first byte and length
-    _has_begun: bool = field(default=False, init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        if (self.folder / RECORDS).is_file():
-            self._places = dict(self._scan())
-
-    @property
-    def keys(self) -> Sequence[str]:
-        """The keys of all records, in the order in which they were first written."""
-        return list(self._places)
-
-    def __contains__(self, key: object) -> bool:
-        """Whether there is a record of this key."""
-        return key in self._places
-
-    def __len__(self) -> int:
-        """Number of records."""
-        return len(self._places)
-
-    def append(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Array] | None = None) -> None:
-        """Write a record and its arrays, which come back bit for bit; it replaces another of the same key.
-
-        Raises ValueError for a number that is not finite in the ``row``.
-        """
-        self.begin()
-        blocks = {name: np.ascontiguousarray(values, dtype=float) for name, values in (curves or {}).items()}
-        with (self.folder / CURVES).open("ab") as file:
-            first, places = (file.tell() - HEADER_SIZE) // 8, {}
-            for name, values in blocks.items():
-                places[name] = [first, list(values.shape)]
-                first += values.size
-                file.write(values.data)
-            self._flush(file)
-        text = json.dumps({"key": key, **row, "curves": places}, ensure_ascii=False, allow_nan=False)[:-1]
-        line = f'{text}{_CHECKSUM}{_checksum(text, blocks.values())}"}}\n'.encode()
-        with (self.folder / RECORDS).open("ab") as file:
-            self._places[key] = (file.tell(), len(line))
-            file.write(line)
-            self._flush(file)
-
-    def row(self, key: str) -> dict[str, Any]:
-        """The row written under a key, with ``key`` and the positions of its arrays."""
-        first, length = self._places[key]
-        with (self.folder / RECORDS).open("rb") as file:
-            file.seek(first)
-            table: dict[str, Any] = json.loads(file.read(length))
-        return table
-
-    def read(self, key: str) -> tuple[dict[str, Any], Mapping[str, Array]]:
-        """A record as it was written, its arrays read when they are needed; raises KeyError."""
-        row = self.row(key)
-        return row, _Curves(self, row)
-
-    def curve(self, row: Mapping[str, Any], name: str) -> Array:
-        """An array of a record by its name; raises KeyError, or ValueError where the file has no such place."""
-        start, shape = row["curves"][name]
-        path, count = self.folder / CURVES, math.prod(shape)
-        if not 0 <= start <= start + count <= (path.stat().st_size - HEADER_SIZE) // 8:
-            raise ValueError(f"{name}: expected {count} numbers in {CURVES}, got fewer")
-        return np.fromfile(path, np.float64, count, offset=HEADER_SIZE + 8 * start).reshape(shape)
-
-    def begin(self) -> None:
-        """Make the files; what a kill has left by halves at their ends is cut off."""
-        if not self._has_begun:
-            self._has_begun = True
-            self.folder.mkdir(parents=True, exist_ok=True)
-            records, curves = self.folder / RECORDS, self.folder / CURVES
-            if not curves.is_file():
-                _write_header(curves)
-            os.truncate(curves, curves.stat().st_size // 8 * 8)
-            records.touch()
-            os.truncate(records, _last_line_end(records))
-
-    def finish(self) -> None:
-        """Note in the file of arrays how many numbers it has, so that NumPy reads it."""
-        _write_header(self.folder / CURVES)
-
-    def _flush(self, file: IO[bytes]) -> None:
-        file.flush()
-        if self.survives_power_failure:
-            os.fsync(file.fileno())
-
-    def _scan(self) -> Iterator[tuple[str, tuple[int, int]]]:
-        """Keys and places of the records."""
-        first = 0
-        with (self.folder / RECORDS).open("rb") as file:
-            for line in file:
-                try:
-                    yield self._checked_key(line), (first, len(line))
-                except (ValueError, TypeError, KeyError, OSError, OverflowError):
-                    if not self.may_be_torn:
-                        raise
-                first += len(line)
-
-    def _checked_key(self, line: bytes) -> str:
-        """The key of a record; raises ValueError, or what reading raises, for one that is not as it was written."""
-        row = json.loads(line)
-        if not isinstance(row, dict) or not isinstance(row["key"], str):
-            raise ValueError(f"{RECORDS}: expected records with a key, got {line[:_SHOWN_BYTES]!r}")
-        if self.may_be_torn:
-            text, _, ending = line.decode().rpartition(_CHECKSUM)
-            blocks = [self.curve(row, name) for name in row["curves"]]
-            if ending != f'{_checksum(text, blocks)}"}}\n':
-                raise ValueError("the checksum does not match")
-        return row["key"]
-
-
-def temporary_records() -> RecordFile:
-    """Records in a temporary folder, which goes with them, or with the workers if this process is killed."""
-    folder = Path(tempfile.mkdtemp(prefix="linkproof-", dir=get_temp_dir()))
-    file = RecordFile(folder)
-    weakref.finalize(file, shutil.rmtree, folder, ignore_errors=True)
-    return file
-
-
-@dataclass(frozen=True)
-class _Curves(Mapping[str, Array]):
-    """The arrays of a record, left in their file."""
-
-    file: RecordFile
-    row: Mapping[str, Any]
-
-    def __getitem__(self, name: str) -> Array:
-        return self.file.curve(self.row, name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.row["curves"])
-
-    def __len__(self) -> int:
-        return len(self.row["curves"])
-
-
-def _checksum(text: str, blocks: Iterable[Array]) -> str:
-    digest = hashlib.sha256(text.encode())
-    for block in blocks:
-        digest.update(block.data)
-    return digest.hexdigest()[:16]
-
-
-def _write_header(path: Path) -> None:
-    """NumPy's header for as many doubles as the file has."""
-    with path.open("r+b" if path.is_file() else "w+b") as file:
-        size = max(0, file.seek(0, os.SEEK_END) - HEADER_SIZE)
-        file.seek(0)
-        np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": (size // 8,)})
-
-
-def _last_line_end(path: Path) -> int:
-    """Number of bytes up to the end of a file's last whole line."""
-    with path.open("rb") as file:
-        return sum(len(line) for line in file if line.endswith(b"\n"))

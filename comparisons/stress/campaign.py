@@ -1,4 +1,4 @@
-"""All cells of the stress maps and their borders: run in worker processes, stored in a journal, saved and read back."""
+"""All cells of the stress maps and their borders: run in worker processes, stored, and read back."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from analytic.errors import LinkproofError
 from comparisons.judging.limits import grouped
 from comparisons.runs.environment import environment
 from comparisons.runs.run_engine import GIB
-from comparisons.runs.study import Announce, Journal, Study, Task, load_study, save_study, study_errors
+from comparisons.runs.store import Runs, load_study, save_study, store_errors
+from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
 from comparisons.stress.cells import Axis, axes, cells, lost, nearest, run_cell
 from comparisons.stress.verdict import Cell, CellResult, StressVerdict
@@ -228,7 +229,7 @@ def save(folder: Path, stress: Stress) -> None:
 def load(folder: Path) -> Stress:
     """Read a stress test back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
     stress = Stress(*load_study(folder, KIND, FORM, CellResult.from_row))
-    with study_errors(folder, KIND):
+    with store_errors(folder, KIND):
         _ = stress.columns
         if not stress.results:
             raise ValueError("it has no cell")
@@ -261,8 +262,8 @@ def summary(results: Iterable[CellResult]) -> dict[str, dict[str, int]]:
     return counts
 
 
-def stress(request: StressRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Stress:
-    """Make every requested cell, then the runs that narrow the borders down; what the journal has is not made again.
+def stress(request: StressRequest, announce: Announce = lambda *_: None, finished: Runs | None = None) -> Stress:
+    """Make every requested cell, then the runs that narrow the borders down; ``finished`` runs are not made again.
 
     ``announce`` hears a label, how many cells are done and how many are known of. Raises LinkproofError where there
     is no cell.
@@ -271,7 +272,7 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     if not requested:
         usages = ", ".join(request.usages) or "any setting"
         raise LinkproofError(f"no stability run matches {usages}: choose other axes or settings")
-    study = _stress_study(announce, journal, request.pool)
+    study = _stress_study(announce, finished, request.pool)
     make = partial(_run_cells, study, request)
     grid = make(requested)
     rough = borders(grid)
@@ -294,8 +295,8 @@ def make_cells(chosen: Sequence[Cell], pool: Pool = EVERY_CORE) -> list[CellResu
     return _run_cells(_stress_study(lambda *_: None, None, pool), StressRequest((), ()), chosen)
 
 
-def _stress_study(announce: Announce, journal: Journal | None, pool: Pool) -> Study[CellResult]:
-    return Study(run_cell, lost, CellResult.written, CellResult.from_row, journal, announce, pool)
+def _stress_study(announce: Announce, finished: Runs | None, pool: Pool) -> Study[CellResult]:
+    return Study(run_cell, lost, CellResult.written, CellResult.from_row, finished, announce, pool)
 
 
 def _run_cells(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cell]) -> list[CellResult]:

@@ -14,7 +14,7 @@ from pydantic import NonNegativeFloat, TypeAdapter
 from typing_extensions import TypedDict
 
 from comparisons.judging.records import QuantityRecord, RunRecord, Verdict
-from comparisons.runs.study import load_study, save_study
+from comparisons.runs.store import load_study, save_study
 from engines.contract import Outcome
 
 KIND: Final = "bench"

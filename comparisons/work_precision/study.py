@@ -21,7 +21,8 @@ from comparisons.case import Case, unpickle_case
 from comparisons.runs.environment import environment
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost
-from comparisons.runs.study import Announce, Journal, Study, Task
+from comparisons.runs.store import Runs
+from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import ONE_BY_ONE, Bounds, Pool
 from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.measure import (
@@ -49,7 +50,7 @@ HANG_SECONDS = 60.0
 class Rounds:
     """The measurements of every point in every round; no run begins after the deadline of ``extent``.
 
-    The first round takes the errors, the others the time alone. What the journal has is not measured again.
+    The first round takes the errors, the others the time alone. ``finished`` ones are not measured again.
     """
 
     def __init__(
@@ -59,14 +60,14 @@ class Rounds:
         extent: Extent,
         *,
         announce: Announce,
-        journal: Journal | None,
+        finished: Runs | None,
         pool: Pool,
     ) -> None:
         self.cases, self.quantities, self.extent = cases, quantities, extent
         self.pickled = [pickle.dumps(case) for case in cases]
         self.ends = time.monotonic() + extent.deadline
         self.study: Study[PointRecord] = Study(
-            measure, self._lost_point, PointRecord.written, PointRecord.from_row, journal, announce, pool
+            measure, self._lost_point, PointRecord.written, PointRecord.from_row, finished, announce, pool
         )
 
     def run(self, number: int, points: Sequence[Point]) -> None:
@@ -178,8 +179,8 @@ class BenchRequest:
     command: str = ""
 
 
-def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Bench:
-    """Measure everything requested; points in the journal are not measured again.
+def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished: Runs | None = None) -> Bench:
+    """Measure everything requested; ``finished`` points are not measured again.
 
     ``announce`` hears a label, how many runs are done and how many are known of. Raises UnknownNameError before any run
     is made.
@@ -191,7 +192,7 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
     rounds = Rounds(
         *(request.cases, request.quantities, request.extent),
         announce=announce,
-        journal=journal,
+        finished=finished,
         pool=request.pool,
     )
     longest = 0.0

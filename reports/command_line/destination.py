@@ -24,7 +24,7 @@ from analytic.errors import LinkproofError
 from comparisons.runs.environment import INCIDENTAL, environment
 from comparisons.runs.files import check_folder, check_writable, write_bytes, write_file, write_text
 from comparisons.runs.plugins import engine
-from comparisons.runs.study import Journal, has_study, to_json, unfinished_command
+from comparisons.runs.store import Runs, begin, has_study, to_json, unfinished_command
 from reports.command_line.parameters import option_bag
 from reports.document.parts import Paragraph
 from reports.document.terminal import Printed, Printout, harmless, show, write
@@ -204,20 +204,20 @@ def progress(*, visible: bool = True) -> Iterator[Callable[[str, int, int], None
         bar.stop()
 
 
-# Interrupted commands: the journal of finished runs, and the sentence that says how to go on.
+# Interrupted commands: the finished runs, and the sentence that says how to go on.
 
 Announce = Callable[[str, int, int], None]
 
 
-def journal(
+def finished_runs(
     folder: Path,
     command: str,
     engines: Iterable[str] = (),
     linkages: Iterable[Linkage] = (),
     *,
     full_command: str = "",
-) -> Journal:
-    """The journal of a request, with the runs of the same request that are finished; those of another one are removed.
+) -> Runs:
+    """The runs of the same request that are finished in a folder; those of another one are removed.
 
     Two requests are the same if the command, the linkage files, and the versions of linkproof, its libraries and the
     engines are equal. ``full_command`` has limits of time, too, and all else that decides no result.
@@ -226,10 +226,10 @@ def journal(
     facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
     facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
     request = "\n".join([command, *(f"{name} {value}" for name, value in facts.items())])
-    records = Journal(folder, request, full_command or command)
-    if other := records.other_request():
+    finished, other = begin(folder, request, full_command or command)
+    if other:
         show(f"what was unfinished in '{folder}' was another request ({other}): it is begun anew", stderr=True)
-    return records
+    return finished
 
 
 @contextmanager

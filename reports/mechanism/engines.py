@@ -11,10 +11,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from comparisons.datasheet.curves import extreme_samples, highest_samples
 from comparisons.judging.limits import grouped
 from comparisons.judging.quantities import JOINT_FORCE
 from comparisons.judging.records import Record, Verdict
+from comparisons.judging.thinning import extreme_samples
 from reports.document import numbers
 from reports.document.chart import Array, Chart, Curve, Ink, Mark, Panel
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
@@ -264,9 +264,7 @@ def errors_chart(view: View, regime: Regime) -> Chart:
 # The curves of every run of a mechanism, and all its errors, as the page's chart takes them: few samples, packed.
 
 
-# The closed form is shown by the extremes of so many stretches, a run by the worst sample of each of these.
-EXTREMES: Final = 400
-STRETCHES: Final = 300
+EXTREMES: Final = 400  # of the closed form: so many stretches of the samples of all runs
 # Errors lie between ``LEAST_ERROR`` and this on their scale.
 GREATEST_ERROR: Final = 1e8
 
@@ -330,22 +328,21 @@ def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
 
     The closed form has time (s), crank angle (rad) and value, a run its time, value and decade of the error.
     """
-    longest = max(traces, key=lambda trace: len(trace.time))
-    chosen = extreme_samples(longest.reference, EXTREMES)
-    truth = packed(longest.time[chosen], longest.angle[chosen], longest.reference[chosen])
-    return {"truth": truth, "runs": [_run(trace) for trace in traces]}
+    every = np.concatenate([[trace.time, trace.angle, trace.reference] for trace in traces], axis=1)
+    every = every[:, np.argsort(every[0], kind="stable")]
+    chosen = extreme_samples(every[2], EXTREMES)
+    return {"truth": packed(*every[:, chosen]), "runs": [_run(trace) for trace in traces]}
 
 
 def _run(trace: Trace) -> dict[str, Any]:
-    compared = np.flatnonzero(~np.isnan(trace.error))
-    chosen = compared[highest_samples(trace.error[compared], STRETCHES)]
-    decades = np.log10(np.clip(trace.error[chosen], LEAST_ERROR, GREATEST_ERROR))
+    compared = ~np.isnan(trace.error)
+    decades = np.log10(np.clip(trace.error[compared], LEAST_ERROR, GREATEST_ERROR))
     return {
         "engine": trace.record.engine,
         "setting": trace.record.setting,
         "limit": trace.record.limit,
         "largest": digits(trace.record.error_max or 0.0),
-        "samples": packed(trace.time[chosen], trace.observed[chosen], decades),
+        "samples": packed(trace.time[compared], trace.observed[compared], decades),
     }
 
 

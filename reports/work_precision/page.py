@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from comparisons.judging.limits import grouped
-from comparisons.runs.files import RECORDS
+from comparisons.runs.files import STORE
 from comparisons.work_precision.analysis import (
     WANTED,
     EngineFacts,
@@ -24,7 +24,7 @@ from comparisons.work_precision.analysis import (
     places,
     split_by_runs,
 )
-from comparisons.work_precision.records import KIND, METHOD, SETTING, Bench, BenchRecord
+from comparisons.work_precision.records import METHOD, SETTING, Bench, BenchRecord
 from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import (
@@ -406,7 +406,7 @@ def _measured(bench: Bench) -> Section:
         *environment_facts(document["environment"]),
         ("Points", f"{len(bench.points)}, timed {repeats} times in all"),
         ("First use", f"{first}: the first run of a process beyond the second, import included"),
-        ("Records", Mono(f"{KIND}/{RECORDS}")),
+        ("Records", Mono(STORE)),
     ))  # fmt: skip
     rounds = Fold("Rounds, times, errors and orders", (Bullets(tuple(sentences)),))
     return Section("measured", "How it was measured", (rounds, facts, Command(document["command"])))

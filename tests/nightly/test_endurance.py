@@ -1,6 +1,5 @@
 """A campaign killed at random moments and resumed has the records of one that nobody disturbed, each once."""
 
-import contextlib
 import multiprocessing
 import random
 import sys
@@ -12,12 +11,13 @@ import pytest
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.campaign.results import COMPARE, document, save
+from comparisons.campaign.results import document, save
 from comparisons.campaign.results import load as load_results
-from comparisons.runs.files import RECORDS
-from comparisons.runs.study import Journal
+from comparisons.runs.files import STORE
+from comparisons.runs.store import begin
 from comparisons.runs.workers import LocalPool
 from engines.contract import Setting
+from tests.commands import stored_runs
 from tests.comparisons.faults import wait_for
 
 COMMAND = "linkproof compare --regime all --engine direct"
@@ -27,16 +27,16 @@ UNSTEADY = ("seconds", "setup_seconds")  # fields of a record that differ from r
 
 
 def run_campaign(folder, processes=2):
-    """Short, slow motions and two quantities, resumed from a journal; its workers are forked, which is fast."""
+    """Short, slow motions and two quantities, resumed from what is stored; its workers are forked, which is fast."""
     motions = tuple(crank_motion(name, speed=10.0, ramp_time=0.03, hold_time=0.01) for name in REGIMES)
     wanted = CampaignRequest(
         tuple(load(name) for name in catalogue()), motions, "brief", ("direct",), (Setting.TUNED,), ("Jeq", "Mkr"),
         with_invariants=False,
     )  # fmt: skip
-    journal = Journal(folder, COMMAND)
-    results = list(compare(wanted, pool=LocalPool(processes), journal=journal))
+    runs, _ = begin(folder, COMMAND, COMMAND)
+    results = list(compare(wanted, pool=LocalPool(processes), finished=runs))
     save(folder, document(wanted, COMMAND), results)
-    journal.clear()
+    runs.clear()
 
 
 def contents(folder):
@@ -46,13 +46,6 @@ def contents(folder):
         rows = [{name: value for name, value in asdict(one).items() if name not in UNSTEADY} for one in run.every]
         found += [("/".join(run.run), repr(rows), {name: curve.tobytes() for name, curve in run.curves.items()})]
     return found
-
-
-def kept(folder):
-    """How many runs a journal holds."""
-    with contextlib.suppress(FileNotFoundError):
-        return (Journal(folder, COMMAND).place / RECORDS).read_bytes().count(b"\n")
-    return 0
 
 
 @pytest.mark.nightly
@@ -65,15 +58,15 @@ def test_kills_at_random_moments_lose_and_double_nothing(tmp_path, monkeypatch):
         folder = tmp_path / str(campaigns)
         running = multiprocessing.get_context("fork").Process(target=run_campaign, args=(folder,))
         running.start()
-        runs = chance.randint(kept(folder), RUNS)
-        wait_for(lambda: kept(folder) >= runs or running.exitcode is not None)  # noqa: B023
+        runs = chance.randint(stored_runs(folder), RUNS)
+        wait_for(lambda: stored_runs(folder) >= runs or running.exitcode is not None)  # noqa: B023
         time.sleep(chance.expovariate(1.0 / PAUSE))
         running.kill()
         running.join()
         kills += running.exitcode != 0
         if running.exitcode == 0:
             assert contents(folder) == contents(tmp_path / "undisturbed")
-            assert {path.name for path in folder.iterdir()} == {COMPARE}
+            assert {path.name for path in folder.iterdir()} == {STORE}
             campaigns += 1
     run_campaign(tmp_path / str(campaigns))
     assert contents(tmp_path / str(campaigns)) == contents(tmp_path / "undisturbed")

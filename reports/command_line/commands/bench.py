@@ -16,7 +16,7 @@ from comparisons.work_precision.measure import FULL, JOINTS, QUICK, chosen_famil
 from comparisons.work_precision.records import KIND, load, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
-from reports.command_line.destination import Destination, journal, report_interruption
+from reports.command_line.destination import Destination, finished_runs, report_interruption
 from reports.requests.campaign import missing_engines, request
 from reports.requests.exit_codes import bench_exit_code
 from reports.requests.options import BenchOptions, MotionOptions, RunsOptions, command_line
@@ -38,16 +38,16 @@ def bench(options: BenchOptions, destination: Destination) -> int:
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(requested.engines))
     with closing(LastingPool()) as pool, report_interruption(out, KIND) as counting:
-        records = journal(out, wanted.command, requested.engines, requested.linkages) if out else None
+        finished = finished_runs(out, wanted.command, requested.engines, requested.linkages) if out else None
         wanted = replace(wanted, pool=pool)
         with destination.progress() as announce:
-            result = measure_all(wanted, counting(announce), records)
+            result = measure_all(wanted, counting(announce), finished)
         destination.write_json(result.as_dict)
         if out:
             save(out, result)
             destination.write_pages()
-        if records:
-            records.clear()
+        if finished:
+            finished.clear()
     destination.print_out(printout(result, options.quantity))
     return bench_exit_code(result.records, wanted.engines)
 

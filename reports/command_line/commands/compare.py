@@ -8,9 +8,9 @@ from typing import Final
 
 from comparisons.campaign.results import COMPARE, load, save, with_runs, write_curves
 from comparisons.judging.changes import write_rows
-from comparisons.runs.study import to_json
+from comparisons.runs.store import to_json
 from reports.campaign.terminal import printout
-from reports.command_line.destination import Destination, Writers, journal, report_interruption
+from reports.command_line.destination import Destination, Writers, finished_runs, report_interruption
 from reports.requests.campaign import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign, check_record, missing_engines
 from reports.requests.exit_codes import campaign_exit_code
 from reports.requests.options import CompareOptions, RunLimits, StandardOptions
@@ -41,9 +41,10 @@ def compare(
     pool = wanted.resources.pool
     with report_interruption(out, COMPARE) as counting:
         engines, linkages = request.engines, request.linkages
-        records = journal(out, wanted.command, engines, linkages, full_command=wanted.saved_command) if out else None
+        full = wanted.saved_command
+        finished = finished_runs(out, wanted.command, engines, linkages, full_command=full) if out else None
         with destination.progress() as announce, destination.own_stdout():
-            judged = wanted.compared(pool, announce=counting(announce), journal=records)
+            judged = wanted.compared(pool, announce=counting(announce), finished=finished)
         if destination.json or destination.save or out:
             saved = wanted.document(judged, is_saved=out is not None)
             if destination.json:
@@ -57,8 +58,8 @@ def compare(
     destination.write_junit(judged.records, judged.changes)
     destination.print_out(printout(judged.runs, judged.changes, wanted.environment))
     code = campaign_exit_code(judged.records, judged.changes)
-    if records:
-        records.clear()  # last, since the runs are read from it
+    if finished:
+        finished.clear()  # last, since the runs are read from it
     return code
 
 

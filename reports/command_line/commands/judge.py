@@ -17,7 +17,7 @@ from comparisons.imported.columns import MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.reading import with_proposals
 from comparisons.judging.records import Verdict, run_record
-from comparisons.runs.study import to_json
+from comparisons.runs.store import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.imported import (
     add_cause,

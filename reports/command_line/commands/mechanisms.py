@@ -26,7 +26,7 @@ from comparisons.datasheet.linkage_check import check_slips
 from comparisons.datasheet.open_ends import BINDS
 from comparisons.designs.parameters import named_figures, parameters, speed_unit
 from comparisons.runs.files import check_writable, write_text
-from comparisons.runs.study import to_json
+from comparisons.runs.store import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table

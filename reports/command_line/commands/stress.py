@@ -10,7 +10,7 @@ from analytic.errors import LinkproofError
 from comparisons.runs.workers import LastingPool
 from comparisons.stress.campaign import KIND, StressRequest, load, make_cells, save, stress
 from comparisons.stress.cells import chosen_axes, find_cell
-from reports.command_line.destination import Destination, journal, report_interruption
+from reports.command_line.destination import Destination, finished_runs, report_interruption
 from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
 from reports.requests.exit_codes import stress_exit_code
 from reports.requests.options import RunLimits, StressOptions, command_line
@@ -33,16 +33,16 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(wanted.engines))
     with closing(LastingPool(where.processes)) as pool, report_interruption(out, KIND) as counting:
-        records = journal(out, wanted.command, wanted.engines) if out else None
+        finished = finished_runs(out, wanted.command, wanted.engines) if out else None
         with destination.progress() as announce:
-            result = stress(replace(wanted, pool=pool), counting(announce), records)
+            result = stress(replace(wanted, pool=pool), counting(announce), finished)
         if destination.json:
             destination.write_json(result.as_dict)
         if out:
             save(out, result)
             destination.write_pages()
-        if records:
-            records.clear()
+        if finished:
+            finished.clear()
     destination.print_out(printout(result))
     return stress_exit_code(result.cells)
 

@@ -12,9 +12,11 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.results import CURVE_COLUMNS, document, save, write_curves
+from comparisons.campaign.results import CURVE_COLUMNS, KINDS, document, save, write_curves
 from comparisons.campaign.results import load as load_results
 from comparisons.datasheet.saved import described_linkage, linkage_row
+from comparisons.runs.files import STORE
+from comparisons.runs.store import has_study
 from engines.contract import Outcome, Run
 from tests.comparisons.true_motions import perfect_motion
 
@@ -54,7 +56,7 @@ def test_records_curves_linkages_and_motions_come_back_to_the_last_bit(saved):
         np.testing.assert_array_equal(results.curve(result.run, name), curve)
     assert (results.linkages, results.motions) == ((JUKI,), (MOTION,))
     assert results.document["environment"]["numpy"] == np.__version__
-    assert sorted(path.name for path in folder.iterdir()) == ["compare"]
+    assert [path.name for path in folder.iterdir()] == [STORE]
 
 
 def test_curves_are_a_table_with_a_row_a_sample_and_every_digit(saved, tmp_path):
@@ -66,12 +68,14 @@ def test_curves_are_a_table_with_a_row_a_sample_and_every_digit(saved, tmp_path)
     assert len(rows) == sum(curve.shape[1] for curve in run.curves.values())
     mine = [row for row in rows if row[5] == "Mkr"]
     assert {tuple(row[:7]) for row in mine} == {(*run.run, "Mkr", "N m")}
-    np.testing.assert_array_equal(np.array([[float(value) for value in row[7:]] for row in mine]).T, run.curves["Mkr"])
+    columns = np.array([[float(value) for value in row[7:]] for row in mine]).T
+    time, angle, reference, error = run.curves["Mkr"].astype(float)
+    np.testing.assert_array_equal(columns, [time, angle, reference + error, reference])
 
 
 def test_a_judgement_takes_the_place_of_a_campaign(saved, copy):
     save(copy, {**load_results(copy).document, "judgement": ["right"]}, [saved[1]])
-    assert sorted(path.name for path in copy.iterdir()) == ["judge"]
+    assert [has_study(copy, kind) for kind in KINDS] == [False, True]
     assert load_results(copy).document["judgement"] == ["right"]
 
 

@@ -22,6 +22,7 @@ from comparisons.datasheet.building import (
 )
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.saved import load_cases, save_case
+from comparisons.runs.files import STORE
 from tests.analytic.linkages import FOLDER, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, ROTOR
 from tests.reports.designs.samples import results
@@ -77,8 +78,8 @@ def test_cases_come_back_and_a_later_one_of_a_linkage_replaces_the_first(tmp_pat
 
 def test_a_damaged_file_is_refused_with_the_cure(tmp_path):
     save_case(tmp_path, Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up")))
-    records = tmp_path / "results" / "records.jsonl"
-    records.write_text(records.read_text().replace("run-up", "run up"))
+    store = tmp_path / STORE
+    store.write_bytes(store.read_bytes().replace(b'"motion"', b'"motive"'))
     with pytest.raises(LinkproofError, match="run results with --out again"):
         load_cases(tmp_path)
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic.errors import LinkproofError
-from comparisons.runs.study import save_study
+from comparisons.runs.store import save_study
 from comparisons.stress.campaign import KIND, PRECISE, SMALLEST, Stress, bisect_borders, borders, load, save
 from comparisons.stress.cells import axes
 from comparisons.stress.verdict import Cell, StressVerdict, blank_result

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.stats import theilslopes
 
 from analytic.errors import LinkproofError
-from comparisons.runs.study import save_study
+from comparisons.runs.store import save_study
 from comparisons.work_precision.analysis import (
     WANTED,
     choices,
@@ -198,7 +198,6 @@ def test_what_is_saved_is_what_is_loaded(tmp_path):
 @pytest.mark.parametrize(
     ("place", "words"),
     [
-        (("records", 0, "errors", 0, "error_max"), "0.error_max"),
         (("noise", "samples", 0), "noise.samples.0"),
     ],
 )

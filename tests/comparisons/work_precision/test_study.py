@@ -12,7 +12,7 @@ from analytic.dynamics.reduced import drive_torque
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case
 from comparisons.runs.run_engine import Failure, Lost
-from comparisons.runs.study import Journal
+from comparisons.runs.store import begin
 from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure
 from comparisons.work_precision import study as benchmark
@@ -175,16 +175,16 @@ def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_pa
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        bench(REQUEST, interrupting, Journal(tmp_path, "this one"))
+        bench(REQUEST, interrupting, begin(tmp_path, "this one", "")[0])
     before = Counter(known.runs)
-    found = bench(REQUEST, journal=Journal(tmp_path, "this one"))
+    found = bench(REQUEST, finished=begin(tmp_path, "this one", "")[0])
     finished = {
         run: count for run, count in (Counter(known.runs) - Counter(known.runs[:2])).items() if run[0] != "broken"
     }
     assert sum(before.values()) >= 20
     assert set(finished.values()) == {EXTENT.repeats}
     known.runs.clear()
-    again = bench(REQUEST, journal=Journal(tmp_path, "this one"))
+    again = bench(REQUEST, finished=begin(tmp_path, "this one", "")[0])
     assert known.runs == []
     assert again.records == found.records
     assert sorted(again.noise.samples) == sorted(found.noise.samples)

@@ -17,18 +17,18 @@ import pytest
 from analytic.description.loading import read
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
-from comparisons.runs.files import RECORDS
-from comparisons.runs.study import FOLDER, Journal
+from comparisons.runs.files import STORE
+from comparisons.runs.store import begin
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.command_line.app import app
 from reports.command_line.destination import journal, own_study, report_interruption
 from reports.requests.campaign import request
 from reports.requests.options import BenchOptions, CompareOptions, RunLimits, command_line
-from tests.commands import COMMAND, ROOT, linkproof, process, refused
+from tests.commands import COMMAND, ROOT, linkproof, process, refused, stored_runs
 from tests.comparisons.faults import announce, wait_for
 
 NAME = "juki-mf7923d"
-REPORT = {"RESULTS.md", "assets", "compare", "data", "figures", "index.html", "mechanisms"}
+REPORT = {"RESULTS.md", "assets", "data", "figures", "index.html", STORE, "mechanisms"}
 LINKAGES = Path(__file__).parents[1] / "linkages"
 RECORD = {
     "mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", "error_max", "error_rms", "limit",
@@ -254,16 +254,14 @@ def test_an_interrupted_campaign_is_finished_by_its_folder_alone(tmp_path, gate,
     monkeypatch.setenv("TMPDIR", str(short_folder))
     out = tmp_path / "out"
     words = f"compare {NAME} --regime run-up --regime run-up-quintic --engine gated --setting all".split()
-    records = out / FOLDER / RECORDS
-    some = lambda: records.is_file() and records.read_bytes().count(b"\n") > 1  # noqa: E731
-    done = interrupted(*words, "--out", out, by=by, when=some)
+    done = interrupted(*words, "--out", out, by=by, when=lambda: stored_runs(out) > 1)
     assert (done.returncode, done.stdout) == (130, "")
     assert wait_for(lambda: not any(short_folder.iterdir()))
     rest = f" of 6 runs are saved in {out}: repeat the command, or linkproof compare --out {out}, to finish\n"
     number = re.fullmatch(rf"linkproof: interrupted; (\d+){re.escape(rest)}", done.stderr)
     assert number is not None, done.stderr
     assert 1 <= int(number[1]) < 6
-    assert {path.name for path in out.iterdir()} == {FOLDER}
+    assert {path.name for path in out.iterdir()} == {STORE}
     gate.touch()
     assert linkproof("compare", "--out", out).returncode == 0
     assert {path.name for path in out.iterdir()} == REPORT
@@ -335,7 +333,7 @@ UNFINISHED = "linkproof compare juki-mf7923d --regime run-up --engine direct --t
     ],
 )
 def test_a_folder_alone_means_its_own_unfinished_study(tmp_path, command, typed, found):
-    Journal(tmp_path, UNFINISHED, f"{UNFINISHED} --out elsewhere --junit other.xml").keep("run", {})
+    begin(tmp_path, UNFINISHED, f"{UNFINISHED} --out elsewhere --junit other.xml")
     is_finished, bags = own_study(app, command, tmp_path, typed)
     assert (is_finished, command_line(command, *bags)) == (False, found)
     assert bags[1:] == () or bags[1].jobs == typed[1].jobs

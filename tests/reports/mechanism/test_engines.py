@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from comparisons.judging.records import Verdict
+from comparisons.judging.thinning import EXTREMES, WORST
 from engines.contract import Setting
 from reports.charts import draw
 from reports.document.parts import Bullets, Table, TableCell, Widget
 from reports.mechanism.engines import (
     MARKERS,
-    STRETCHES,
     chart_data,
     curves,
     engines_section,
@@ -116,7 +116,7 @@ def test_a_run_keeps_its_largest_error_and_where_it_is(view):
     assert {(run["engine"], run["setting"]) for run in data["runs"]} == {("beta", s.value) for s in Setting}
     for run, trace in zip(data["runs"], view.traces(regime, "Mkr"), strict=True):
         time, value, decade = unpacked(run)
-        assert len(time) <= STRETCHES
+        assert len(time) <= WORST + 2 * EXTREMES + 2
         worst = np.argmax(decade)
         assert 10.0 ** decade[worst] == pytest.approx(trace.record.error_max, rel=1e-2)
         assert time[worst] == pytest.approx(trace.record.worst_time, abs=1e-4)

@@ -13,7 +13,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.results import save
 from comparisons.datasheet.building import usual_case
 from comparisons.datasheet.saved import RESULTS, save_case
-from comparisons.runs.files import write_text
+from comparisons.runs.files import STORE, write_text
 from comparisons.runs.workers import run_jobs
 from comparisons.stress.campaign import KIND as STRESS
 from comparisons.stress.campaign import save as save_stress
@@ -88,8 +88,8 @@ def test_stale_files_of_the_report_go_and_no_others(saved, tmp_path):
     write_text(folder / "assets" / "written.txt", "../precious.txt\nstress.html\nfigures/stress/old.svg\n")
     write_text(folder / "figures" / "stress" / "old.svg", "stale")
     write_text(folder / "figures" / "own.svg", "mine")
-    shutil.rmtree(folder / STRESS)
-    shutil.rmtree(folder / BENCH)
+    (folder / STORE).unlink()
+    save_campaign(folder)
     write_site(folder, processes=0)
     assert "stress.html" not in files_of(folder)
     assert not (folder / "figures" / "stress").exists()
@@ -99,11 +99,13 @@ def test_stale_files_of_the_report_go_and_no_others(saved, tmp_path):
 
 @pytest.mark.usefixtures("without_pictures")
 @pytest.mark.parametrize(("part", "pages"), [(BENCH, 2), (STRESS, 2), (RESULTS, 1)])
-def test_a_folder_with_one_study_has_its_page_and_an_index_and_that_of_a_linkage_one_page(saved, tmp_path, part, pages):
+def test_a_folder_with_one_study_has_its_page_and_an_index_and_that_of_a_linkage_one_page(tmp_path, part, pages):
     if part == RESULTS:
         save_case(tmp_path, usual_case(Mechanism(load(NAME))))
+    elif part == BENCH:
+        save_bench(tmp_path, made_up_bench())
     else:
-        shutil.copytree(saved / part, tmp_path / part)
+        save_stress(tmp_path, made_up_stress())
     write_site(tmp_path, processes=0)
     assert len([name for name in files_of(tmp_path) if name.endswith(".html")]) == pages
 
