@@ -180,11 +180,12 @@ class RunRecord(RunFacts):
     @classmethod
     def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Curve] = MappingProxyType({})) -> Self:
         """A run back from what was ``written``; raises ValueError for anything else."""
-        parts = {name: tuple(QuantityRecord(*values) for values in row[name]) for name in ("errors", "invariants")}
-        if not {error.outcome for part in parts.values() for error in part} <= OUTCOMES:
+        parts = ("errors", "invariants")
+        errors, checks = (tuple(QuantityRecord(*values) for values in row[part]) for part in parts)
+        if not {error.outcome for error in (*errors, *checks)} <= OUTCOMES:
             raise ValueError("it has an outcome that no run can have")
         facts = cls._adapter().validate_python({name: row[name] for name in row if name not in parts})
-        return replace(facts, **parts, curves=curves)
+        return replace(facts, errors=errors, invariants=checks, curves=curves)
 
 
 def run_record(

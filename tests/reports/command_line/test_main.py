@@ -18,10 +18,10 @@ from analytic.description.loading import read
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
 from comparisons.runs.files import STORE
-from comparisons.runs.store import begin
+from comparisons.runs.store import begin, save_study
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.command_line.app import app
-from reports.command_line.destination import journal, own_study, report_interruption
+from reports.command_line.destination import finished_runs, own_study, report_interruption
 from reports.requests.campaign import request
 from reports.requests.options import BenchOptions, CompareOptions, RunLimits, command_line
 from tests.commands import COMMAND, ROOT, linkproof, process, refused, stored_runs
@@ -113,11 +113,11 @@ def test_a_quiet_run_prints_one_line_and_a_verbose_one_every_record():
 
 @pytest.mark.parametrize("command", ["bench", "stress"])
 def test_a_folder_with_results_takes_new_ones(command, tmp_path, monkeypatch):
-    def begin(*_, **__):
+    def refuse(*_, **__):
         raise LinkproofError("the runs begin")
 
-    monkeypatch.setattr(f"reports.command_line.commands.{command}.journal", begin)
-    (tmp_path / command).mkdir()
+    monkeypatch.setattr(f"reports.command_line.commands.{command}.finished_runs", refuse)
+    save_study(tmp_path, command, {}, [])
     assert linkproof(command, "--quick", "--out", tmp_path).stderr == "linkproof: the runs begin\n"
 
 
@@ -179,7 +179,7 @@ def test_a_reader_that_leaves_costs_no_report(tmp_path):
     with os.fdopen(writing, "wb") as pipe:
         done = process(*words, cwd=tmp_path, stdout=pipe)
     assert done.returncode == 0, done.stderr
-    assert {path.name for path in (tmp_path / "o").iterdir()} >= {"compare", "index.html", "RESULTS.md"}
+    assert {path.name for path in (tmp_path / "o").iterdir()} >= {STORE, "index.html", "RESULTS.md"}
 
 
 PRESSED = """
@@ -277,7 +277,7 @@ OPTIONS = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",))
 def begun(folder, options=OPTIONS, text="the file"):
     campaign = request(options)
     linkages = tuple(dataclasses.replace(linkage, text=text) for linkage in campaign.linkages)
-    return journal(folder, command_line("compare", options), campaign.engines, linkages)
+    return finished_runs(folder, command_line("compare", options), campaign.engines, linkages)
 
 
 @pytest.mark.parametrize(
@@ -313,10 +313,10 @@ def test_the_same_request_goes_on_and_another_one_begins_anew_with_a_remark(tmp_
         ({"text": "the file, changed"}, "`file of juki-mf7923d "),
         ({"options": faster}, "now `linkproof compare juki-mf7923d --speed 2000 --engine direct`"),
     ):
-        begun(tmp_path).keep("run", {})
-        assert begun(tmp_path).records.keys == ["run"]
+        begun(tmp_path).add("run", {})
+        assert begun(tmp_path).keys == ["run"]
         assert capsys.readouterr().err == ""
-        assert begun(tmp_path, **other).records.keys == []
+        assert begun(tmp_path, **other).keys == []
         assert words in capsys.readouterr().err
         begun(tmp_path, **other).clear()
 
