@@ -176,11 +176,8 @@ def test_a_function_refuses_it_in_a_sentence(folder, place, bad):
         "index.html",
         "figures",
         "assets/linkproof.js",
-        "results",
-        "compare/study.json",
-        ".compare.new",
-        "unfinished",
-        ".unfinished",
+        "linkproof.sqlite",
+        "linkproof.sqlite-journal",
     ],
 )
 def test_nothing_is_written_through_a_link_in_a_results_folder(folder, entry):

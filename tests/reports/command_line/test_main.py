@@ -386,7 +386,6 @@ def test_commands_run_without_posix_and_a_text_with_other_line_ends_is_the_same_
     warnings = [line for line in done.stderr.splitlines() if "EncodingWarning" in line and str(ROOT) in line]
     assert [line for line in warnings if "site-packages" not in line] == []  # an environment may lie within the tree
     assert "passed" in done.stdout
-    files = [tmp_path / folder / "compare" / "study.json" for folder in ("made", "other")]
-    documents = [json.loads(file.read_text(encoding="utf-8")) for file in files]
+    documents = [load(tmp_path / folder).document for folder in ("made", "other")]
     first, second = ([row["checksum"] for row in document["descriptions"]] for document in documents)
     assert first == second

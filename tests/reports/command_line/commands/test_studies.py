@@ -12,6 +12,8 @@ import pytest
 from analytic.description.loading import read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign import results
+from comparisons.runs.files import STORE
+from comparisons.runs.store import unfinished_command
 from comparisons.stress import campaign
 from comparisons.work_precision.measure import Extent
 from comparisons.work_precision.records import load
@@ -145,8 +147,8 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
         "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct --quantity Mkr --quick"
     )
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names >= {"bench", "bench.html", "assets", "figures"}
-    assert "unfinished" not in names
+    assert names >= {STORE, "bench.html", "assets", "figures"}
+    assert unfinished_command(tmp_path / "out") == ""
     assert len(load(tmp_path / "out").records) == len(saved["records"])
 
 
