@@ -126,7 +126,7 @@ class Destination(OutputOptions):
     def write_pages(self, processes: int | None = None) -> None:
         """Write the pages of the folder from its data and print their place; does nothing without a folder.
 
-        If they cannot be written, the reason is printed: the results are saved.
+        A command calls it last. Raises LinkproofError where they cannot be written; the results are saved.
         """
         if self.out is None:
             return
@@ -135,7 +135,7 @@ class Destination(OutputOptions):
         try:
             self.remark(f"report: {write_site(self.out, processes=processes)}")
         except LinkproofError as error:
-            show(f"the results are saved in '{self.out}', but no pages are written: {error}", stderr=True)
+            raise LinkproofError(f"the results are saved in '{self.out}', but no pages are written: {error}") from error
 
     def write_json(self, document: Mapping[str, Any]) -> None:
         """Print JSON if requested, in UTF-8 whatever the character set of stdout."""

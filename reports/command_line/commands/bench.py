@@ -45,10 +45,10 @@ def bench(options: BenchOptions, destination: Destination) -> int:
         destination.write_json(result.as_dict)
         if out:
             save(out, result)
-            destination.write_pages()
         if finished:
             finished.clear()
     destination.print_out(printout(result, options.quantity))
+    destination.write_pages()
     return bench_exit_code(result.records, wanted.engines)
 
 
@@ -58,9 +58,9 @@ def write_again(destination: Destination) -> int:
     assert destination.out is not None
     result = load(destination.out)
     destination.write_json(result.as_dict)
-    destination.write_pages()
     requested = tuple(result.document["quantities"])
     destination.print_out(printout(result, () if requested == QUANTITIES else requested))
+    destination.write_pages()
     return bench_exit_code(result.records, {record.engine for record in result.records})
 
 

@@ -52,14 +52,14 @@ def compare(
             destination.write_saves(WRITERS, saved, judged.runs)
         if out:
             save(out, saved, judged.runs)
-            destination.write_pages(wanted.resources.processes)
     if standard.record:
         write_rows(judged.rows, standard.record)
     destination.write_junit(judged.records, judged.changes)
     destination.print_out(printout(judged.runs, judged.changes, wanted.environment))
     code = campaign_exit_code(judged.records, judged.changes)
     if finished:
-        finished.clear()  # last, since the runs are read from it
+        finished.clear()  # now that no run is read from it any more
+    destination.write_pages(wanted.resources.processes)
     return code
 
 
@@ -74,10 +74,10 @@ def write_again(destination: Destination, record: Path | None = None) -> int:
     if destination.json:
         destination.write_json(with_runs(document, results.runs))
     destination.write_saves(WRITERS, document, results.runs)
-    destination.write_pages()
     every = [record for run in results.runs for record in run.every]
     if record:
         write_rows(results.rows, record)
     destination.write_junit(every, results.changes)
     destination.print_out(printout(results.runs, results.changes, document["environment"]))
+    destination.write_pages()
     return campaign_exit_code(every, results.changes)

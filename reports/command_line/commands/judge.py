@@ -62,7 +62,6 @@ def judge(options: JudgeOptions, destination: Destination) -> int:
     command = command_line("judge", options)
     if destination.out is not None:
         _write_page(options, judgement, command, destination.out)
-        destination.write_pages(processes=0)
     files = ", ".join(str(path) for path in options.results)
     title = f"{linkage.name} ({linkage.variant}) against {files}"
     facts = document(judgement, blank_record_of(judgement, files), command, sentence(judgement))
@@ -71,6 +70,7 @@ def judge(options: JudgeOptions, destination: Destination) -> int:
     if destination.quiet:
         destination.print(sentence(judgement))
     destination.print_out(printout(judgement, title))
+    destination.write_pages(processes=0)
     if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
         raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")
     return PASSED if judgement.passed else FAILED

@@ -40,10 +40,10 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
             destination.write_json(result.as_dict)
         if out:
             save(out, result)
-            destination.write_pages()
         if finished:
             finished.clear()
     destination.print_out(printout(result))
+    destination.write_pages()
     return stress_exit_code(result.cells)
 
 
@@ -53,8 +53,8 @@ def write_again(destination: Destination) -> int:
     assert destination.out is not None
     result = load(destination.out)
     destination.write_json(result.as_dict)
-    destination.write_pages()
     destination.print_out(printout(result))
+    destination.write_pages()
     return stress_exit_code(result.cells)
 
 

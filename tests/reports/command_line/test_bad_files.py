@@ -10,6 +10,7 @@ import pytest
 
 import linkproof
 from analytic.errors import LinkproofError
+from tests.commands import linkproof as command
 from tests.commands import process, refused
 
 SECONDS, MEMORY = 10, 300 << 20  # of processor time and beyond what is used already
@@ -198,6 +199,21 @@ def test_nothing_is_written_through_a_link_in_a_results_folder(folder, entry):
 def test_a_full_disk_behind_stderr_leaves_the_exit_code(tmp_path):
     with Path("/dev/full").open("w") as full:
         assert process("check", "nope", cwd=tmp_path, stderr=full).returncode == 2
+
+
+@pytest.mark.parametrize("words", ["compare juki-mf7923d --engine direct --quantity Mkr --jobs 0", "compare"])
+def test_pages_that_cannot_be_written_are_an_error_after_the_results(folder, words):
+    assert (
+        command(
+            *["compare", "juki-mf7923d", "--engine", "direct", "--quantity", "Mkr", "--jobs", "0", "--out", "out"]
+        ).returncode
+        == 0
+    )
+    (folder / "out" / "index.html").unlink()
+    (folder / "out" / "index.html").mkdir()
+    done = command(*words.split(), "--out", "out")
+    assert (done.returncode, "1 passed" in done.stdout) == (2, True)
+    assert "the results are saved in 'out', but no pages are written: cannot write" in done.stderr
 
 
 def test_a_figure_without_a_name_is_refused(folder):
