@@ -23,7 +23,7 @@ def test_traces_leave_out_what_the_comparison_left_out(view_results):
     (regime,) = view.regimes
     for quantity in ("Mkr", "Jeq"):
         for trace in view.traces(regime, quantity):
-            assert np.nanmax(trace.error) == pytest.approx(trace.record.error_max, rel=1e-9)
+            assert np.nanmax(trace.error) == pytest.approx(trace.record.error_max, rel=1e-6)
     assert np.isnan(view.traces(regime, "Mkr")[0].error[0])
 
 
