@@ -32,7 +32,8 @@ SI: Final[Mapping[str, str]] = {
 def conversion(unit: str, si: str) -> float:
     """Value in ``si`` of one ``unit``, a unit of a linkage file, or one of length or angle per ``s`` or ``s^2``.
 
-    Raises UnknownNameError for a unit of another kind than ``si``.
+    Power, energy and plain numbers, for which files have no unit of their own, are in SI. Raises UnknownNameError for
+    a unit of another kind than ``si``.
     """
     rates = {"": "", "/s": "/s", "/s^2": "/s²"}
     known = {
@@ -42,7 +43,7 @@ def conversion(unit: str, si: str) -> float:
         for rate, written in rates.items()
         if not rate or kind in ("length", "angle")
     }
-    fitting = {name: value for name, (value, base) in known.items() if base == si}
+    fitting = {name: value for name, (value, base) in known.items() if base == si} or {si: 1.0}  # W, J, a plain number
     if unit not in fitting:
         raise UnknownNameError(f"unit of a figure in {si or 'plain numbers'}", unit, fitting)
     return fitting[unit]

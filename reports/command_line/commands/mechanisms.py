@@ -167,7 +167,10 @@ def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> Non
         {"name": each.name, "units": each.unit.name, "value": in_unit(each.value, each.unit.size)}
         for each in parameters(linkage).values()
     ]
-    beside = f"speed, {speed_unit(linkage).name}, may be varied too, and tolerances be of a point's length and angle"
+    beside = (
+        "Figures stand to six digits; --json gives them in full. "
+        f"speed, {speed_unit(linkage).name}, may be varied too, and tolerances be of a point's length and angle."
+    )
     destination.print(
         Paragraph(conditions, colour="bold"),
         "",

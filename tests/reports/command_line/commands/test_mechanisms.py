@@ -1,6 +1,8 @@
 """``new``, ``check`` and ``list``: a file that works at once, a review up to its first fault, names and values."""
 
 import json
+import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -125,6 +127,22 @@ def test_the_next_command_can_be_pasted_into_a_shell(capsys):
 def _listed(kind):
     document = json.loads(linkproof("list", "juki-mf7923d", "--json").stdout)
     return document["conditions"], {row["name"]: (row["value"], row["units"]) for row in document[kind]}
+
+
+def test_every_listed_figure_is_reproduced_where_a_file_prints_it(tmp_path):
+    """As it stands in the table, with its unit and half a unit of its last digit."""
+    text, table = load("juki-mf7923d").text, linkproof("list", "juki-mf7923d").stdout.split("\n\n")[1]
+    rows = [re.split(r"\s{2,}", line.strip()) for line in table.splitlines()[1:]]
+    printed = [row for row in rows if abs(float(row[-1])) > 1e-9]  # others are roundings of zero
+    entries = [
+        f'[[published]]\nquantity = "{name}"\nunit = "{"".join(unit)}"\nvalue = {value}\nspeed = 1000\n'
+        f'half_digit = {0.5 * 10.0 ** (math.floor(math.log10(abs(float(value)))) - 5)}\nplace = "list"\n'
+        for name, *unit, value in printed
+    ]
+    file = tmp_path / "pasted.toml"
+    file.write_text("\n".join([re.sub(r"\[\[published\]\]\n(.+\n)+", "", text), *entries]), encoding="utf-8")
+    assert len(entries) > 100
+    assert f"{len(entries)} of {len(entries)} figures of the sources are reproduced" in linkproof("check", file).stdout
 
 
 def test_every_figure_has_the_value_of_results_and_of_a_refined_sweep():
