@@ -1,0 +1,96 @@
+"""PyBullet: every body moves freely and is tied by constraints, all of which a step closes to first order.
+
+**Second order.** With ``erp`` at 1 a step closes all that has opened, and by the velocities that move the bodies: these
+are then those of its middle. A joint within a multibody is closed by itself, but forces of inertia in it are those of
+the velocities before the step, and so of first order. So pins are constraints, and nothing with a mass is a link.
+
+**Solver.** As shipped, Gauss-Seidel's iterations begin anew in every step: 200 of them leave 1e-6 of a force of a
+four-bar, in thirty times the time in which Dantzig's algorithm, which comes with Bullet, leaves rounding.
+
+**Drive.** The crank's pin is a fixed constraint to the ground, whose frame is turned before every step to where the
+crank is to be after it; the torque is the last of its reactions.
+
+**Guides.** A block without a weight to speak of slides in the host, as a link of it. A slot's body is pinned to it, a
+slider fixed to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from analytic.description.linkage import GROUND
+from engines.contract import Abilities, ReadOut, Setting
+from engines.mechanics.joints import JointEquations
+from engines.mechanics.states import body_numbers, start_motion
+from engines.scene import GUIDES, AppliedForce, Channel, Prescribed, Scene, TurnDamper
+from engines.stepping.stepped_engine import LoopEngine, Recipe
+
+LEAD = 5  # steps before the start, in which the joints, closed at first, open as far as steps of that length leave them
+
+
+@dataclass(frozen=True, kw_only=True)
+class PybulletRecipe(Recipe):
+    """``centred``: to second order, every read-out at its own instant; else all as shipped and at face value."""
+
+    centred: bool = True
+    restarted: bool = False
+    orders: tuple[int, ...] = (2, 3, 4, 5)
+
+
+NEWCOMER = PybulletRecipe(step=1e-3, centred=False, in_own_units=False)
+TUNED = PybulletRecipe(steps_per_turn=200, ratios=(25,))
+BEST = PybulletRecipe(steps_per_turn=200, ratios=(3, 5, 7))
+
+
+class PybulletEngine(LoopEngine[PybulletRecipe]):
+    """Prescribed cranks alone: a free one's 160 turns would be a million steps, some minutes."""
+
+    name = package = "pybullet"
+    oldest = "3.2.7"
+    loop = "engines.pybullet_loop"
+    chatters = True
+    abilities = Abilities(
+        readouts={
+            Channel.POSITION: ReadOut("getBasePositionAndOrientation"),
+            Channel.VELOCITY: ReadOut("getBaseVelocity", instant="half a step after the positions"),
+            Channel.ACCELERATION: ReadOut("difference of getBaseVelocity over the step"),
+            Channel.TORQUE: ReadOut("getConstraintState of the crank's pin, its last", drive="the drive's alone"),
+            Channel.JOINT_FORCE: ReadOut("getConstraintState", drive="the drive exerts no force"),
+        },
+        drives=frozenset({Prescribed}),
+        joints=GUIDES,
+        loads=frozenset({AppliedForce, TurnDamper}),
+        varying_loads=False,
+        massless=False,
+    )
+    settings: Mapping[type, Mapping[Setting, PybulletRecipe]] = {
+        Prescribed: dict(zip(Setting, (NEWCOMER, TUNED, BEST), strict=True))
+    }
+    studied: Mapping[str, tuple[str, PybulletRecipe]] = {
+        "defaults": ("PyBullet's defaults at a fixed step, every read-out at face value", NEWCOMER),
+        "centred": ("all that has opened closed in every step, read-outs at their own instants", PybulletRecipe()),
+        "centred x2": ("the same, extrapolated from the step over 1 and 3", PybulletRecipe(ratios=(1, 3))),
+    }
+
+    def model(self, scene: Scene, recipe: PybulletRecipe) -> Mapping[str, Any]:
+        assert isinstance(scene.drive, Prescribed)
+        equations, numbers, motion = JointEquations(scene, unit=1.0), body_numbers(scene), scene.drive.motion
+        pose = equations.start()
+        arms = equations.arms(pose)
+        drive = next(n for n, pin in enumerate(scene.pins) if {pin.first, pin.second} == {scene.crank, GROUND})
+        return {
+            "lead": LEAD if recipe.centred else 0,
+            "gravity": scene.gravity,
+            "motion": [(each.start, each.coefficients) for each in motion.segments],
+            "start": start_motion(scene),
+            "bodies": [*((body.mass, body.inertia or body.mass) for body in scene.bodies), (0.0, 0.0)],
+            "names": equations.joints,
+            "ends": (equations.body, arms.body[0], equations.host, arms.host[0]),
+            "guides": dict(enumerate(arms.along[0], start=equations.pins)),
+            "fixed": [drive, *range(equations.pins, equations.pins + len(scene.sliders))],
+            "drive": (drive, 1.0 if scene.pins[drive].second == GROUND else -1.0),
+            "forces": [(numbers[f.body], pose.arm(numbers[f.body], f.anchor)[0], f.force.values) for f in scene.forces],
+            "dampers": [(numbers[each.first], numbers[each.second], each.coefficient) for each in scene.dampers],
+        }

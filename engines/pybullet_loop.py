@@ -1,0 +1,155 @@
+"""One pass in PyBullet: bodies that move freely and are tied by constraints, its drive and loads set before every step.
+
+A step of Bullet solves for the velocities with which it then moves the bodies: those after it are of the step's middle,
+forces and the change of the velocities over it are of its start. So a run that is ``centred`` reads velocities half-way
+between samples. As shipped, everything is taken for that of the step's end.
+"""
+
+from typing import Any
+
+import numpy as np
+import pybullet
+
+UNTURNED = [0.0, 0.0, 0.0, 1.0]
+# A block's mass in the lightest body's; a body's inertia about its other axes in that about z, as nothing else keeps it
+# from tilting out of the plane.
+LIGHT, UPRIGHT = 1e-8, 1e6
+EXACT = {"erp": 1.0, "constraintSolverType": pybullet.CONSTRAINT_SOLVER_LCP_DANTZIG}
+UNLIMITED = {"maxForce": 1e12}  # N; a constraint gives way at 500 N unless told otherwise
+UNDAMPED = {"linearDamping": 0.0, "angularDamping": 0.0, "jointDamping": 0.0, "maxJointVelocity": 1e12}
+
+
+class World:
+    """The bodies of a model, the ground last, in their state ``lead`` steps before the start.
+
+    Their frames have the ground's axes at the start. ``links`` are the blocks of guided joints on their hosts.
+    """
+
+    def __init__(self, given: dict[str, Any], step: float) -> None:
+        self.given, self.client, self.centred = given, pybullet.connect(pybullet.DIRECT), given["lead"] > 0
+        self.call("setPhysicsEngineParameter", fixedTimeStep=step, **(EXACT if self.centred else {}))
+        self.call("setGravity", *given["gravity"], 0.0)
+        place, rate, change = (np.array(each)[0] for each in given["start"])
+        back, half = given["lead"] * step, 0.5 * step if self.centred else 0.0
+        moved, rate = back * (0.5 * back * change - rate), rate - (back + half) * change
+        self.spins, self.links = rate[:, 2], dict[int, int]()
+        self.bodies = [self.add(number, place[:, :2]) for number in range(len(place))]
+        for body, (x, y, _), (right, up, turn), (*speed, spin) in zip(self.bodies, place, moved, rate, strict=True):
+            turned = pybullet.getQuaternionFromEuler([0.0, 0.0, turn])
+            self.call("resetBasePositionAndOrientation", body, [x + right, y + up, 0.0], turned)
+            self.call("resetBaseVelocity", body, [*speed, 0.0], [0.0, 0.0, spin])
+        self.ties = [self.tie(n, *ends) for n, ends in enumerate(zip(*given["ends"], strict=True))]
+
+    def call(self, name: str, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401
+        """What a function of PyBullet returns."""
+        return getattr(pybullet, name)(*arguments, **options, physicsClientId=self.client)
+
+    def add(self, number: int, places: Any) -> int:  # noqa: ANN401
+        """A body, with the blocks that slide on it as its links."""
+        bodies, (owners, arms, hosts, _) = self.given["bodies"], self.given["ends"]
+        (mass, inertia), place = bodies[number], places[number]
+        guides = [(n, along) for n, along in self.given["guides"].items() if hosts[n] == number]
+        count = len(guides)
+        body = self.call(
+            "createMultiBody",
+            mass,
+            basePosition=[*place, 0.0],
+            linkMasses=[LIGHT * min(each for each, _ in bodies[:-1])] * count,
+            linkCollisionShapeIndices=[-1] * count,
+            linkVisualShapeIndices=[-1] * count,
+            linkPositions=[[*(places[owners[n]] + arms[n] - place), 0.0] for n, _ in guides],
+            linkOrientations=[UNTURNED] * count,
+            linkInertialFramePositions=[[0.0, 0.0, 0.0]] * count,
+            linkInertialFrameOrientations=[UNTURNED] * count,
+            linkParentIndices=[0] * count,
+            linkJointTypes=[pybullet.JOINT_PRISMATIC] * count,
+            linkJointAxis=[[*along, 0.0] for _, along in guides],
+        )
+        for link in range(-1, count) if self.centred else ():
+            self.call("changeDynamics", body, link, **UNDAMPED)
+        # In one call with those above PyBullet takes the inertia for 0.
+        self.call("changeDynamics", body, -1, localInertiaDiagonal=[UPRIGHT * inertia, UPRIGHT * inertia, inertia])
+        for link, (n, _) in enumerate(guides):  # a link comes with a motor that brakes it
+            self.call("setJointMotorControl2", body, link, pybullet.VELOCITY_CONTROL, force=0.0)
+            self.links[n] = link
+        return int(body)
+
+    def tie(self, n: int, body: int, here: list[float], host: int, there: list[float]) -> int:
+        """The constraint of a joint: between two bodies, or a body and a block."""
+        kind = pybullet.JOINT_FIXED if n in self.given["fixed"] else pybullet.JOINT_POINT2POINT
+        both = self.bodies[body], -1, self.bodies[host], self.links.get(n, -1)
+        point = [0.0, 0.0, 0.0] if n in self.links else [*there, 0.0]
+        tie = self.call("createConstraint", *both, kind, [0.0, 0.0, 0.0], [*here, 0.0], point)
+        self.call("changeConstraint", tie, **UNLIMITED)
+        return int(tie)
+
+    def advance(self, angle: float) -> None:
+        """A step, in which the crank comes to an angle from its start, rad; the loads are those of the step's start."""
+        number, sign = self.given["drive"]
+        turn = pybullet.getQuaternionFromEuler([0.0, 0.0, sign * angle])
+        self.call("changeConstraint", self.ties[number], jointChildFrameOrientation=turn, **UNLIMITED)
+        for body, anchor, force in self.given["forces"]:
+            place = self.call("getBasePositionAndOrientation", self.bodies[body])
+            point, _ = pybullet.multiplyTransforms(*place, [*anchor, 0.0], UNTURNED)
+            self.call("applyExternalForce", self.bodies[body], -1, [*force, 0.0], point, pybullet.WORLD_FRAME)
+        if self.given["dampers"]:
+            last, self.spins = self.spins, np.array([self.call("getBaseVelocity", each)[1][2] for each in self.bodies])
+            spins = 1.5 * self.spins - 0.5 * last if self.centred else self.spins  # half a step ahead of the last ones
+        for first, second, coefficient in self.given["dampers"]:
+            moment = coefficient * (spins[second] - spins[first])
+            self.call("applyExternalTorque", self.bodies[first], -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
+            self.call("applyExternalTorque", self.bodies[second], -1, [0.0, 0.0, -moment], pybullet.WORLD_FRAME)
+        self.call("stepSimulation")
+
+    def state(self) -> Any:  # noqa: ANN401
+        """x, y, angle and their rates of every body but the ground, (bodies, 6)."""
+        rows = []
+        for body in self.bodies[:-1]:
+            place, turn = self.call("getBasePositionAndOrientation", body)
+            rate, spin = self.call("getBaseVelocity", body)
+            rows.append([*place[:2], pybullet.getEulerFromQuaternion(turn)[2], *rate[:2], spin[2]])
+        return np.array(rows)
+
+    def forces(self) -> tuple[float, Any]:
+        """The drive's torque, and the forces on the joints' first bodies, in the last step.
+
+        Bullet's are those on the first body of a fixed constraint, and on the second of a point-to-point one.
+        """
+        states = [self.call("getConstraintState", tie) for tie in self.ties]
+        number, sign = self.given["drive"]
+        signs = [[1.0 if n in self.given["fixed"] else -1.0] for n in range(len(states))]
+        return sign * states[number][5], np.array([state[:2] for state in states]) * signs
+
+
+def build(model: dict[str, Any]) -> dict[str, Any]:
+    """The model as it is: a world needs the step, which only the pass knows."""
+    return model
+
+
+def follow(given: dict[str, Any], course: dict[str, Any]) -> dict[str, Any]:
+    """The samples of a course of one part."""
+    (part,), ratio, centred, rows = course["parts"], course["ratio"], given["lead"] > 0, []
+    count = ratio * part["samples"]
+    step, late = part["end"] / count, 0.0 if centred else 1.0
+    world, (starts, laws) = World(given, step), zip(*given["motion"], strict=True)
+    for number in range(-given["lead"], count + centred):
+        piece = np.searchsorted(starts[1:], (number + 1) * step, side="right")
+        angle = np.polyval(laws[piece][::-1], (number + 1) * step - starts[piece])
+        is_read = number >= 0 and number % ratio in (0, ratio // 2)
+        before = world.state() if is_read else None
+        world.advance(float(angle) - laws[0][0])
+        if is_read:
+            rows.append((number, before, world.state(), *world.forces()))
+    world.call("disconnect")
+    numbers, before, after, torque, forces = map(np.array, zip(*rows, strict=True))
+    before[..., 2] = np.unwrap(before[..., 2], axis=0) + np.array(given["start"])[0, 0, :-1, 2]
+    samples, middles = numbers % ratio == 0, (numbers % ratio == ratio // 2) & (numbers < count)
+    time = step * (numbers[samples] + late)
+    seen = {
+        "position": (time - late * step, before[samples, :, :3]),
+        "velocity": (step * (numbers[middles] + max(0.5, late)), after[middles, :, 3:]),
+        "acceleration": (time, (after - before)[samples, :, 3:] / step),
+        "torque": (time, torque[samples]),
+        "joint_force": {name: (time, forces[samples, n]) for n, name in enumerate(given["names"])},
+    }
+    return {name: seen[name] for name in course["channels"]}
