@@ -40,19 +40,20 @@ LIMITS = {
     "exudyn": (1e-4, 5e-6),
     "mujoco": (1e-6, 1e-7),
     "ondsel": (1e-11, 1e-11),
+    "pybullet": (1e-4, 2e-5),
     "pymunk": (5e-5, 5e-6),
     "simbody": (1e-9, 1e-9),
 }
 ENGINES = tuple(LIMITS)
-LOADS = tuple(name for name in ENGINES if name not in ("dart", "ondsel"))
+LOADS = tuple(name for name in ENGINES if name not in ("dart", "ondsel", "pybullet"))
 KINDS = {
     "rimoldi-164": ENGINES,  # pins, and a guide on the ground
     "slotted-takeup": ENGINES,  # a mass on a pin in a slot that turns, and a damper on the crank
-    "carried-slider": ("dart", "ondsel"),  # a body that slides and turns with its host
+    "carried-slider": ("dart", "ondsel", "pybullet"),  # a body that slides and turns with its host
     "moving-guides": ENGINES,  # guides on hosts that slide, turn and rest
     "ground-pin-in-slot": ENGINES,
-    "scotch-yoke": ("dart", "exudyn", "pymunk"),  # a slot in a body that does not turn
-    "three-on-one-pin": ("dart", "exudyn", "simbody"),
+    "scotch-yoke": ("dart", "exudyn", "pybullet", "pymunk"),  # a slot in a body that does not turn
+    "three-on-one-pin": ("dart", "exudyn", "pybullet", "simbody"),
     "force-over-angle": LOADS,
     "spring-and-damper": LOADS,
 }
@@ -67,7 +68,7 @@ def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(linkag
     assert {key: error for key, error in errors.items() if not error < limits[key]} == {}
 
 
-@pytest.mark.parametrize("name", ["dart", "exudyn", "pymunk"])
+@pytest.mark.parametrize("name", ["dart", "exudyn", "pybullet", "pymunk"])
 def test_best_is_better_than_tuned_in_a_run_up_turned_backwards(name):
     motion = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02, start_angle=0.3, clockwise=True)
     linkage = mechanism("juki-mf7923d")
@@ -83,6 +84,7 @@ def test_best_is_better_than_tuned_in_a_run_up_turned_backwards(name):
         ("exudyn", "torque", 1e-4, 1e-2),
         ("pymunk", "acceleration", 1e-2, math.inf),
         ("mujoco", "torque", 0.1, math.inf),  # its own stiffness gives way by more than a tenth
+        ("pybullet", "torque", 0.1, math.inf),  # a step closes a fifth of what has opened, and of the drive's lag
     ],
 )
 def test_a_naive_run_is_as_rough_as_a_newcomers(name, channel, least, most):
@@ -96,7 +98,7 @@ def test_a_naive_run_is_as_rough_as_a_newcomers(name, channel, least, most):
         assert least < error_of(signal.values, true_motion(linkage, motion, signal.time)[2]) < most
 
 
-@pytest.mark.parametrize("name", ["dart", "mujoco", "ondsel", "simbody"])
+@pytest.mark.parametrize("name", ["dart", "mujoco", "ondsel", "pybullet", "simbody"])
 def test_a_joint_force_acts_on_the_body_that_the_scene_names_first(name):
     linkage, motion = mechanism("rimoldi-164"), crank_motion("constant-speed", ramp_time=0.02, hold_time=0.0)
     pins = driven(linkage, motion).pins
@@ -178,6 +180,8 @@ def test_every_method_gives_a_finite_history_in_steps_that_it_counts(name):
         ("exudyn", "trapezoidal", 2, (1e-3, 5e-4), 1e-13),
         ("exudyn", "trapezoidal x2", 4, (1e-3, 5e-4), 1e-13),
         ("exudyn", "trapezoidal x3", 6, (2.4e-3, 1.2e-3), 1e-13),
+        ("pybullet", "centred", 2, (1.2e-3, 6e-4), None),
+        ("pybullet", "centred x2", 3, (1.2e-3, 6e-4), None),
         ("pymunk", "centred", 2, (1.2e-3, 6e-4), 200),
         ("pymunk", "centred x2", 3, (1.2e-3, 6e-4), 200),
     ],
@@ -286,6 +290,9 @@ def _damper_elsewhere(model):
         ("ondsel", "force-over-angle", lambda model: model, "applied force"),
         ("ondsel", "spring-and-damper", lambda model: model, "point spring"),
         ("ondsel", "slotted-takeup", _damper_elsewhere, "between the crank"),
+        ("pybullet", "juki-mf7923d", _free, "free drive"),
+        ("pybullet", "force-over-angle", lambda model: model, "applied torque"),
+        ("pybullet", "spring-and-damper", lambda model: model, "point spring"),
     ],
 )
 def test_a_scene_that_an_engine_cannot_hold_is_unsupported_in_one_sentence(name, linkage, change, words, monkeypatch):

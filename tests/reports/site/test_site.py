@@ -27,7 +27,7 @@ from tests.reports.made_up_results import made_up_results
 from tests.reports.made_up_stress import made_up_stress
 
 NAME = "juki-mf7923d"
-ENGINES = ("exudyn", "pymunk", "mujoco", "opensim", "pyondsel")
+ENGINES = ("exudyn", "pymunk", "mujoco", "opensim", "pybullet", "pyondsel")
 
 
 def save_campaign(folder):
