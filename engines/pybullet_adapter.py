@@ -24,10 +24,10 @@ from analytic.description.linkage import GROUND
 from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import body_numbers, start_motion
-from engines.scene import GUIDES, AppliedForce, Channel, Prescribed, Scene, TurnDamper
+from engines.scene import GUIDES, AppliedForce, AppliedTorque, Channel, Prescribed, Scene, TurnDamper
 from engines.stepping.stepped_engine import LoopEngine, Recipe
 
-LEAD = 5  # steps before the start, in which the joints, closed at first, open as far as steps of that length leave them
+LEAD = 6  # steps before the start; after four, nothing shows of how the bodies began
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ class PybulletEngine(LoopEngine[PybulletRecipe]):
         },
         drives=frozenset({Prescribed}),
         joints=GUIDES,
-        loads=frozenset({AppliedForce, TurnDamper}),
+        loads=frozenset({AppliedForce, AppliedTorque, TurnDamper}),
         varying_loads=False,
         massless=False,
     )
@@ -77,14 +77,15 @@ class PybulletEngine(LoopEngine[PybulletRecipe]):
     def model(self, scene: Scene, recipe: PybulletRecipe) -> Mapping[str, Any]:
         assert isinstance(scene.drive, Prescribed)
         equations, numbers, motion = JointEquations(scene, unit=1.0), body_numbers(scene), scene.drive.motion
-        pose = equations.start()
+        pose, (place, rate, _) = equations.start(), start_motion(scene)
         arms = equations.arms(pose)
         drive = next(n for n, pin in enumerate(scene.pins) if {pin.first, pin.second} == {scene.crank, GROUND})
         return {
             "lead": LEAD if recipe.centred else 0,
             "gravity": scene.gravity,
             "motion": [(each.start, each.coefficients) for each in motion.segments],
-            "start": start_motion(scene),
+            # A run that begins before the start has its velocities from the joints and the drive.
+            "start": (place, 0.0 * rate if recipe.centred else rate),
             "bodies": [*((body.mass, body.inertia or body.mass) for body in scene.bodies), (0.0, 0.0)],
             "names": equations.joints,
             "ends": (equations.body, arms.body[0], equations.host, arms.host[0]),
@@ -92,5 +93,6 @@ class PybulletEngine(LoopEngine[PybulletRecipe]):
             "fixed": [drive, *range(equations.pins, equations.pins + len(scene.sliders))],
             "drive": (drive, 1.0 if scene.pins[drive].second == GROUND else -1.0),
             "forces": [(numbers[f.body], pose.arm(numbers[f.body], f.anchor)[0], f.force.values) for f in scene.forces],
+            "torques": [(numbers[torque.body], torque.torque.values[0]) for torque in scene.torques],
             "dampers": [(numbers[each.first], numbers[each.second], each.coefficient) for each in scene.dampers],
         }

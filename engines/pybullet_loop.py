@@ -1,8 +1,10 @@
 """One pass in PyBullet: bodies that move freely and are tied by constraints, its drive and loads set before every step.
 
 A step of Bullet solves for the velocities with which it then moves the bodies: those after it are of the step's middle,
-forces and the change of the velocities over it are of its start. So a run that is ``centred`` reads velocities half-way
-between samples. As shipped, everything is taken for that of the step's end.
+forces and the change of the velocities over it are of its start. So a run that is centred, as one with a ``lead`` is,
+reads velocities half-way between samples. It begins with bodies at rest, some steps before the start: in these the
+drive and the joints, closed at first, bring all bodies to the velocities that they are to have, and the joints open as
+far as steps of that length leave them. As shipped, everything is taken for that of the step's end.
 """
 
 from typing import Any
@@ -20,7 +22,7 @@ UNDAMPED = {"linearDamping": 0.0, "angularDamping": 0.0, "jointDamping": 0.0, "m
 
 
 class World:
-    """The bodies of a model, the ground last, in their state ``lead`` steps before the start.
+    """The bodies of a model, the ground last, in their start state.
 
     Their frames have the ground's axes at the start. ``links`` are the blocks of guided joints on their hosts.
     """
@@ -29,14 +31,10 @@ class World:
         self.given, self.client, self.centred = given, pybullet.connect(pybullet.DIRECT), given["lead"] > 0
         self.call("setPhysicsEngineParameter", fixedTimeStep=step, **(EXACT if self.centred else {}))
         self.call("setGravity", *given["gravity"], 0.0)
-        place, rate, change = (np.array(each)[0] for each in given["start"])
-        back, half = given["lead"] * step, 0.5 * step if self.centred else 0.0
-        moved, rate = back * (0.5 * back * change - rate), rate - (back + half) * change
+        place, rate = np.array(given["start"])[:, 0]
         self.spins, self.links = rate[:, 2], dict[int, int]()
         self.bodies = [self.add(number, place[:, :2]) for number in range(len(place))]
-        for body, (x, y, _), (right, up, turn), (*speed, spin) in zip(self.bodies, place, moved, rate, strict=True):
-            turned = pybullet.getQuaternionFromEuler([0.0, 0.0, turn])
-            self.call("resetBasePositionAndOrientation", body, [x + right, y + up, 0.0], turned)
+        for body, (*speed, spin) in zip(self.bodies, rate, strict=True):
             self.call("resetBaseVelocity", body, [*speed, 0.0], [0.0, 0.0, spin])
         self.ties = [self.tie(n, *ends) for n, ends in enumerate(zip(*given["ends"], strict=True))]
 
@@ -92,6 +90,8 @@ class World:
             place = self.call("getBasePositionAndOrientation", self.bodies[body])
             point, _ = pybullet.multiplyTransforms(*place, [*anchor, 0.0], UNTURNED)
             self.call("applyExternalForce", self.bodies[body], -1, [*force, 0.0], point, pybullet.WORLD_FRAME)
+        for body, moment in self.given["torques"]:
+            self.call("applyExternalTorque", self.bodies[body], -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
         if self.given["dampers"]:
             last, self.spins = self.spins, np.array([self.call("getBaseVelocity", each)[1][2] for each in self.bodies])
             spins = 1.5 * self.spins - 0.5 * last if self.centred else self.spins  # half a step ahead of the last ones

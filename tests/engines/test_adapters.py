@@ -291,7 +291,7 @@ def _damper_elsewhere(model):
         ("ondsel", "spring-and-damper", lambda model: model, "point spring"),
         ("ondsel", "slotted-takeup", _damper_elsewhere, "between the crank"),
         ("pybullet", "juki-mf7923d", _free, "free drive"),
-        ("pybullet", "force-over-angle", lambda model: model, "applied torque"),
+        ("pybullet", "force-over-angle", lambda model: model, "changes with the crank angle"),
         ("pybullet", "spring-and-damper", lambda model: model, "point spring"),
     ],
 )
