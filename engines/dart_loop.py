@@ -11,11 +11,10 @@ Data = dict[str, Any]
 
 TINY = 1e-15  # of what weighs nothing, in units in which a link weighs some 1e-3: DART takes no body without a mass
 SHIPPED, WHOLE = (0.01, 10.0), (1.0, 1e9)  # the share of a joint's gap that a step closes, and its largest speed
-Z = np.array([0.0, 0.0, 1.0])
 
 
 class World:
-    """A world of one time step in its start state.
+    """A world of one time step in its start state; ``half`` a step is its velocities' lead over its positions, s.
 
     Every body is a skeleton of its own with the coordinates x, y and angle; probes on it have those that follow.
     ``bodies`` has the nodes by name, the ground's last. ``forces`` has for every joint of the scene its probe, the row
@@ -23,16 +22,16 @@ class World:
     """
 
     def __init__(self, given: Data, step: float) -> None:
-        self.given, self.lead, self.world = given, given["lead"] * step, dart.simulation.World()
+        self.given, self.world, self.half = given, dart.simulation.World(), 0.5 * step * given["centred"]
         self.world.setTimeStep(step)
         self.world.setGravity([*given["gravity"], 0.0])
         options = self.world.getDeactivationOptions()
-        options.mEnabled = not self.lead  # as shipped, what hardly moves falls asleep
+        options.mEnabled = not given["centred"]  # as shipped, what hardly moves falls asleep
         self.world.setDeactivationOptions(options)
         self.bodies = {name: self.new_body(name, *weights) for name, *weights in given["bodies"]}
         self.skeletons = [body.getSkeleton() for body in self.bodies.values()]
         self.start, self.rates, changes = (np.array(each)[0, :-1] for each in given["start"])
-        speeds = self.rates - 0.5 * self.lead * changes  # the rates of a step are those of its middle
+        speeds = self.rates - self.half * changes  # the rates of a step are those of its middle
         for skeleton, place, speed in zip(self.skeletons, self.start, speeds, strict=True):
             skeleton.setPositions(place)
             skeleton.setVelocities(speed)
@@ -44,7 +43,7 @@ class World:
         for body in self.bodies.values():
             self.world.addSkeleton(body.getSkeleton())
         for constraint in constraints:  # what is set holds for every constraint of the process until it is set anew
-            share, fastest = WHOLE if self.lead else SHIPPED
+            share, fastest = WHOLE if given["centred"] else SHIPPED
             constraint.setErrorReductionParameter(share)
             constraint.setMaxErrorReductionVelocity(fastest)
             self.world.getConstraintSolver().addConstraint(constraint)
@@ -83,7 +82,7 @@ class World:
     def spin(self, body: str) -> float:
         """Angular velocity of a body at the instant of its position."""
         joint = self.turns.get(body)
-        return float(joint.getVelocity(0) + 0.5 * self.lead * joint.getAcceleration(0)) if joint else 0.0
+        return float(joint.getVelocity(0) + self.half * joint.getAcceleration(0)) if joint else 0.0
 
     def advance(self, speed: float) -> None:
         """One step with a speed of the crank."""
@@ -91,7 +90,7 @@ class World:
         for body, anchor, force in self.given["loads"]:
             self.bodies[body].addExtForce([*force, 0.0], [*anchor, 0.0], False, True)
         for first, second, coefficient in self.given["dampers"]:
-            drag = coefficient * (self.spin(first) - self.spin(second)) * Z
+            drag = np.array([0.0, 0.0, coefficient * (self.spin(first) - self.spin(second))])
             self.bodies[first].addExtTorque(-drag)
             self.bodies[second].addExtTorque(drag)
         self.world.step()
@@ -107,7 +106,7 @@ class World:
             forces.append(sign * complex(*probe.getBodyForce()[3:5]) * direction * axes[row])
         return {
             "position": place,
-            "velocity": self.state("Velocities") - 0.5 * self.lead * changes,
+            "velocity": self.state("Velocities") - self.half * changes,
             "acceleration": changes,
             "torque": self.bodies[self.given["crank"]].getBodyForce()[2],
             "joint_force": [(force.real, force.imag) for force in forces],
@@ -125,7 +124,7 @@ def follow(given: Data, course: Data) -> Data:
     A step ends with the velocities of its middle; its forces are those of the state before it.
     """
     (part,), ratio, samples = course["parts"], course["ratio"], Data()
-    steps, ahead = ratio * part["samples"], round(given["lead"])
+    steps, ahead = ratio * part["samples"], int(given["centred"])
     step = part["end"] / steps
     world, times = World(given, step), step * np.arange(steps + ahead + 1)
     rows, angles = [{"position": world.start, "velocity": world.rates}], np.empty_like(times)
