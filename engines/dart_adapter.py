@@ -39,7 +39,7 @@ class DartRecipe(Recipe):
 
 
 # TUNED takes 8000 steps a turn, BEST 4500 in all.
-# Catalogue, quintic run-up, largest errors of torque, joint forces and velocities, CPU time of the slowest, by steps per
+# Catalogue, quintic run-up, largest errors of torque, joint forces and velocities, CPU time of the slowest, by steps a
 # turn: 2000 6e-5, 7e-5, 2.2e-5, 2 s; 4000 1.4e-5, 1.7e-5, 5e-6, 5 s; 8000 4e-6, 4e-6, 1.2e-6, 8 s, which quick returns
 # need. BEST: 2e-7, 4e-8, 1e-9, 5 s.
 NEWCOMER = DartRecipe(step=1e-3, centred=False, in_own_units=False)
