@@ -16,18 +16,15 @@ in others the block's lightness would leave few digits of the force across the s
 from __future__ import annotations
 
 import cmath
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import astuple, dataclass, replace
 from typing import Any
 
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.linkage import GROUND
 from engines.contract import Abilities, ReadOut, Setting
-from engines.mechanics.joints import scene_size
-from engines.mechanics.spanning_tree import Branch, ends, slots_as_blocks, spanning_tree
-from engines.scene import GUIDES, LOADS, Channel, Prescribed, Scene, SliderJoint
+from engines.mechanics.spanning_tree import AT_REST, point_motion
+from engines.scene import GUIDES, AppliedForce, AppliedTorque, Channel, Prescribed, Scene, SliderJoint, TurnDamper
 from engines.stepping.stepped_engine import LoopEngine, Recipe, plain_law
-
-LIGHT = 1e-9  # of the lightest body: what a block weighs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,15 +48,15 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
     loop = "engines.pinocchio_loop"
     abilities = Abilities(
         readouts={
-            Channel.POSITION: ReadOut("data.oMi; angles of hinges added up"),
-            Channel.VELOCITY: ReadOut("getFrameVelocity"),
-            Channel.ACCELERATION: ReadOut("getFrameClassicalAcceleration"),
-            Channel.TORQUE: ReadOut("contact_force of the drive's constraint", drive="the drive's alone"),
-            Channel.JOINT_FORCE: ReadOut("data.f of rnea; of a cut contact_force", "the joint's, turned", drive="none"),
+            Channel.POSITION: ReadOut("q, from steps of the adapter's"),
+            Channel.VELOCITY: ReadOut("v, from steps of the adapter's"),
+            Channel.ACCELERATION: ReadOut("constraintDynamics"),
+            Channel.TORQUE: ReadOut("contact_force.angular of the drive's constraint", drive="the drive's alone"),
+            Channel.JOINT_FORCE: ReadOut("contact_force.linear", "the constraint's, turned", drive="not included"),
         },
         drives=frozenset({Prescribed}),
         joints=GUIDES,
-        loads=LOADS,
+        loads=frozenset({AppliedForce, AppliedTorque, TurnDamper}),
         massless=False,
     )
     settings: Mapping[type, Mapping[Setting, PinocchioRecipe]] = {
@@ -70,51 +67,39 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
         "RK4": ("Runge-Kutta of fourth order with Baumgarte's terms", PinocchioRecipe()),
     }
 
-    def refusal(self, scene: Scene) -> str | None:
-        return spanning_tree(slots_as_blocks(scene, 1.0)).obstacle
-
     def model(self, scene: Scene, recipe: PinocchioRecipe) -> Mapping[str, Any]:
-        """A body has its joint's number and frame, which has its x-axis along a slide; the ground is 0."""
-        tree = spanning_tree(slots_as_blocks(scene, LIGHT * min(body.mass for body in scene.bodies)))
-        frames, size = {GROUND: (0, 0j, 0.0, 0.0)}, scene_size(scene)
-        joints, reactions = [], dict[str, tuple[int, float]]()
+        """Joints by body, each before the blocks that slide on it, as Pinocchio asks; ties, the drive's first.
 
-        def point(body: str, anchor: Vector) -> tuple[int, complex]:
-            number, origin, tilt, _ = frames[body]
-            return number, (complex(*anchor) - origin) * cmath.rect(1.0, -tilt)
-
-        def carried_by(name: str) -> Iterator[Branch]:
-            for branch in tree.branches:
-                if branch.parent == name:
-                    yield branch
-                    yield from carried_by(branch.body.name)
-
-        for number, branch in enumerate(carried_by(GROUND), start=1):
-            body, (on_host, on_body), (tilt_on_host, tilt) = branch.body, branch.points, branch.tilts
-            slides = isinstance(branch.joint, SliderJoint)
-            _, _, host_tilt, host_spin = frames[branch.parent]
-            frames[body.name] = number, complex(*on_body), tilt, body.angular_velocity
-            joints.append((
-                *point(branch.parent, on_host), slides * tilt_on_host - host_tilt, slides,
-                body.mass, body.inertia or body.mass * size**2, point(body.name, (0.0, 0.0))[1],
-                branch.value, branch.speed if slides else body.angular_velocity - host_spin,
-            ))  # what cannot turn has any inertia
-            reactions[branch.name] = number, -1.0 if branch.reverse else 1.0
-        cuts = [(*point(*second), *point(*first)) for first, second in map(ends, tree.cuts)]
-        for number, cut in enumerate(tree.cuts, start=len(frames)):
-            reactions[cut.name] = number, -1.0
+        A joint has its name, what carries it, its place and direction there, mass, inertia, and the start's coordinates
+        and their rates; a tie its name, whether it is rigid, the sign of its force on the scene's first body, and the
+        frames on two bodies that it holds together: name, place and direction, the crank's the second.
+        """
+        bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
+        light, joints, ties = 1e-9 * min(body.mass for body in scene.bodies), [], []
+        for pin in scene.pins:
+            drives = {pin.first, pin.second} == {scene.crank, GROUND}
+            ends = (pin.first, pin.first_anchor, 0.0), (pin.second, pin.second_anchor, 0.0)
+            row = (1.0, *ends) if pin.first == GROUND else (-1.0, *ends[::-1])
+            ties.insert(0 if drives else len(ties), (pin.name, drives, *row))
+        for name, body in bodies.items():
+            if body is not AT_REST:
+                inertia = body.mass if body.inertia is None else body.inertia  # what cannot turn has any
+                start = (*body.position, body.angle), (*body.velocity, body.angular_velocity)
+                joints.append((name, GROUND, (0.0, 0.0), 0.0, body.mass, inertia, *start))
+            for line in (line for line in scene.guided if line.host == name):
+                along, other, block = cmath.phase(complex(*line.along)), bodies[line.body], f"/{line.name}"
+                ends = zip(point_motion(other, line.anchor), point_motion(body, line.through), strict=True)
+                start = ([((one - two) * cmath.rect(1.0, -along - body.angle)).real] for one, two in ends)
+                joints.append((block, name, line.through, along, light, light, *start))
+                end = line.body, line.anchor, along + body.angle - other.angle
+                ties.append((line.name, isinstance(line, SliderJoint), -1.0, (block, (0.0, 0.0), 0.0), end))
         return {
             "settle": recipe.settle,
             "gravity": scene.gravity,
             "joints": joints,
-            "cuts": cuts,
-            "bodies": [(frames[body.name][0], body.angle) for body in scene.bodies],
-            "reactions": {joint.name: reactions[joint.name] for joint in (*scene.pins, *scene.guided)},
-            "forces": [(*point(load.body, load.anchor), plain_law(load.force)) for load in scene.forces],
-            "torques": [(frames[load.body][0], plain_law(load.torque)) for load in scene.torques],
-            "springs": [
-                (*point(s.first, s.first_anchor), *point(s.second, s.second_anchor), s.stiffness, s.length, s.damping)
-                for s in scene.springs
-            ],
-            "dampers": [(frames[d.first][0], frames[d.second][0], d.coefficient) for d in scene.dampers],
-        }  # fmt: skip
+            "ties": ties,
+            "bodies": [body.name for body in scene.bodies],
+            "forces": [(load.body, load.anchor, plain_law(load.force)) for load in scene.forces],
+            "torques": [(load.body, plain_law(load.torque)) for load in scene.torques],
+            "dampers": [astuple(damper) for damper in scene.dampers],
+        }

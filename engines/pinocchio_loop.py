@@ -1,5 +1,6 @@
 """One pass in Pinocchio: the accelerations and forces of a state are Pinocchio's, the steps are taken here."""
 
+import cmath
 from bisect import bisect_right
 from collections.abc import Iterator
 from math import tau
@@ -12,9 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Data = dict[str, Any]
 
-PROXIMAL = 0.0, 1e-8, 3  # accuracy, factor and iterations
-LOADS = "forces", "torques", "springs", "dampers"
-PLANE = [0, 1, 5]  # of a velocity's six components
+CHANNELS = "position", "velocity", "acceleration", "torque"
 # The states of a step after its first, position and velocity each, as shares of those of the first and of the
 # accelerations of all before, apart from a power of the step. The last is the step's end.
 POWERS = np.array([[0, 1, 2, 2, 2, 2], [0, 0, 1, 1, 1, 1]])
@@ -28,138 +27,104 @@ RUNGE_KUTTA = [
 
 
 class World:
-    """The model in its start state: the ground is joint 0, the crank 1; the first constraint, of these two, drives."""
+    """The model in its start state.
+
+    ``state`` has positions and velocities of all coordinates and, last, a 0 for the ground's; ``places`` has where
+    among them x, y and angle of a body are.
+    """
 
     def __init__(self, given: Data) -> None:
-        self.given, self.model, self.centres = given, pin.Model(), [_frame(0j)]
-        model, rows = self.model, [(pin.ContactType.CONTACT_6D, 1, _frame(0j), 0, _frame(0j))]
-        model.gravity.linear = _space(complex(*given["gravity"]))
-        for parent, place, turn, slides, mass, inertia, centre, *_ in given["joints"]:
-            kind = pin.JointModelPX() if slides else pin.JointModelRZ()
-            joint = model.addJoint(parent, kind, _frame(place, turn), f"joint {len(self.centres)}")
-            self.centres.append(_frame(centre))
-            model.appendBodyToJoint(joint, pin.Inertia(mass, np.zeros(3), inertia * np.eye(3)), self.centres[-1])
-        for joint, point, other, there in given["cuts"]:
-            rows.append((pin.ContactType.CONTACT_3D, joint, _frame(point), other, _frame(there)))
-        constraints = [pin.RigidConstraintModel(kind, model, *ends, pin.LOCAL) for kind, *ends in rows]
-        self.constraints = pin.StdVec_RigidConstraintModel(constraints)
-        self.solved = pin.StdVec_RigidConstraintData([each.createData() for each in constraints])
-        self.data, self.weightless, self.spare = model.createData(), model.copy(), model.createData()
-        self.weightless.gravity.setZero()
-        pin.initConstraintDynamics(model, self.data, self.constraints, self.solved)
-        self.settings, self.efforts = pin.ProximalSettings(*PROXIMAL), np.zeros(model.nv)
-        self.loads = pin.StdVec_Force([pin.Force.Zero() for _ in self.centres])
-        self.state = np.array([(value, speed) for *_, value, speed in given["joints"]]).T
-        pin.computeJointJacobians(model, self.data, self.state[0])
-        self.turns = np.array([pin.getJointJacobian(model, self.data, n, pin.WORLD)[5] for n, _ in given["bodies"]])
-        self.zero = [angle for _, angle in given["bodies"]] - self.turns @ self.state[0]
+        self.given, self.model, numbers, ties = given, pin.Model(), {"ground": 0}, []
+        model = self.model
+        model.gravity.linear = np.array([*given["gravity"], 0.0])
+        for name, host, place, turn, mass, inertia, *start in given["joints"]:
+            joint = pin.JointModelComposite()
+            for kind in (pin.JointModelPX, pin.JointModelPY, pin.JointModelRZ)[: len(start[0])]:
+                joint.addJoint(kind())
+            numbers[name] = model.addJoint(numbers[host], joint, _frame(place, turn), name)
+            model.inertias[numbers[name]] = pin.Inertia(mass, np.zeros(3), inertia * np.eye(3))
+        for _, is_rigid, _, (name, *here), (other, *there) in given["ties"]:
+            kind = pin.ContactType.CONTACT_6D if is_rigid else pin.ContactType.CONTACT_3D
+            ends = numbers[name], _frame(*here), numbers[other], _frame(*there)
+            ties.append(pin.RigidConstraintModel(kind, model, *ends, pin.LOCAL))
+        self.ties = pin.StdVec_RigidConstraintModel(ties)
+        self.solved = pin.StdVec_RigidConstraintData([tie.createData() for tie in ties])
+        self.drive, self.axes = self.solved[0], self.ties[0].joint1_placement.rotation[:2, :2]
+        # Two iterations of the proximal term 1e-8: without such a term the empty rows make all NaN.
+        self.data, self.settings = model.createData(), pin.ProximalSettings(0.0, 1e-8, 2)
+        pin.initConstraintDynamics(model, self.data, self.ties, self.solved)
+        starts = list(zip(*given["joints"], strict=True))[-2:]
+        self.state, self.efforts = np.array([np.concatenate([*each, [0.0]]) for each in starts]), np.zeros(model.nv + 1)
+        self.places = {name: [model.idx_vs[numbers[name]] + n for n in range(3)] for name in given["bodies"]}
+        self.places["ground"] = [model.nv] * 3
 
-    def solve(self, time: float, position: Array, velocity: Array) -> Array:
-        """Accelerations of a state."""
-        if any(self.given[kind] for kind in LOADS):
-            pin.forwardKinematics(self.model, self.data, position, velocity)
-            self.set_loads(position[0])
-            self.efforts = -pin.computeStaticTorque(self.weightless, self.spare, position, self.loads)
-        desired = self.wanted(time) - 2.0 * self.rate * velocity[0] - self.rate**2 * position[0]
-        self.solved[0].contact_acceleration_desired.angular[2] = desired
-        state = position, velocity, self.efforts
-        return pin.constraintDynamics(self.model, self.data, *state, self.constraints, self.solved, self.settings)
+    def solve(self, target: Array, position: Array, velocity: Array) -> Array:
+        """Accelerations of a state, with the crank's target: rotation, and its acceleration in the other sense."""
+        if any(self.given[kind] for kind in ("forces", "torques", "dampers")):
+            self.set_loads(position, velocity)
+        self.axes[:], self.drive.contact_acceleration_desired.angular[2] = target[:4].reshape(2, 2), target[4]
+        state = position[:-1], velocity[:-1], self.efforts[:-1]
+        return pin.constraintDynamics(self.model, self.data, *state, self.ties, self.solved, self.settings)
 
-    def set_loads(self, angle: float) -> None:
-        """The wrenches of all loads, springs and dampers on the bodies, in the frames of their joints."""
-        given, data, loads = self.given, self.data, self.loads
-        for load in loads:
-            load.setZero()
-
-        def push(joint: int, point: complex, force: Array) -> None:
-            axes = pin.SE3(data.oMi[joint].rotation.T, _space(point))
-            loads[joint] += axes.act(pin.Force(force, np.zeros(3)))
-
-        def state(joint: int, point: complex) -> tuple[Array, Array]:
-            place = _frame(point)
-            rate = pin.getFrameVelocity(self.model, data, joint, place, pin.LOCAL_WORLD_ALIGNED)
-            return (data.oMi[joint] * place).translation, rate.linear
-
-        for joint, point, law in given["forces"]:
-            push(joint, point, _space(complex(*law_values(law, angle))))
-        for joint, law in given["torques"]:
-            loads[joint].angular[2] += law_values(law, angle)[0]
-        for first, point, second, other, stiffness, free_length, damping in given["springs"]:
-            span, rate = np.subtract(state(first, point), state(second, other))
-            length = np.linalg.norm(span) or 1.0  # ends that meet have no direction to pull in
-            tension = stiffness * (length - free_length) + damping * (span @ rate) / length
-            push(first, point, -tension * span / length)
-            push(second, other, tension * span / length)
+    def set_loads(self, position: Array, velocity: Array) -> None:
+        """The efforts along the coordinates of all loads at a state."""
+        given, efforts, places = self.given, self.efforts, self.places
+        angle = position[places[given["ties"][0][-1][0]][2]]  # the crank's
+        efforts[:] = 0.0
+        for body, anchor, law in given["forces"]:
+            force, arm = complex(*law_values(law, angle)), complex(*anchor) * cmath.rect(1.0, position[places[body][2]])
+            efforts[places[body]] += force.real, force.imag, (arm.conjugate() * force).imag
+        for body, law in given["torques"]:
+            efforts[places[body][2]] += law_values(law, angle)[0]
         for first, second, coefficient in given["dampers"]:
-            drag = coefficient * (data.v[first].angular - data.v[second].angular)
-            loads[first].angular -= drag
-            loads[second].angular += drag
+            turns = [places[first][2], places[second][2]]
+            efforts[turns] += coefficient * (velocity[turns[::-1]] - velocity[turns])
 
-    def read(self, changes: Array) -> Data:
-        """All channels at the state that was solved last."""
-        model, data, loads, joints = self.model, self.data, self.loads.copy(), [n for n, _ in self.given["bodies"]]
-        for tie, solved in zip(self.constraints, self.solved, strict=True):
-            loads[tie.joint1_id] += tie.joint1_placement.act(solved.contact_force)
-            loads[tie.joint2_id] -= (tie.joint2_placement * solved.c1Mc2.inverse()).act(solved.contact_force)
-        pin.rnea(model, data, *self.state, changes, loads)
-        forces = [place.rotation @ force.linear for place, force in zip(data.oMi, data.f, strict=True)]
-        forces += [each.oMc1.rotation @ each.contact_force.linear for each in self.solved[1:]]
-        pin.forwardKinematics(model, data, *self.state, changes)
-        rates, seconds = (
-            [call(model, data, n, self.centres[n], pin.LOCAL_WORLD_ALIGNED).vector[PLANE] for n in joints]
-            for call in (pin.getFrameVelocity, pin.getFrameClassicalAcceleration)
-        )
-        places = [(data.oMi[n] * self.centres[n]).translation[:2] for n in joints]
-        return {
-            "position": np.column_stack([places, self.zero + self.turns @ self.state[0]]),
-            "velocity": rates,
-            "acceleration": seconds,
-            "torque": self.solved[0].contact_force.angular[2],
-            "joint_force": [sign * forces[number][:2] for number, sign in self.given["reactions"].values()],
-        }
+    def read(self, time: float, changes: Array) -> tuple[Any, ...]:
+        """The instant, and all channels at the state that was solved last."""
+        bodies = [values[list(self.places.values())[:-1]] for values in (*self.state, changes)]
+        forces = [each.oMc1.rotation @ each.contact_force.linear for each in self.solved]
+        reactions = [sign * force[:2] for (_, _, sign, *_), force in zip(self.given["ties"], forces, strict=True)]
+        return time, *bodies, -self.drive.contact_force.angular[2], reactions
 
-    def part_states(self, part: Data, ratio: int) -> Iterator[tuple[float, Data]]:
-        """Instants of a part, s, and what is read at them."""
-        steps, settle = part["samples"] * ratio, self.given["settle"]
+    def part_states(self, part: Data, ratio: int) -> Iterator[tuple[Any, ...]]:
+        """What is read at the samples of a part."""
+        steps, settle, (start, coefficients) = part["samples"] * ratio, self.given["settle"], part["segment"]
         times, step = np.linspace(part["start"], part["end"], steps + 1, retstep=True)
-        self.rate = rate = 1.0 / (settle * ratio * step) if settle else 0.0
-        for each in self.constraints[1:]:
-            each.m_baumgarte_parameters.Kp, each.m_baumgarte_parameters.Kd = rate**2, 2.0 * rate
-        start, coefficients = part["segment"]
-        angle = np.poly1d(coefficients[::-1])
-        wanted = angle.deriv(2) + 2.0 * rate * angle.deriv() + rate**2 * angle
-        self.wanted = lambda time: wanted(time - start)
         rule = np.array(RUNGE_KUTTA if settle else EULER, dtype=float)
         rule *= step ** POWERS[:, : rule.shape[2]]
-        known = np.zeros((rule.shape[2], self.model.nv))
-        for count, time in enumerate(times):
+        rate = 1.0 / (settle * ratio * step) if settle else 0.0
+        for tie in self.ties:
+            tie.m_baumgarte_parameters.Kp, tie.m_baumgarte_parameters.Kd = rate**2, 2.0 * rate
+        angle, clock = np.poly1d(coefficients[::-1]), np.add.outer(times - start, [0.0, *rule[:-1, 0, 1]])
+        c, s, wanted = np.cos(angle(clock)), np.sin(angle(clock)), (angle.deriv(2) + 2.0 * rate * angle.deriv())(clock)
+        targets = np.stack([c, -s, s, c, -wanted], axis=-1)
+        known = np.zeros((rule.shape[2], self.model.nv + 1))
+        for count, (time, target) in enumerate(zip(times, targets, strict=True)):
             known[:2] = state = self.state
-            known[2] = self.solve(time, *state)
+            known[2, :-1] = self.solve(target[0], *state)
             if count % ratio == 0:
-                yield time, self.read(known[2])
-            for number, shares in enumerate(rule if count < steps else [], start=3):
+                yield self.read(time, known[2])
+            for number, shares in enumerate(rule if count < steps else [], start=1):
                 state = shares @ known
-                if number < len(known):
-                    known[number] = self.solve(time + shares[0, 1], *state)
+                if number < len(target):
+                    known[2 + number, :-1] = self.solve(target[number], *state)
             self.state = state
 
 
 def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle: constants, or cubics that repeat or keep their end values."""
+    """A load's components at an angle: constants, or cubics that repeat."""
     if isinstance(law, list):
         return law
-    knots, pieces, repeats = law
-    angle = knots[0] + (angle - knots[0]) % tau if repeats else min(max(angle, knots[0]), knots[-1])
-    piece = min(bisect_right(knots, angle), len(pieces)) - 1
-    return [np.polyval(cubic[::-1], angle - knots[piece]) for cubic in pieces[piece]]
+    knots, pieces, _ = law
+    angle = knots[0] + (angle - knots[0]) % tau
+    piece = bisect_right(knots, angle) - 1
+    x = angle - knots[piece]
+    return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
 
 
-def _space(vector: complex) -> Array:
-    return np.array([vector.real, vector.imag, 0.0])
-
-
-def _frame(place: complex, turn: float = 0.0) -> Any:  # noqa: ANN401
-    return pin.SE3(pin.utils.rotate("z", turn), _space(place))
+def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
+    return pin.SE3(pin.utils.rotate("z", turn), np.array([*place, 0.0]))
 
 
 def build(model: Data) -> World:
@@ -169,12 +134,11 @@ def build(model: Data) -> World:
 
 def follow(world: World, course: Data) -> Data:
     """The samples of a course; of the two between parts the later part's counts."""
-    rows: list[tuple[float, Data]] = []
+    rows: list[tuple[Any, ...]] = []
     for part in course["parts"]:
         rows[-1:] = world.part_states(part, course["ratio"])
-    time = np.array([instant for instant, _ in rows])
-    samples: Data = {name: (time, np.array([row[name] for _, row in rows])) for name in course["channels"]}
-    if "joint_force" in samples:
-        _, forces = samples["joint_force"]
-        samples["joint_force"] = {joint: (time, forces[:, n]) for n, joint in enumerate(world.given["reactions"])}
+    time, *channels, forces = (np.array(values) for values in zip(*rows, strict=True))
+    samples = {name: (time, each) for name, each in zip(CHANNELS, channels, strict=True) if name in course["channels"]}
+    if "joint_force" in course["channels"]:
+        samples["joint_force"] = {name: (time, forces[:, n]) for n, (name, *_) in enumerate(world.given["ties"])}
     return samples

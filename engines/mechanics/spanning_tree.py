@@ -134,7 +134,7 @@ def slots_as_blocks(scene: Scene, mass: float) -> Scene:
     pins, sliders = [*scene.pins], [*scene.sliders]
     for slot in scene.slots:
         body, host, name = bodies[slot.body], bodies[slot.host], f"block of {slot.name}"
-        place, velocity = _point_motion(body, slot.anchor)
+        place, velocity = point_motion(body, slot.anchor)
         arm = complex(*slot.anchor) * cmath.rect(1.0, body.angle)
         bend = (1j * body.angular_acceleration - body.angular_velocity**2) * arm
         acceleration = complex(*body.acceleration) + bend
@@ -161,13 +161,13 @@ def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bo
         return Branch(body, parent.name, joint, reverse, rigid, turn, rate, (turn, 0.0) if rigid else (0.0, 0.0))
     along = complex(*joint.along) * cmath.rect(1.0, (body if reverse else parent).angle)
     points = anchors(joint)[::-1] if reverse else anchors(joint)
-    ends = zip(_point_motion(body, points[0]), _point_motion(parent, points[1]), strict=True)
+    ends = zip(point_motion(body, points[0]), point_motion(parent, points[1]), strict=True)
     value, speed = (((own - other) * along.conjugate()).real / abs(along) for own, other in ends)
     tilts = cmath.phase(along) - parent.angle, cmath.phase(along) - body.angle
     return Branch(body, parent.name, joint, reverse, False, value, speed, tilts)
 
 
-def _point_motion(body: Body, anchor: Vector) -> tuple[complex, complex]:
+def point_motion(body: Body, anchor: Vector) -> tuple[complex, complex]:
     """Position and velocity of a point of a body, as complex numbers."""
     arm = complex(*anchor) * cmath.rect(1.0, body.angle)
     return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
