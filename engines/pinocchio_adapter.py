@@ -31,11 +31,11 @@ from engines.stepping.stepped_engine import LoopEngine, Recipe, plain_law
 class PinocchioRecipe(Recipe):
     """``settle``: the time constant of Baumgarte's terms in samples; 0 has none, and Euler's steps."""
 
-    settle: float = 20.0
+    settle: float = 10.0
 
 
 NEWCOMER = PinocchioRecipe(step=1e-3, settle=0.0, in_own_units=False)
-EXPERT = PinocchioRecipe(steps_per_turn=200, ratios=(5,))
+EXPERT = PinocchioRecipe(steps_per_turn=100, ratios=(4,))
 
 
 class PinocchioEngine(LoopEngine[PinocchioRecipe]):
@@ -48,8 +48,7 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
     loop = "engines.pinocchio_loop"
     abilities = Abilities(
         readouts={
-            Channel.POSITION: ReadOut("q, from steps of the adapter's"),
-            Channel.VELOCITY: ReadOut("v, from steps of the adapter's"),
+            **dict.fromkeys((Channel.POSITION, Channel.VELOCITY), ReadOut("the adapter's steps of constraintDynamics")),
             Channel.ACCELERATION: ReadOut("constraintDynamics"),
             Channel.TORQUE: ReadOut("contact_force.angular of the drive's constraint", drive="the drive's alone"),
             Channel.JOINT_FORCE: ReadOut("contact_force.linear", "the constraint's, turned", drive="not included"),
@@ -76,15 +75,14 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
         """
         bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
         light, joints, ties = 1e-9 * min(body.mass for body in scene.bodies), [], []
-        for pin in scene.pins:
-            drives = {pin.first, pin.second} == {scene.crank, GROUND}
+        for pin in sorted(scene.pins, key=lambda pin: {pin.first, pin.second} != {scene.crank, GROUND}):
             ends = (pin.first, pin.first_anchor, 0.0), (pin.second, pin.second_anchor, 0.0)
             row = (1.0, *ends) if pin.first == GROUND else (-1.0, *ends[::-1])
-            ties.insert(0 if drives else len(ties), (pin.name, drives, *row))
+            ties.append((pin.name, not ties, *row))
         for name, body in bodies.items():
             if body is not AT_REST:
-                inertia = body.mass if body.inertia is None else body.inertia  # what cannot turn has any
                 start = (*body.position, body.angle), (*body.velocity, body.angular_velocity)
+                inertia = body.inertia or body.mass  # what cannot turn has any
                 joints.append((name, GROUND, (0.0, 0.0), 0.0, body.mass, inertia, *start))
             for line in (line for line in scene.guided if line.host == name):
                 along, other, block = cmath.phase(complex(*line.along)), bodies[line.body], f"/{line.name}"

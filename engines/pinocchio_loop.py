@@ -1,7 +1,6 @@
 """One pass in Pinocchio: the accelerations and forces of a state are Pinocchio's, the steps are taken here."""
 
 import cmath
-from bisect import bisect_right
 from collections.abc import Iterator
 from math import tau
 from typing import Any
@@ -27,10 +26,9 @@ RUNGE_KUTTA = [
 
 
 class World:
-    """The model in its start state.
+    """The model in its start state; ``columns`` are the coordinates x, y and angle of the scene's bodies.
 
-    ``state`` has positions and velocities of all coordinates and, last, a 0 for the ground's; ``places`` has where
-    among them x, y and angle of a body are.
+    ``axes``, ``desired`` and ``forces`` are views of Pinocchio's memory: what is set of the drive, and what is read.
     """
 
     def __init__(self, given: Data) -> None:
@@ -50,42 +48,36 @@ class World:
         self.ties = pin.StdVec_RigidConstraintModel(ties)
         self.solved = pin.StdVec_RigidConstraintData([tie.createData() for tie in ties])
         self.drive, self.axes = self.solved[0], self.ties[0].joint1_placement.rotation[:2, :2]
+        self.desired = self.drive.contact_acceleration_desired.angular
+        self.is_loaded = any(given[kind] for kind in ("forces", "torques", "dampers"))
+        self.forces = [(each.oMc1.rotation, each.contact_force.linear) for each in self.solved]
         # Two iterations of the proximal term 1e-8: without such a term the empty rows make all NaN.
         self.data, self.settings = model.createData(), pin.ProximalSettings(0.0, 1e-8, 2)
         pin.initConstraintDynamics(model, self.data, self.ties, self.solved)
         starts = list(zip(*given["joints"], strict=True))[-2:]
-        self.state, self.efforts = np.array([np.concatenate([*each, [0.0]]) for each in starts]), np.zeros(model.nv + 1)
-        self.places = {name: [model.idx_vs[numbers[name]] + n for n in range(3)] for name in given["bodies"]}
-        self.places["ground"] = [model.nv] * 3
+        self.state = np.array([np.concatenate(values) for values in starts])
+        self.rows = {name: row for row, name in enumerate(given["bodies"])}
+        self.columns = np.array([model.idx_vs[numbers[name]] + np.arange(3) for name in self.rows])
+        self.pushed = [self.columns[self.rows[body], 2] for body, *_ in given["forces"]]
+        self.damping = np.zeros((model.nv, model.nv))
+        for *ends, coefficient in given["dampers"]:
+            turns = [self.columns[self.rows[end], 2] for end in ends if end in self.rows]  # not the ground
+            self.damping[np.ix_(turns, turns)] += coefficient * (2.0 * np.eye(len(turns)) - 1.0)
 
-    def solve(self, target: Array, position: Array, velocity: Array) -> Array:
-        """Accelerations of a state, with the crank's target: rotation, and its acceleration in the other sense."""
-        if any(self.given[kind] for kind in ("forces", "torques", "dampers")):
-            self.set_loads(position, velocity)
-        self.axes[:], self.drive.contact_acceleration_desired.angular[2] = target[:4].reshape(2, 2), target[4]
-        state = position[:-1], velocity[:-1], self.efforts[:-1]
+    def solve(self, target: list[Any], position: Array, velocity: Array) -> Array:
+        """Accelerations of a state, with what the crank's frame has to be then, and the loads."""
+        self.axes[:], self.desired[2], efforts, couples = target
+        if self.is_loaded:
+            efforts = efforts - np.dot(self.damping, velocity)
+            for turn, couple in zip(self.pushed, couples, strict=True):
+                efforts[turn] += (couple * cmath.rect(1.0, -position[turn])).imag
+        state = position, velocity, efforts
         return pin.constraintDynamics(self.model, self.data, *state, self.ties, self.solved, self.settings)
 
-    def set_loads(self, position: Array, velocity: Array) -> None:
-        """The efforts along the coordinates of all loads at a state."""
-        given, efforts, places = self.given, self.efforts, self.places
-        angle = position[places[given["ties"][0][-1][0]][2]]  # the crank's
-        efforts[:] = 0.0
-        for body, anchor, law in given["forces"]:
-            force, arm = complex(*law_values(law, angle)), complex(*anchor) * cmath.rect(1.0, position[places[body][2]])
-            efforts[places[body]] += force.real, force.imag, (arm.conjugate() * force).imag
-        for body, law in given["torques"]:
-            efforts[places[body][2]] += law_values(law, angle)[0]
-        for first, second, coefficient in given["dampers"]:
-            turns = [places[first][2], places[second][2]]
-            efforts[turns] += coefficient * (velocity[turns[::-1]] - velocity[turns])
-
     def read(self, time: float, changes: Array) -> tuple[Any, ...]:
-        """The instant, and all channels at the state that was solved last."""
-        bodies = [values[list(self.places.values())[:-1]] for values in (*self.state, changes)]
-        forces = [each.oMc1.rotation @ each.contact_force.linear for each in self.solved]
-        reactions = [sign * force[:2] for (_, _, sign, *_), force in zip(self.given["ties"], forces, strict=True)]
-        return time, *bodies, -self.drive.contact_force.angular[2], reactions
+        """The instant, and what Pinocchio has of the state that was solved last, by coordinate and tie."""
+        forces = [axes @ force for axes, force in self.forces]
+        return time, *self.state, changes.copy(), -self.drive.contact_force.angular[2], forces
 
     def part_states(self, part: Data, ratio: int) -> Iterator[tuple[Any, ...]]:
         """What is read at the samples of a part."""
@@ -96,31 +88,36 @@ class World:
         rate = 1.0 / (settle * ratio * step) if settle else 0.0
         for tie in self.ties:
             tie.m_baumgarte_parameters.Kp, tie.m_baumgarte_parameters.Kd = rate**2, 2.0 * rate
-        angle, clock = np.poly1d(coefficients[::-1]), np.add.outer(times - start, [0.0, *rule[:-1, 0, 1]])
-        c, s, wanted = np.cos(angle(clock)), np.sin(angle(clock)), (angle.deriv(2) + 2.0 * rate * angle.deriv())(clock)
-        targets = np.stack([c, -s, s, c, -wanted], axis=-1)
-        known = np.zeros((rule.shape[2], self.model.nv + 1))
-        for count, (time, target) in enumerate(zip(times, targets, strict=True)):
+        clock, angle = np.add.outer(times - start, [0.0, *rule[:-1, 0, 1]]), np.poly1d(coefficients[::-1])
+        wanted, angles = (angle.deriv(2) + 2.0 * rate * angle.deriv())(clock), angle(clock)
+        turned = np.moveaxis([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]], (0, 1), (2, 3))
+        efforts, couples = np.zeros((*clock.shape, self.model.nv)), np.zeros((*clock.shape, len(self.pushed)), complex)
+        for number, (body, anchor, law) in enumerate(self.given["forces"]):
+            force = law_values(law, angles)
+            efforts[..., self.columns[self.rows[body], :2]] += force
+            couples[..., number] = force @ [1.0, 1j] * complex(*anchor).conjugate()  # of the body at its angle 0
+        for body, law in self.given["torques"]:
+            efforts[..., self.columns[self.rows[body], 2:]] += law_values(law, angles)
+        known = np.zeros((rule.shape[2], self.model.nv))
+        for count, (time, *targets) in enumerate(zip(times, turned, -wanted, efforts, couples, strict=True)):
             known[:2] = state = self.state
-            known[2, :-1] = self.solve(target[0], *state)
-            if count % ratio == 0:
-                yield self.read(time, known[2])
-            for number, shares in enumerate(rule if count < steps else [], start=1):
-                state = shares @ known
-                if number < len(target):
-                    known[2 + number, :-1] = self.solve(target[number], *state)
-            self.state = state
+            for number, (shares, *target) in enumerate(zip(rule, *targets, strict=True), start=2):
+                known[number] = self.solve(target, *state)
+                if number == 2 and count % ratio == 0:
+                    yield self.read(time, known[2])
+                state = np.dot(shares, known)
+            self.state = state if count < steps else self.state
 
 
-def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle: constants, or cubics that repeat."""
+def law_values(law: Any, angles: Array) -> Array:  # noqa: ANN401
+    """A load's components, last, at angles: constants, or cubics that repeat."""
     if isinstance(law, list):
-        return law
+        return np.array(law)
     knots, pieces, _ = law
-    angle = knots[0] + (angle - knots[0]) % tau
-    piece = bisect_right(knots, angle) - 1
-    x = angle - knots[piece]
-    return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
+    angles = knots[0] + (angles - knots[0]) % tau
+    piece = np.searchsorted(knots, angles, side="right") - 1
+    x, (a, b, c, d) = (angles - np.array(knots)[piece])[..., None], np.moveaxis(np.array(pieces)[piece], -1, 0)
+    return a + x * (b + x * (c + x * d))
 
 
 def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
@@ -137,8 +134,10 @@ def follow(world: World, course: Data) -> Data:
     rows: list[tuple[Any, ...]] = []
     for part in course["parts"]:
         rows[-1:] = world.part_states(part, course["ratio"])
-    time, *channels, forces = (np.array(values) for values in zip(*rows, strict=True))
+    time, *motion, torque, forces = (np.array(values) for values in zip(*rows, strict=True))
+    channels = [*(values[:, world.columns] for values in motion), torque]
     samples = {name: (time, each) for name, each in zip(CHANNELS, channels, strict=True) if name in course["channels"]}
     if "joint_force" in course["channels"]:
-        samples["joint_force"] = {name: (time, forces[:, n]) for n, (name, *_) in enumerate(world.given["ties"])}
+        joints = enumerate(world.given["ties"])
+        samples["joint_force"] = {name: (time, sign * forces[:, tie, :2]) for tie, (name, _, sign, *_) in joints}
     return samples
