@@ -1,16 +1,21 @@
-"""Pinocchio: a library of algorithms for a tree of joints and the constraints that close its loops; it takes no steps.
+"""Pinocchio: a library of algorithms for trees of joints and the constraints that close loops; it takes no steps.
 
 **Steps.** Pinocchio's ``constraintDynamics`` has the accelerations and the constraints' forces of one state. The steps
 are this adapter's: Runge-Kutta of fourth order; a newcomer's are semi-implicit Euler.
 
-**Loops.** A cut joint is a point constraint in space. Nothing moves along z, so its third row is empty, and without a
-proximal term every number is silently NaN. A constraint holds accelerations alone: Baumgarte's terms bring the joint
-back within a time constant, where a newcomer lets it drift.
+**Joints.** Every body moves freely in the plane, and every joint is a constraint, a *tie*: so every joint force is a
+multiplier that Pinocchio returns, and a load is an effort along a coordinate. A tree with as few ties as loops takes
+half the time a step, but the forces in its joints have to be had from ``rnea``.
 
-**Drive.** A constraint between crank and ground of all six directions, five of them empty, with a desired acceleration.
+**Ties** are made for space. Nothing moves along z, so some rows are empty, and without a proximal term every number is
+silently NaN. They hold accelerations alone: Baumgarte's terms bring a joint back within a time constant, where a
+newcomer lets it drift.
 
-**Slots.** A block without a weight to speak of slides in the host, and its pin is a cut joint along the block's axes:
-in others the block's lightness would leave few digits of the force across the slot.
+**Drive.** The crank is tied, without freedom, to a frame of the ground that turns as the drive does; the moment of this
+tie is the drive's torque, its force that of the crank's pin.
+
+**Sliders and slots.** A block without a weight to speak of slides on the host; a slider is tied to it without freedom,
+a slot's pin as a point. The tie has the block's axes: in others its lightness would leave few digits of the force.
 """
 
 from __future__ import annotations
@@ -74,21 +79,21 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
         frames on two bodies that it holds together: name, place and direction, the crank's the second.
         """
         bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
-        light, joints, ties = 1e-9 * min(body.mass for body in scene.bodies), [], []
+        light, joints, ties = 1e-9 * min(body.mass for body in scene.bodies), list[Any](), list[Any]()
         for pin in sorted(scene.pins, key=lambda pin: {pin.first, pin.second} != {scene.crank, GROUND}):
             ends = (pin.first, pin.first_anchor, 0.0), (pin.second, pin.second_anchor, 0.0)
             row = (1.0, *ends) if pin.first == GROUND else (-1.0, *ends[::-1])
             ties.append((pin.name, not ties, *row))
         for name, body in bodies.items():
             if body is not AT_REST:
-                start = (*body.position, body.angle), (*body.velocity, body.angular_velocity)
+                state = (*body.position, body.angle), (*body.velocity, body.angular_velocity)
                 inertia = body.inertia or body.mass  # what cannot turn has any
-                joints.append((name, GROUND, (0.0, 0.0), 0.0, body.mass, inertia, *start))
+                joints.append((name, GROUND, (0.0, 0.0), 0.0, body.mass, inertia, *state))
             for line in (line for line in scene.guided if line.host == name):
                 along, other, block = cmath.phase(complex(*line.along)), bodies[line.body], f"/{line.name}"
-                ends = zip(point_motion(other, line.anchor), point_motion(body, line.through), strict=True)
-                start = ([((one - two) * cmath.rect(1.0, -along - body.angle)).real] for one, two in ends)
-                joints.append((block, name, line.through, along, light, light, *start))
+                points = zip(point_motion(other, line.anchor), point_motion(body, line.through), strict=True)
+                travel = ([((one - two) * cmath.rect(1.0, -along - body.angle)).real] for one, two in points)
+                joints.append((block, name, line.through, along, light, light, *travel))
                 end = line.body, line.anchor, along + body.angle - other.angle
                 ties.append((line.name, isinstance(line, SliderJoint), -1.0, (block, (0.0, 0.0), 0.0), end))
         return {

@@ -32,14 +32,13 @@ class World:
     """
 
     def __init__(self, given: Data) -> None:
-        self.given, self.model, numbers, ties = given, pin.Model(), {"ground": 0}, []
-        model = self.model
+        self.given, model, numbers, ties = given, pin.Model(), {"ground": 0}, []
         model.gravity.linear = np.array([*given["gravity"], 0.0])
         for name, host, place, turn, mass, inertia, *start in given["joints"]:
             joint = pin.JointModelComposite()
             for kind in (pin.JointModelPX, pin.JointModelPY, pin.JointModelRZ)[: len(start[0])]:
                 joint.addJoint(kind())
-            numbers[name] = model.addJoint(numbers[host], joint, _frame(place, turn), name)
+            numbers[name] = model.addJoint(numbers[host], joint, _frame(place, turn), f"joint {len(numbers)}")
             model.inertias[numbers[name]] = pin.Inertia(mass, np.zeros(3), inertia * np.eye(3))
         for _, is_rigid, _, (name, *here), (other, *there) in given["ties"]:
             kind = pin.ContactType.CONTACT_6D if is_rigid else pin.ContactType.CONTACT_3D
@@ -51,9 +50,9 @@ class World:
         self.desired = self.drive.contact_acceleration_desired.angular
         self.is_loaded = any(given[kind] for kind in ("forces", "torques", "dampers"))
         self.forces = [(each.oMc1.rotation, each.contact_force.linear) for each in self.solved]
-        # Two iterations of the proximal term 1e-8: without such a term the empty rows make all NaN.
-        self.data, self.settings = model.createData(), pin.ProximalSettings(0.0, 1e-8, 2)
-        pin.initConstraintDynamics(model, self.data, self.ties, self.solved)
+        # Two iterations with a proximal term, 1e-8: without such a term empty rows make every number NaN.
+        self.system, self.settings = (model, model.createData()), pin.ProximalSettings(0.0, 1e-8, 2)
+        pin.initConstraintDynamics(*self.system, self.ties, self.solved)
         starts = list(zip(*given["joints"], strict=True))[-2:]
         self.state = np.array([np.concatenate(values) for values in starts])
         self.rows = {name: row for row, name in enumerate(given["bodies"])}
@@ -64,15 +63,14 @@ class World:
             turns = [self.columns[self.rows[end], 2] for end in ends if end in self.rows]  # not the ground
             self.damping[np.ix_(turns, turns)] += coefficient * (2.0 * np.eye(len(turns)) - 1.0)
 
-    def solve(self, target: list[Any], position: Array, velocity: Array) -> Array:
+    def solve(self, target: list[Any], position: Array, velocity: Array) -> Any:  # noqa: ANN401
         """Accelerations of a state, with what the crank's frame has to be then, and the loads."""
         self.axes[:], self.desired[2], efforts, couples = target
         if self.is_loaded:
             efforts = efforts - np.dot(self.damping, velocity)
             for turn, couple in zip(self.pushed, couples, strict=True):
                 efforts[turn] += (couple * cmath.rect(1.0, -position[turn])).imag
-        state = position, velocity, efforts
-        return pin.constraintDynamics(self.model, self.data, *state, self.ties, self.solved, self.settings)
+        return pin.constraintDynamics(*self.system, position, velocity, efforts, self.ties, self.solved, self.settings)
 
     def read(self, time: float, changes: Array) -> tuple[Any, ...]:
         """The instant, and what Pinocchio has of the state that was solved last, by coordinate and tie."""
@@ -90,15 +88,17 @@ class World:
             tie.m_baumgarte_parameters.Kp, tie.m_baumgarte_parameters.Kd = rate**2, 2.0 * rate
         clock, angle = np.add.outer(times - start, [0.0, *rule[:-1, 0, 1]]), np.poly1d(coefficients[::-1])
         wanted, angles = (angle.deriv(2) + 2.0 * rate * angle.deriv())(clock), angle(clock)
-        turned = np.moveaxis([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]], (0, 1), (2, 3))
-        efforts, couples = np.zeros((*clock.shape, self.model.nv)), np.zeros((*clock.shape, len(self.pushed)), complex)
+        c, s = np.cos(angles), np.sin(angles)
+        turned = np.array([[c, -s], [s, c]]).transpose(2, 3, 0, 1)
+        efforts = np.zeros((*clock.shape, len(self.damping)))
+        couples = np.zeros((*clock.shape, len(self.pushed)), complex)
         for number, (body, anchor, law) in enumerate(self.given["forces"]):
             force = law_values(law, angles)
             efforts[..., self.columns[self.rows[body], :2]] += force
             couples[..., number] = force @ [1.0, 1j] * complex(*anchor).conjugate()  # of the body at its angle 0
         for body, law in self.given["torques"]:
             efforts[..., self.columns[self.rows[body], 2:]] += law_values(law, angles)
-        known = np.zeros((rule.shape[2], self.model.nv))
+        known = np.zeros((rule.shape[2], len(self.damping)))
         for count, (time, *targets) in enumerate(zip(times, turned, -wanted, efforts, couples, strict=True)):
             known[:2] = state = self.state
             for number, (shares, *target) in enumerate(zip(rule, *targets, strict=True), start=2):
@@ -109,7 +109,7 @@ class World:
             self.state = state if count < steps else self.state
 
 
-def law_values(law: Any, angles: Array) -> Array:  # noqa: ANN401
+def law_values(law: Any, angles: Array) -> Any:  # noqa: ANN401
     """A load's components, last, at angles: constants, or cubics that repeat."""
     if isinstance(law, list):
         return np.array(law)
@@ -135,8 +135,8 @@ def follow(world: World, course: Data) -> Data:
     for part in course["parts"]:
         rows[-1:] = world.part_states(part, course["ratio"])
     time, *motion, torque, forces = (np.array(values) for values in zip(*rows, strict=True))
-    channels = [*(values[:, world.columns] for values in motion), torque]
-    samples = {name: (time, each) for name, each in zip(CHANNELS, channels, strict=True) if name in course["channels"]}
+    values = dict(zip(CHANNELS, (*(each[:, world.columns] for each in motion), torque), strict=True))
+    samples: Data = {name: (time, values[name]) for name in course["channels"] if name in values}
     if "joint_force" in course["channels"]:
         joints = enumerate(world.given["ties"])
         samples["joint_force"] = {name: (time, sign * forces[:, tie, :2]) for tie, (name, _, sign, *_) in joints}
