@@ -79,6 +79,7 @@ NIGHTLY = [
     ("exudyn", "double-rocker", "switched", "tuned"),
     ("ondsel", "cylinder", "sample", "tuned"),
     ("mujoco", "spring-and-damper", "run-up", "tuned"),
+    ("pinocchio", "force-over-angle", "run-up", "tuned"),
     ("pybullet", "slotted-takeup", "run-up", "naive"),  # which prints nothing: a change of its solver does
     ("pymunk", "slotted-takeup", "driven", "tuned"),
     *((name, "force-over-angle", "run-up", "tuned") for name in ("exudyn", "mujoco", "pymunk", "simbody")),

@@ -22,6 +22,7 @@ HELD = {
     "simbody": {"crank", "follower's inertia"},  # a mass off its pin has a moment about it
     "dart": set(),
     "mujoco": set(),
+    "pinocchio": set(),
     "pybullet": set(),
     "pymunk": set(),
 }

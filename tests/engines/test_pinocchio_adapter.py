@@ -1,0 +1,89 @@
+"""Pinocchio against the closed form: torque, every joint's force and motion, its order, and what it does not take."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from engines.contract import Setting
+from engines.pinocchio_adapter import PinocchioEngine
+from engines.scene import PinJoint, Prescribed
+from tests.analytic.linkages import mechanism
+from tests.engines.closed_form import driven, error_of, errors_of, run_of
+
+SHORT = crank_motion("run-up", ramp_time=0.06, hold_time=0.02, start_angle=0.3)
+LIMIT = 2e-6  # of the peak; all but carried-slider, near a toggle, is below 1e-7
+KINDS = [
+    "rimoldi-164",  # pins, and a guide on the ground
+    "slotted-takeup",  # a mass on a pin in a slot that turns, and a damper on the crank
+    "carried-slider",  # a body that slides and turns with its host
+    "moving-guides",  # guides on hosts that slide, turn and rest
+    "ground-pin-in-slot",
+    "scotch-yoke",  # a slot in a body that does not turn
+    "three-on-one-pin",
+    "force-over-angle",
+]
+
+
+def run(linkage, setting=Setting.TUNED, ratio=4, **changes):
+    pytest.importorskip("pinocchio")
+    engine = PinocchioEngine()
+    if setting is Setting.TUNED:
+        engine.settings = {
+            Prescribed: {setting: dataclasses.replace(engine.settings[Prescribed][setting], ratios=(ratio,))}
+        }
+    return run_of(engine, linkage, SHORT, setting, **changes)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(name):
+    errors = errors_of(run(mechanism(name)), mechanism(name), SHORT)
+    assert {key: error for key, error in errors.items() if not error < LIMIT} == {}
+
+
+def test_every_read_out_belongs_to_its_instant():
+    """The error falls with the fourth power of the step; a read-out of another instant would make it the first."""
+    linkage = mechanism("fork-takeup")
+    coarse, fine = (errors_of(run(linkage, ratio=ratio), linkage, SHORT) for ratio in (2, 4))
+    assert {name: coarse[name] / fine[name] for name in coarse} == dict.fromkeys(coarse, pytest.approx(16.0, rel=0.1))
+
+
+def test_a_joint_force_acts_on_the_body_that_the_scene_names_first():
+    linkage = mechanism("rimoldi-164")
+    pins = driven(linkage, SHORT).pins
+    swapped = tuple(PinJoint(p.name, p.second, p.first, p.second_anchor, p.first_anchor) for p in pins)
+    given, other = (run(linkage, pins=each) for each in (pins, swapped))
+    for pin in pins:
+        assert error_of(other.joint_force[pin.name].values, -given.joint_force[pin.name].values) < 1e-7
+    assert error_of(other.torque.values, given.torque.values) < 1e-7
+
+
+def test_a_newcomers_steps_are_a_hundredth_off():
+    linkage = mechanism("juki-mf7923d")
+    assert errors_of(run(linkage, Setting.NAIVE), linkage, SHORT)["torque"] > 1e-2
+
+
+def test_what_is_not_taken_is_refused_in_a_sentence():
+    assert "no point spring" in (PinocchioEngine().obstacle(driven(mechanism("spring-and-damper"), SHORT)) or "")
+
+
+def test_a_planar_loop_without_a_proximal_term_is_nan_in_silence():
+    """The third row of a point constraint is empty in a plane; docs/engines.md says so."""
+    pin, ends = pytest.importorskip("pinocchio"), []
+    model = pin.Model()
+    for name, place in (("left", 0.0), ("right", 0.5)):
+        joint = model.addJoint(0, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array([place, 0.0, 0.0])), name)
+        bar = pin.Inertia(1.0, np.array([0.1, 0.2, 0.0]), 0.01 * np.eye(3))
+        model.appendBodyToJoint(joint, bar, pin.SE3.Identity())
+        ends += [joint, pin.SE3(np.eye(3), np.array([0.25 - place, 0.4, 0.0]))]
+    loop = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, *ends, pin.LOCAL)
+    loops, solved = pin.StdVec_RigidConstraintModel([loop]), pin.StdVec_RigidConstraintData([loop.createData()])
+    data, still = model.createData(), np.zeros(model.nv)
+    pin.initConstraintDynamics(model, data, loops, solved)
+    bare, proximal = (
+        pin.constraintDynamics(model, data, still, still, still + 1.0, loops, solved, pin.ProximalSettings(0.0, mu, 10))
+        for mu in (0.0, 1e-8)
+    )
+    assert np.isnan(bare).all()
+    assert np.isfinite(proximal).all()
