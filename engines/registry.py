@@ -78,6 +78,11 @@ def engine_names() -> tuple[str, ...]:
     return tuple(_announced())
 
 
+def own_names() -> tuple[str, ...]:
+    """Names of the suite's own engines, whatever plug-ins are installed: what its documentation and tests are about."""
+    return tuple(name for name, entry in _announced().items() if _is_ours(entry.value))
+
+
 def entry_point(name: str) -> EntryPoint:
     """Where the adapter of that name is announced; raises UnknownNameError for a name that no package announces."""
     entries = _announced()

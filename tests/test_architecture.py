@@ -11,7 +11,7 @@ import pytest
 
 from analytic.description.loading import catalogue, literature
 from engines.contract import Engine
-from engines.registry import engine, engine_names
+from engines.registry import engine, own_names
 from tests.sources import PACKAGES, ROOT, SOURCES, docstrings, nodes
 
 
@@ -34,7 +34,7 @@ def _compared(path):
 def test_no_code_outside_an_adapter_compares_with_an_engines_name():
     outside = [p for p in SOURCES if not p.parent.name.endswith("_adapter") and p.name != "environment.py"]
     assert len(outside) > 100
-    assert not [path for path in outside if _compared(path) & set(engine_names())]
+    assert not [path for path in outside if _compared(path) & set(own_names())]
 
 
 def test_no_files_import_each_other_in_a_circle():
@@ -44,7 +44,7 @@ def test_no_files_import_each_other_in_a_circle():
     assert {*TopologicalSorter(imports).static_order()} == graph.modules
 
 
-@pytest.mark.parametrize("name", engine_names())
+@pytest.mark.parametrize("name", own_names())
 def test_every_announced_engine_keeps_the_contract(name):
     adapter: Engine = engine(name)
     assert adapter.name == name
@@ -53,7 +53,7 @@ def test_every_announced_engine_keeps_the_contract(name):
 
 def test_finding_adapters_and_their_methods_imports_no_engine():
     script = (
-        f"import sys; from engines.registry import engine; [engine(name) for name in {engine_names()!r}]; "
+        f"import sys; from engines.registry import engine; [engine(name) for name in {own_names()!r}]; "
         "engine('exudyn').methods(None); print([module for module in ('exudyn', 'pymunk') if module in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from engines.registry import engine, engine_names
+from engines.registry import engine, own_names
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
@@ -83,7 +83,7 @@ def test_a_plain_installation_does_without_the_packages_of_extras(imported, comm
 @pytest.mark.parametrize("name", ENGINES)
 def test_an_engine_that_is_not_requested_is_not_imported(imported, name):
     """All others run beside it in one command, so that none of them imports the engine that is left out."""
-    others = [f"--engine={other}" for other in engine_names() if other != name and engine(other).version() is not None]
+    others = [f"--engine={other}" for other in own_names() if other != name and engine(other).version() is not None]
     short = ("--regime", "run-up-quintic", "--ramp-time", "0.02", "--hold-time", "0.01")
     command = ("compare", "juki-mf7923d", *short, *others, "--quantity", "Jeq")
     assert imported((name, *PLOTTING, "xarray"), *command) == set()

@@ -15,7 +15,7 @@ from comparisons.judging.limits import shipped_standard
 from comparisons.judging.quantities import all_quantities
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Setting
-from engines.registry import engine, engine_names
+from engines.registry import engine, own_names
 from reports.requests.options import CompareOptions
 
 BASELINE = read_rows(Path(__file__).with_name("baseline.csv"))
@@ -29,7 +29,7 @@ USUAL, *OTHERS = CHECKED
 @pytest.mark.parametrize(
     ("regime", "setting"), [USUAL, *(pytest.param(*other, marks=pytest.mark.nightly) for other in OTHERS)]
 )
-@pytest.mark.parametrize("engine_name", engine_names())
+@pytest.mark.parametrize("engine_name", own_names())
 def test_every_deviation_is_within_its_limit_and_as_recorded(mechanism, engine_name, regime, setting):
     if engine(engine_name).version() is None:
         pytest.skip(f"{engine_name} is not installed: pip install 'linkproof[{engine_name}]'")

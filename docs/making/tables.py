@@ -7,7 +7,7 @@ from pathlib import Path
 
 from analytic.description.loading import catalogue, literature, load
 from comparisons.datasheet.figures import compare_published
-from engines.registry import engine, engine_names
+from engines.registry import engine, own_names
 from reports.document.markdown import table, written
 from reports.document.parts import Bullets, Section
 from reports.mechanism.published import notes, published_table
@@ -18,7 +18,7 @@ MARK = "<!-- below: python -m docs.making.tables docs/{} -->"
 
 def readouts() -> str:
     """Every engine's read-outs."""
-    return "\n\n".join(table(readout_table(name, engine(name).abilities.as_dict())) for name in engine_names())
+    return "\n\n".join(table(readout_table(name, engine(name).abilities.as_dict())) for name in own_names())
 
 
 def printed_figures() -> str:

@@ -10,7 +10,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.case import scene
 from comparisons.runs.workers import run_jobs
-from engines.registry import engine, engine_names
+from engines.registry import engine, own_names
 from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism
 
@@ -37,7 +37,7 @@ def left_by(name):
 
 @pytest.mark.nightly
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
-@pytest.mark.parametrize("name", engine_names())
+@pytest.mark.parametrize("name", own_names())
 def test_a_process_does_not_grow_with_the_runs_it_has_made(name):
     if engine(name).version() is None:
         pytest.skip(f"{name} is not installed")

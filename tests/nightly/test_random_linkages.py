@@ -3,10 +3,10 @@
 import pytest
 
 from comparisons.stress.verdict import StressVerdict
-from engines.registry import engine, engine_names
+from engines.registry import engine, own_names
 from tests.nightly.random_linkages import draw, tallies
 
-INSTALLED = [name for name in engine_names() if engine(name).version() is not None]
+INSTALLED = [name for name in own_names() if engine(name).version() is not None]
 FAILING = 0.02  # share of the runs with a mass ratio up to 30 that may fail or be over a limit
 
 

@@ -9,7 +9,7 @@ from comparisons.campaign.campaign import compare
 from comparisons.judging.records import Verdict
 from comparisons.runs.workers import LocalPool
 from engines.contract import Outcome
-from engines.registry import engine, engine_names, why_unavailable
+from engines.registry import engine, own_names, why_unavailable
 from reports.requests.campaign import request
 from reports.requests.options import CompareOptions
 from tests.analytic.swinging import double_rocker_text
@@ -28,7 +28,7 @@ time  = [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3]
 angle = [40, 41, 45, 52, 59, 63, 64]
 """
 LINKAGES = Path(__file__).parents[2] / "linkages"
-OTHERS = [name for name in engine_names() if name != "direct" and why_unavailable(engine(name)) is None]
+OTHERS = [name for name in own_names() if name != "direct" and why_unavailable(engine(name)) is None]
 ENGINES = ["direct", *(pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS)]
 
 

@@ -24,7 +24,7 @@ from comparisons.datasheet.building import usual_case
 from comparisons.faults.misreadings import likeliest_misreading, readings
 from comparisons.runs.workers import Bounds
 from engines.direct_adapter.adapter import DirectEngine
-from engines.registry import engine, engine_names
+from engines.registry import engine, own_names
 from engines.scene import Channel
 from tests.comparisons.conformance.wrong_engines import (
     WRONG,
@@ -41,7 +41,7 @@ pytest_plugins = ["pytester"]
 OWN = [name for name in CHECKS if not name.startswith(MUTANT)]
 
 FEWEST_MUTANTS = 60  # of an engine, whatever it can do
-OTHERS = [name for name in engine_names() if name != "direct"]
+OTHERS = [name for name in own_names() if name != "direct"]
 
 
 def _results(engine, names=OWN):

@@ -12,7 +12,7 @@ from analytic import machine_code
 from analytic.errors import LinkproofError
 from comparisons.conformance import conformance
 from comparisons.judging.records import Record, Verdict
-from engines.registry import engine_names
+from engines.registry import own_names
 from reports.command_line.commands import engines
 from reports.command_line.destination import Destination
 from reports.requests import engine_trials
@@ -84,7 +84,7 @@ def test_an_engine_that_cannot_be_checked_is_refused(checked, engine, words):
         checked(engine())
 
 
-@pytest.mark.parametrize("names", [("direct",), pytest.param(engine_names(), marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("names", [("direct",), pytest.param(own_names(), marks=pytest.mark.nightly)])
 def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(tmp_path, monkeypatch, names):
     for package in EXTRAS:
         monkeypatch.setitem(sys.modules, package, None)
