@@ -10,10 +10,10 @@ EXTENT ?= --quick
 
 DOCUMENTED := $(VENV)/.documented
 BROWSER    := $(VENV)/.browser
-# drake is not one of all, and has an environment of its own.
-DRAKE      := .venv-drake
+# Engines that are not of all: each has an environment of its own, .venv-NAME. make nightly-engines ENGINES=drake takes one.
+ENGINES ?= drake pinocchio mjx mujoco-warp
 
-.PHONY: report pages pictures docs pins browser test nightly nightly-drake lint baseline release-check clean
+.PHONY: report pages pictures docs pins browser test nightly nightly-engines lint baseline release-check clean
 
 report: $(READY)  ## every mechanism in every engine and setting, cost and stability; page at build/report/index.html
 	rm -rf build/report/bench build/report/stress  # --out alone, without --quick, would only write their pages again
@@ -41,8 +41,10 @@ test: $(READY)  ## the tests of every change, on all cores; without a browser th
 nightly: $(READY)  ## the tests that take minutes: every mutant in every engine, killed campaigns, the wheel, whole literature
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m nightly
 
-nightly-drake: $(DRAKE)/.installed  ## every test of the engine drake
-	$(DRAKE)/bin/python -m pytest --numprocesses auto --dist worksteal -m 'nightly or not nightly' -k drake
+nightly-engines: $(ENGINES:%=nightly-engine-%)  ## every test of each engine that is not of all, whatever its duration
+
+nightly-engine-%: .venv-%/.installed
+	.venv-$*/bin/python -m pytest --numprocesses auto --dist worksteal -m 'nightly or not nightly' -k $*
 
 lint: $(READY)  ## style, types and the direction of imports
 	$(BIN)/ruff check .
@@ -57,7 +59,7 @@ release-check: $(READY)  ## sdist and wheel in build/release, each installed ane
 	$(BIN)/python -m tests.linkproof.release build/release
 
 clean:
-	rm -rf build $(VENV) $(DRAKE)
+	rm -rf build $(VENV) .venv-*
 
 # Installed once; again only when the dependencies change.
 $(READY): pyproject.toml
@@ -69,9 +71,10 @@ $(DOCUMENTED): $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@
 
-$(DRAKE)/.installed: pyproject.toml
-	$(PYTHON) -m venv $(DRAKE)
-	$(DRAKE)/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[drake,dev]'
+.PRECIOUS: .venv-%/.installed
+.venv-%/.installed: pyproject.toml
+	$(PYTHON) -m venv .venv-$*
+	.venv-$*/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[$*,dev]'
 	touch $@
 
 $(BROWSER): $(READY)

@@ -24,7 +24,7 @@ def installed(name: str) -> Engine:
     """The adapter of that name; the test is skipped where its engine is not installed."""
     adapter = engine(name)
     if adapter.version() is None:
-        pytest.skip(f"{name} is not installed")
+        pytest.skip(f"{name} is not installed: make nightly-engines ENGINES={name} runs its tests")
     return adapter
 
 

@@ -13,7 +13,7 @@ from engines.drake_adapter import DrakeEngine
 from engines.scene import Channel, PinJoint, Prescribed
 from engines.stepping.stepped_engine import plain
 from tests.analytic.linkages import mechanism
-from tests.engines.closed_form import error_of, run_of
+from tests.engines.closed_form import error_of, installed, run_of
 
 ENGINE = DrakeEngine()
 SHORT = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.01, start_angle=0.3)
@@ -28,7 +28,7 @@ KINDS = [
 
 @pytest.fixture
 def drake():
-    pytest.importorskip("pydrake")
+    installed("drake")
 
 
 def errors_of(history, linkage, motion):

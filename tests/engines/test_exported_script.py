@@ -26,6 +26,7 @@ from engines.scene import Channel, Prescribed
 from engines.stepping.intervals import UnsupportedError
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.swinging import double_rocker_text
+from tests.engines.closed_form import installed
 
 SWITCHED = """
 [regimes.switched]
@@ -39,6 +40,7 @@ ALONE = """
 import runpy, sys
 sys.modules.update(dict.fromkeys(("analytic", "engines", "comparisons", "reports")))
 import numpy as np
+from tests.engines.closed_form import installed
 samples = dict(runpy.run_path("case.py")["samples"])
 samples |= {f"force in {joint}": pair for joint, pair in samples.pop("joint_force", {}).items()}
 np.savez("samples.npz", **{f"{name}/{n}": np.array(v) for name, pair in samples.items() for n, v in enumerate(pair)})
@@ -92,8 +94,7 @@ NIGHTLY = [
     [*USUAL, *(pytest.param(*case, marks=pytest.mark.nightly) for case in NIGHTLY)],
 )
 def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, setting, tmp_path):
-    adapter, case = engine(name), _case(linkage, regime)
-    pytest.importorskip(adapter.package)
+    adapter, case = installed(name), _case(linkage, regime)
     samples, printed = _run_alone(exported(case, name, Setting(setting), "linkproof compare"), tmp_path)
     run = adapter.run(case.scene(frozenset(Channel)), Setting(setting))
     assert run.outcome is Outcome.FINISHED

@@ -13,6 +13,7 @@ from comparisons.runs.workers import run_jobs
 from engines.registry import engine, own_names
 from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism
+from tests.engines.closed_form import installed
 
 FIRST, MORE, STEP = 40, 100, 2.5e-4
 ALLOWED = 20_000  # bytes a run; what the interpreter and the allocator keep comes to less
@@ -39,7 +40,6 @@ def left_by(name):
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 @pytest.mark.parametrize("name", own_names())
 def test_a_process_does_not_grow_with_the_runs_it_has_made(name):
-    if engine(name).version() is None:
-        pytest.skip(f"{name} is not installed")
+    installed(name)
     ((_, left),) = run_jobs(left_by, [(name,)], processes=1)
     assert left < ALLOWED

@@ -10,7 +10,7 @@ from engines.contract import Setting
 from engines.pinocchio_adapter import PinocchioEngine
 from engines.scene import PinJoint, Prescribed
 from tests.analytic.linkages import mechanism
-from tests.engines.closed_form import driven, error_of, errors_of, run_of
+from tests.engines.closed_form import driven, error_of, errors_of, installed, run_of
 
 SHORT = crank_motion("run-up", ramp_time=0.06, hold_time=0.02, start_angle=0.3)
 LIMIT = 2e-6  # of the peak; all but carried-slider, near a toggle, is below 1e-7
@@ -27,7 +27,7 @@ KINDS = [
 
 
 def run(linkage, setting=Setting.TUNED, ratio=4, **changes):
-    pytest.importorskip("pinocchio")
+    installed("pinocchio")
     engine = PinocchioEngine()
     if setting is Setting.TUNED:
         engine.settings = {

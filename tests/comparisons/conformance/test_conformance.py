@@ -12,7 +12,6 @@ from comparisons.conformance import conformance
 from comparisons.conformance.conformance import (
     CHECKS,
     FIRST,
-    INSTALLED,
     check_engine,
     parametrize_engine_checks,
     run_in_workers,
@@ -24,7 +23,7 @@ from comparisons.datasheet.building import usual_case
 from comparisons.faults.misreadings import likeliest_misreading, readings
 from comparisons.runs.workers import Bounds
 from engines.direct_adapter.adapter import DirectEngine
-from engines.registry import engine, own_names
+from engines.registry import own_names
 from engines.scene import Channel
 from tests.comparisons.conformance.wrong_engines import (
     WRONG,
@@ -36,6 +35,7 @@ from tests.comparisons.conformance.wrong_engines import (
     PrintingEngine,
 )
 from tests.comparisons.true_motions import true_history
+from tests.engines.closed_form import installed
 
 pytest_plugins = ["pytester"]
 OWN = [name for name in CHECKS if not name.startswith(MUTANT)]
@@ -206,9 +206,7 @@ def test_pytest_has_a_case_of_every_check_and_turns_red_when_an_expected_failure
 def findings(name, monkeypatch, checks):
     monkeypatch.setattr(conformance, "CHECKS", {check: CHECKS[check] for check in checks})
     monkeypatch.setattr(conformance, "BOUNDS", Bounds(seconds=math.inf))
-    results = {each.check: each for each in check_engine(engine(name), 1)}
-    if results[INSTALLED].finding is Finding.NOT_TESTED:
-        pytest.skip(results[INSTALLED].detail)
+    results = {each.check: each for each in check_engine(installed(name), 1)}
     assert {check: each.detail for check, each in results.items() if each.finding is Finding.FAILED} == {}
     return {check: each.finding for check, each in results.items()}
 
