@@ -415,11 +415,16 @@ def published_figure(mechanism: Mechanism, entry: Published) -> float:
     angle = item.angle if isinstance(item, Figure) and entry.regime is None else math.nan
     end = None if math.isnan(angle) else angle
     speed = 1.0 if entry.speed is None else entry.speed * RPM
-    (value,) = case_figures(Curves(_case(mechanism, entry.regime, speed, end)), figures).values()
+    (value,) = case_figures(_curves(mechanism, entry.regime, speed, end), figures).values()
     return value
 
 
 @lru_cache(maxsize=8)
+def _curves(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Curves:
+    """Curves of the case that figures are printed for; sampled once for all of them."""
+    return Curves(_case(mechanism, regime, speed, end))
+
+
 def _case(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Case:
     """The case that figures are printed for: a ``regime``, or a steady ``speed``, rad/s.
 

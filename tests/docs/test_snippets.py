@@ -145,7 +145,7 @@ def name(text):
 
 @pytest.mark.parametrize(
     "text",
-    [pytest.param(text, marks=pytest.mark.nightly) if name(text) == "pymunk" else text for text in SCRIPTS],
+    [text if name(text) == "mujoco" else pytest.param(text, marks=pytest.mark.nightly) for text in SCRIPTS],
     ids=name,
 )
 def test_a_fault_of_an_engine_is_still_there(text, shell, tmp_path):

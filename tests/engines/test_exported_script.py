@@ -74,9 +74,9 @@ USUAL = [
     ("mujoco", "double-rocker", "switched", "tuned"),
     ("ondsel", "slotted-takeup", "run-up", "tuned"),
     ("pymunk", "double-rocker", "switched", "naive"),
-    ("simbody", "double-rocker", "switched", "tuned"),
 ]
 NIGHTLY = [
+    ("simbody", "double-rocker", "switched", "tuned"),
     *(("exudyn", *case) for case in (("spring-and-damper", "run-up", "naive"), ("slotted-takeup", "free", "tuned"))),
     ("exudyn", "double-rocker", "switched", "tuned"),
     ("ondsel", "cylinder", "sample", "tuned"),
@@ -114,6 +114,7 @@ def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, settin
         assert float(read) == pytest.approx(float(exported_figure), rel=1e-8, abs=1e-10)
 
 
+@pytest.mark.nightly
 def test_a_run_that_an_engine_gives_up_is_given_up_by_its_script(tmp_path):
     pytest.importorskip("pyondsel")
     at_change_point = Mechanism(load("comparisons/stress/linkages/parallel-cranks.toml"))
@@ -143,9 +144,9 @@ def _renamed(value, names):
 
 @pytest.mark.parametrize(
     ("name", "first"),
-    [*(("ondsel", 0), ("mujoco", 11), ("simbody", 0)),  # which write files or names of their own
+    [("ondsel", 0), ("mujoco", 11),  # which write files or names of their own
      *(pytest.param(*case, marks=pytest.mark.nightly) for case in (
-         ("exudyn", 0), ("pymunk", 11), ("ondsel", 11), ("mujoco", 0), ("simbody", 11)))],
+         ("simbody", 0), ("exudyn", 0), ("pymunk", 11), ("ondsel", 11), ("mujoco", 0), ("simbody", 11)))],
 )  # fmt: skip
 def test_no_name_becomes_code_or_breaks_a_script(name, first, tmp_path):
     pytest.importorskip(engine(name).package)

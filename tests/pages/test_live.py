@@ -31,7 +31,7 @@ from tests.pages.live_page import (
 pytestmark = pytest.mark.usefixtures("_at_a_browser")
 
 SAME = 1e-13  # of the peak
-CHANGES = 4
+CHANGES = 2
 UNCHANGING = {"n-four-bar", "shaper-quick-return"}  # formulas that branch, and a group without a formula
 SHIPPED = [name for name in (*catalogue(), *literature()) if name not in UNCHANGING]
 MOST_BYTES = 900_000
@@ -90,8 +90,7 @@ def live_data(page):
     ("browser", "name"),
     [
         ("chromium", "four-bar"),
-        ("chromium", "slotted-takeup"),
-        *(pytest.param(name, "four-bar", marks=SLOW) for name in NAMES),
+        *(pytest.param(name, "four-bar", marks=SLOW) for name in NAMES if name != "chromium"),
         *(pytest.param("chromium", name, marks=SLOW) for name in SHIPPED),
     ],
     indirect=["browser"],

@@ -42,9 +42,10 @@ def made_up_results(
     motions = tuple(crank_motion(name, clockwise=clockwise) for name in regimes)
     request = CampaignRequest(tuple(linkages), motions, CONDITIONS, tuple(engines), tuple(settings), tuple(quantities))
     runs = [
-        _run(Case(Mechanism(linkage), motion), Maker(engine, setting, samples), request, broken or {})
+        _run(case, Maker(engine, setting, samples), request, broken or {})
         for linkage in linkages
         for motion in motions
+        for case in [Case(Mechanism(linkage), motion)]
         for engine in engines
         for setting in settings
     ]

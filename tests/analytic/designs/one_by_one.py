@@ -13,10 +13,8 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.signals import MovingSweep
 
-PATHS = (
-    "numpy",
-    pytest.param("compiled", marks=pytest.mark.skipif(not machine_code.is_installed(), reason="no numba")),
-)
+NUMBA = pytest.mark.skipif(not machine_code.is_installed(), reason="no numba")
+PATHS = ("numpy", pytest.param("compiled", marks=[NUMBA, pytest.mark.nightly]))
 NOT_NEGATIVE = ("mass", "inertia", "stiffness", "damping", "coefficient")
 
 

@@ -61,15 +61,15 @@ def test_a_swing_beyond_a_toggle_says_where_it_ends_and_what_to_do(rocker):
 RELEASED = """
 [regimes.timed]
 torque = [0.0, 1.0, -1.0]
-time = [0.01, 0.02, 0.04]
+time = [0.004, 0.008, 0.016]
 start_angle = 30
-duration = 0.05
+duration = 0.02
 
 [regimes.angled]
 torque = [1.5, 2.5, 1.0]
 angle = [-60, 0, 60]
 start_angle = 30
-duration = 0.05
+duration = 0.02
 """
 
 

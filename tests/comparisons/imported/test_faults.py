@@ -97,7 +97,7 @@ def test_a_column_of_another_quantity_is_recognised():
 
 @pytest.mark.parametrize("kind", first(RUNS))
 def test_another_motion_than_stated_is_the_likeliest_cause(kind):
-    results = exported(JUKI, MOTION, ("Mkr", "S", "v"), TIME, model=Simulation(JUKI, RUNS[kind]))
+    results = exported(JUKI, MOTION, ("Mkr", "S", "v"), TIME[::2], model=Simulation(JUKI, RUNS[kind]))
     assert set(kinds(judge(JUKI, results, MOTION))) == {kind}
 
 

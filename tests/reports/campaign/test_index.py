@@ -11,7 +11,7 @@ from reports.document.markdown import written
 from reports.document.parts import Cards, PageLink, Paragraph
 from tests.reports.made_up_results import made_up_results
 
-NAMES = ("juki-mf7923d", "two-crank-takeup")
+NAMES = ("juki-mf7923d", "fork-takeup")
 STUDY = (PageLink("Stability", "stress.html"), ": 480 runs")
 
 

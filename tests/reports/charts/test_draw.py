@@ -44,11 +44,7 @@ CHARTS = {
 }  # fmt: skip
 
 
-@pytest.fixture(params=CHARTS.values(), ids=CHARTS)
-def chart(request):
-    return request.param
-
-
+@pytest.mark.parametrize("chart", CHARTS.values(), ids=CHARTS)
 def test_no_words_touch_others_leave_the_figure_or_are_small(chart):
     check_words(draw.figure(chart), 2.5)
 
@@ -62,7 +58,9 @@ def test_a_turn_has_its_sixths_and_errors_whole_decades():
     assert set(texts(figure, lower)) >= {scales.power_of_ten(end) for end in lower.get_ylim()}
 
 
-def test_a_file_keeps_its_words_and_turns_every_colour_it_has(chart):
+@pytest.mark.parametrize("name", ["names in a key", "one above the other"])
+def test_a_file_keeps_its_words_and_turns_every_colour_it_has(name):
+    chart = CHARTS[name]
     text = draw.svg(draw.figure(chart))
     assert text == draw.svg(draw.figure(chart))
     assert chart.panels[0].y_label in text
