@@ -9,31 +9,14 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from engines.contract import Setting
 from engines.ondsel_adapter import OndselEngine
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import file_text, from_text, mechanism
 from tests.engines.closed_form import error_of, run_of
 
 pytest.importorskip("pyondsel")
 
 ENGINE = OndselEngine()
 # The crank is a bar with a slot through its pivot; the slot pushes a block along y = 0.1 m.
-PUSHED_BLOCK = """
-title = "block pushed by a slotted bar"
-source = "made up for this test"
-units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }
-crank = "bar"
-ground = { O = [0, 0] }
-slots = [{ point = "P", on = "bar", through = [0, 0], along = [1, 0] }]
-[links.bar]
-points = { O = [0, 0], E = [0.3, 0] }
-mass = 1.0
-centre = [0.1, 0]
-inertia = 1e-3
-[links.block]
-slides = { point = "P", through = [0, 0.1], along = [1, 0] }
-mass = 0.5
-[sketch]
-angle = 1.0
-"""
+PUSHED_BLOCK = file_text("block-pushed-by-a-slot")
 
 
 def test_every_solution_has_a_folder_of_its_own_for_files_of_fixed_names(monkeypatch):

@@ -9,49 +9,14 @@ from analytic.description.crank_motion import crank_motion
 from engines.contract import Setting
 from engines.scene import PinJoint
 from engines.simbody_adapter import SimbodyEngine
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import file_text, from_text, mechanism
 from tests.engines.closed_form import driven, errors_of, history_of, run_of, torque_error
 
 pytest.importorskip("opensim")
 
 ENGINE = SimbodyEngine()
 # Its second loop is closed between bodies that the crank carries: there Simbody tells forces in the axes of the crank.
-ON_THE_CRANK = """
-title = "dyad between the crank and the coupler"
-source = "made up for this test"
-units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-crank = "crank"
-gravity = [1.5, -9.81]
-ground = { O1 = [0, 0], O2 = [90, 10] }
-[links.crank]
-points = { O1 = [0, 0], A = [25, 0], K = [10, 18] }
-mass = 0.3
-centre = [8, 4]
-inertia = 5e-5
-[links.coupler]
-points = { A = [0, 0], B = [80, 0], L = [30, 25] }
-mass = 0.2
-centre = [35, 8]
-inertia = 2e-4
-[links.rocker]
-points = { O2 = [0, 0], B = [60, 0] }
-mass = 0.15
-centre = [20, -5]
-inertia = 9e-5
-[links.left]
-points = { K = [0, 0], M = [45, 0] }
-mass = 0.05
-centre = [20, 3]
-inertia = 1e-5
-[links.right]
-points = { L = [0, 0], M = [40, 0] }
-mass = 0.04
-centre = [15, -2]
-inertia = 8e-6
-[sketch]
-angle = 20
-points = { B = [85, 70], M = [25, 60] }
-"""
+ON_THE_CRANK = file_text("dyad-on-the-crank")
 
 
 def test_forces_of_a_loop_on_moving_bodies_are_those_of_the_closed_form():

@@ -14,21 +14,11 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.description.written import file_unit
+from tests.analytic.linkages import file_text
 from tests.commands import linkproof
 from tests.pages.browser import opened
 
-FOUR_BAR = """
-title = "Crank-rocker with a coupler point"
-units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-crank = "crank"
-ground = { O1 = [0, 0], O2 = [60, 0] }   # bolted to the frame
-output = { point = "B", along = [1, 0] }
-links.crank   = { points = { O1 = [0, 0], A = [20, 0] }, mass = 0.2, centre = [5, 0], inertia = 2e-5 }
-links.coupler = { points = { A = [0, 0], B = [60, 0], P = [28, 28] }, mass = 0.15, centre = [30, 5], inertia = 6e-5 }
-links.rocker  = { points = { O2 = [0, 0], B = [45, 0] }, mass = 0.12, inertia = 3e-5 }
-sketch = { angle = 60, points = { B = [60, 45] } }
-forces = [{ point = "P", link = "coupler", angle = [0, 90, 180, 270], force = [[0, 0], [9, 0], [0, 4], [0, -7]] }]
-"""
+FOUR_BAR = file_text("four-bar-with-a-coupler-point")
 ROUNDING = 8.0 * np.finfo(float).eps  # rad, of the angles that follow from one another
 AT_HAND = """
   Object.defineProperty(navigator, 'clipboard', { value: undefined }); // the text goes to a box

@@ -3,35 +3,9 @@
 import pytest
 
 from analytic.description.diagnosis import Source, readable, shown
+from tests.analytic.linkages import file_text
 
-TEXT = r"""title = '''a = 1
-[links]''' # 2
-units = { length = "mm" } # 3
-note = "b = [\"" # 4
-links."a.b" = { mass = 1, points = { "A = 2" = [
-  1, # 6
-  2 ] } }
-date = 2025-01-01 10:00:00
-[links.crank] # 9
-mass = 1
-points.A = [1, 2]
-[links."long rod"] # 12
-points = { A = [0, 0], B = [
-  1, 0] } # 14
-slides = { point = "A" }
-[[forces]] # 16
-[forces.law] # 17
-angle = [[1, 2],
-  [3, 4]]
-[[ forces ]] # 20
-[[forces.parts]] # 21
-[[forces.parts]] # 22
-x.y = 1
-[variants.light.links] # 24
-crank = { mass = 3 }
-[variants.light.links."long rod"]
-mass = 4 # 27
-"""
+TEXT = file_text("keys-written-in-every-way")
 LINES = {
     **{"title": 1, "units/length": 3, "units/mass": 3, "note": 4, "links/a.b/mass": 5, "links/a.b/points/A = 2/1": 7},
     **{"date": 8, "links/crank/mass": 10, "links/crank/inertia": 9, "links/crank/points/A/1": 11},

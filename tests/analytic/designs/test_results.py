@@ -271,16 +271,6 @@ def test_a_mean_is_the_integral_over_the_motion_whatever_the_samples(name, figur
         np.testing.assert_allclose(result, expected, rtol=1e-9, err_msg=f"{count} {refine}")
 
 
-@pytest.mark.parametrize("path", PATHS)
-def test_the_mean_torque_of_a_steady_turn_without_friction_is_zero(path):
-    """Gravity and inertia give back what they take: the energy is the same after a turn."""
-    figures = [Figure("Mkr", way) for way in (Reduction.MEAN, Reduction.RMS)]
-    angle = np.linspace(*AROUND, 180, endpoint=False)
-    masses = {"crank.mass": [0.3, 0.4]}
-    mean, size = design_figures(mechanism("near-toggle"), masses, figures, angle, speed=20.0, path=path)
-    assert np.all(np.abs(mean) < 1e-9 * size)
-
-
 def test_either_path_gives_the_figures():
     pytest.importorskip("numba")
     sample = mechanism("rimoldi-164")

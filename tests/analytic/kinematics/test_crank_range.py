@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from analytic.errors import AssemblyError
-from tests.analytic.linkages import FOLDER, from_text, text_of
+from tests.analytic.linkages import FOLDER, file_text, from_text, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 from tests.analytic.tolerances import EPS
 
@@ -99,15 +99,7 @@ def test_slider_cranks_whose_rod_is_too_short(rod, offset):
     assert "'rod' square to the guide of 'piston'" in result.low.sentence
 
 
-TANGENT = """
-title = "tangent"
-units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-crank = "crank"
-ground = { O = [0, 0] }
-links.crank = { points = { O = [0, 0] }, mass = 1, inertia = 1 }
-links.stone = { slides = { point = "P", through = [0.3, 0], along = [0, 1] }, mass = 1 }
-slots = [{ point = "P", on = "crank", through = [0, 0], along = [1, 0] }]
-"""
+TANGENT = file_text("tangent")
 
 
 def test_guides_that_become_parallel():

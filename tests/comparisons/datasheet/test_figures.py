@@ -11,11 +11,10 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import signal
-from comparisons.case import Case, case_of_file_regime
+from comparisons.case import Case
 from comparisons.datasheet.curves import Instants
-from comparisons.datasheet.figures import BRAKING, MEAN, drive_figures
+from comparisons.datasheet.figures import BRAKING, MEAN
 from linkproof import sweep
-from reports.command_line.commands.mechanisms import TEMPLATE
 from tests.analytic.linkages import FOLDER, FULL_TURN, from_text, mechanism
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, curves, engine, piston, piston_text, results
 
@@ -28,12 +27,6 @@ EACH_KIND = (("near-toggle", None), ("two-crank-takeup", mechanism("two-crank-ta
 
 def at(motion, *angles):
     return Instants(motion).times_of_angles(np.array(angles, dtype=float), "°", math.radians(1.0))
-
-
-def test_the_axis_is_phi_at_constant_speed_and_time_otherwise():
-    assert (Instants(TURN).axis, Instants(RUN_UP).axis) == ("phi", "time")
-    assert Instants(swing("cycloidal", 0.1, 1.0, speed=3.0)).axis == "time"
-    assert Instants(TURN).grid * SPEED == pytest.approx(np.radians(np.linspace(0.0, 360.0, 721)))
 
 
 def test_both_sides_of_a_jump_are_instants_of_the_grid():
@@ -196,14 +189,6 @@ def test_the_angle_of_a_link_is_unwrapped_along_the_motion_whatever_instants_are
     whole = found.signal_values(found.on_grid, link)
     places = [len(whole) - 1, 3, len(whole) // 2]
     assert found.signal_values(found.truth_at(found.grid[places]), link) == pytest.approx(whole[places], abs=1e-12)
-
-
-def test_a_drive_that_never_brakes_has_no_braking_power():
-    sample = from_text(TEMPLATE.read_text() + "[regimes.free]\ntorque = 0.02\nstart_angle = 60\nduration = 0.5\n")
-    found = curves(sample, case_of_file_regime(sample, sample.linkage.regimes[0]).motion)
-    whats = {one.what for one in drive_figures(found, found.peaks(found.names))}
-    assert "peak power" in whats
-    assert BRAKING not in whats
 
 
 def test_peaks_and_means_of_a_load_of_straight_lines_are_exact():

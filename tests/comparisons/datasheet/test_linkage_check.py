@@ -109,13 +109,6 @@ def test_a_point_that_is_not_pinned_leaves_mobility_and_a_fault():
     assert "range" not in facts
 
 
-def test_groups_that_were_found_before_a_loose_one_are_told():
-    loose = "\n[links.rod]\npoints = { C = [0, 0], D = [70, 0] }\n[links.tail]\npoints = { D = [0, 0], E = [70, 0] }\n"
-    facts, fault = looked_over(DOUBLE_ROCKER + loose)
-    assert facts["structure"] == "I (crank) -> coupler + rocker (RRR) -> ?"
-    assert "add a joint to 'rod', 'tail'" in str(fault)
-
-
 def test_a_sketch_out_of_reach_leaves_mobility_and_a_fault():
     facts, fault = looked_over(DOUBLE_ROCKER.replace("angle = 70", "angle = 0"))
     assert isinstance(fault, AssemblyError)

@@ -23,7 +23,7 @@ from comparisons.runs.workers import LocalPool
 from docs.making.tables import figures_of
 from reports.mechanism.published import published_table
 from tests import printed
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import file_text, from_text, mechanism
 from tests.commands import linkproof
 
 SOURCES = (Path(__file__).parents[3] / "docs" / "sources.md").read_text(encoding="utf-8")
@@ -54,22 +54,7 @@ HARMONIC = {
     },
 }
 # A crank of 30 mm and a rod of 100 mm, the guide through the crank's pivot.
-SLIDER_CRANK = """
-title = "slider-crank"
-units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-crank = "crank"
-output = { point = "B", along = [1, 0] }
-[ground]
-O = [0, 0]
-[links.crank]
-points = { O = [0, 0], A = [30, 0] }
-[links.rod]
-points = { A = [0, 0], B = [100, 0] }
-[links.block]
-slides = { point = "B", through = [0, 0], along = [1, 0] }
-[sketch]
-points = { B = [130, 0] }
-"""
+SLIDER_CRANK = file_text("slider-crank-through-the-pivot")
 RPM = 30.0 / math.pi  # of 1 rad/s
 
 

@@ -11,7 +11,6 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names as signal_names
 from comparisons.case import case_of_file_regime
-from comparisons.faults.columns import column_faults
 from comparisons.faults.fault import Correction, Simulation
 from comparisons.imported.judge import judge
 from comparisons.judging.records import Verdict
@@ -161,16 +160,6 @@ def test_a_short_curve_that_no_cause_explains_is_over_its_limit():
     steady = crank_motion("constant-speed")
     wrong = exported(JUKI, steady, ("Mkr",), TIME[:4], change=lambda v, t: {"Mkr": v["Mkr"] + np.sin(1e4 * t) + 1.0})
     assert judge(JUKI, wrong, steady).verdicts[0].outcome is Verdict.OVER_LIMIT
-
-
-def test_a_thousandth_is_taken_for_no_unit_of_another_ratio():
-    steady = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
-    time = np.linspace(0.0, 0.06, 241)
-    (right,) = judge(JUKI, exported(JUKI, steady, ("S",), time), steady).verdicts
-    small = replace(right, samples=replace(right.samples, values=1e-3 * right.samples.values))
-    faults = column_faults(small.evidence, Simulation(JUKI, steady), ())
-    words = [fault.words(np.ones(0)) for fault in faults if fault.name.startswith("unit")]
-    assert words == ["S is 0.001 times the closed form's: a unit taken for another (1000)"]
 
 
 def test_angles_turns_and_torques_that_count_clockwise_are_one_cause():

@@ -138,15 +138,6 @@ def test_reactions_are_the_closed_forms(name):
     assert np.max(np.abs(instants.torque - torque)) < 1e-12 * np.max(np.abs(torque))
 
 
-def test_a_heavy_flywheel_shows_what_its_drive_asks_for_not_how_it_trembles():
-    """The torque is that of the prescribed acceleration: an engine's noise in ε, times J, is no torque."""
-    case, history = truth("juki-mf7923d")
-    instants, _ = off("juki-mf7923d", 2, 1e-3)
-    torque = history.torque.values
-    assert np.max(np.abs(instants.torque - torque)) < 1e-12 * np.max(np.abs(torque))
-    assert case.is_prescribed
-
-
 @pytest.mark.parametrize("rate", [0.0, 0.3, 1e6])
 def test_an_energy_error_decays_at_its_rate(rate):
     """A steady source s against a decay r makes s/r (1 − e^{−rt}): known at every sample, however coarse."""

@@ -82,14 +82,6 @@ def test_a_wrong_table_is_refused_in_one_sentence(tmp_path, text, words):
         read_limits(tmp_path / "limits.toml")
 
 
-def test_an_unreadable_file_is_refused_in_one_sentence(tmp_path):
-    for path in (tmp_path, tmp_path / "none.toml"):
-        with pytest.raises(
-            LinkproofError, match=r"expected a TOML file of limits, got '.*', which (is a f|does not e)"
-        ):
-            read_limits(path)
-
-
 RECORD = Record(
     mechanism="m", variant="v", regime="r", conditions="c", engine="e", engine_version="1", setting="tuned",
     quantity="Mkr", unit="N m", error_max=1.23456e-5, limit=1e-4, peak=1.0,

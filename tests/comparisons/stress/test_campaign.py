@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from analytic.errors import LinkproofError
 from comparisons.runs.store import save_study
-from comparisons.stress.campaign import KIND, PRECISE, SMALLEST, Stress, bisect_borders, borders, load, save
-from comparisons.stress.cells import axes
+from comparisons.stress.campaign import KIND, PRECISE, SMALLEST, bisect_borders, borders, load, save
 from comparisons.stress.verdict import Cell, StressVerdict, blank_result
 from tests.reports.made_up_stress import made_up_cell, made_up_stress
 
@@ -116,14 +115,3 @@ def test_what_is_of_another_form_is_refused_with_the_cure(tmp_path, cells, chang
     save_study(tmp_path, KIND, {**STRESS.document, **changes}, rows)
     with pytest.raises(LinkproofError, match=rf"{words}.*run stress with --out again"):
         load(tmp_path)
-
-
-def test_columns_go_as_the_table_has_them_without_the_runs_of_the_bisection():
-    extra = made_up_cell(StressVerdict.OVER, axis="mass", value=0.0123, **PLACE)
-    found = Stress(STRESS.document, [*STRESS.cells, extra])
-    for name in found.axes:
-        assert found.columns[name] == axes()[name].values
-    quick = made_up_stress(quick=True)
-    assert quick.columns["mass"] == axes()["mass"].quick
-    alone = made_up_stress(cells=[extra])
-    assert alone.columns == {"mass": (0.0123,)}

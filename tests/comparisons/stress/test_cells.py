@@ -30,7 +30,6 @@ from comparisons.stress.cells import (
     chosen_axes,
     find_cell,
     lost,
-    motion,
     reversal,
     run_cell,
     scene,
@@ -126,16 +125,6 @@ def test_a_reversal_turns_round_and_back_without_a_jump(hold, change):
     )
     back = np.diff(one.angle(time))
     assert np.sum(np.abs(np.diff(np.sign(back[np.abs(back) > 1e-9])))) == 4  # two changes of sense
-
-
-def test_motions_take_the_turns_they_are_given():
-    held = motion(replace(JUKI, motion="constant-speed", turns=7.0))
-    assert float(held.angle(held.duration) - held.angle(0.0)) == pytest.approx(14.0 * np.pi)
-    ramped = motion(replace(JUKI, ramp_turns=3.0, hold_turns=2.0))
-    assert float(ramped.angle(ramped.duration) - ramped.angle(0.0)) == pytest.approx(10.0 * np.pi)
-    slow = motion(replace(JUKI, scaled="time", scale=50.0))
-    assert slow.duration == pytest.approx(50.0 * motion(JUKI).duration)
-    assert replace(JUKI, steps_per_turn=120.0).step == pytest.approx(0.06 / 120.0)
 
 
 @pytest.mark.parametrize("what", ["position", "velocity"])

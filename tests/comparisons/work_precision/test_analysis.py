@@ -18,18 +18,14 @@ from comparisons.work_precision.analysis import (
     judged,
     method_sweeps,
     observed_order,
-    on_front,
     pareto,
-    places,
     price,
-    split_by_runs,
     still_improves,
     sustained,
     theil_sen,
 )
-from comparisons.work_precision.records import KIND, Bench, load, save, split_by_quantity
+from comparisons.work_precision.records import KIND, Bench, load, save
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
-from tests.reports.made_up_bench import document, made_up_bench
 
 STEPS = [0.1 / 2**k for k in range(12)]
 POSITIVE = st.sampled_from([1e-6, 1e-3, 0.01, 0.1, 0.5, 1.0, 2.0])
@@ -139,14 +135,6 @@ def test_the_cheapest_point_that_holds_an_error_is_chosen():
     assert len(choices(SECOND)) == len(WANTED)
 
 
-def test_single_runs_and_extrapolated_ones_have_fronts_of_their_own():
-    single, several = split_by_runs([*SECOND, *FOURTH])
-    assert (single, several) == (SECOND, FOURTH)
-    told = judged(points([*SECOND, *FOURTH]))
-    assert all(one.fronts == ("Mkr",) for one in told)
-    assert len(on_front([*SECOND, *FOURTH])) < len(told)
-
-
 def test_a_setting_is_compared_with_the_price_of_its_error():
     # Both methods reach it exactly at a measured point: the second order at 64 times its first cost, the fourth at 8.
     tuned, best = (setting_row(name, 0.1 / 16**3, 0.128) for name in ("tuned", "best"))
@@ -157,22 +145,6 @@ def test_a_setting_is_compared_with_the_price_of_its_error():
     assert other.rival.setting == "fourth"
     (beyond,) = compare_settings([*SECOND, setting_row("best", 1e-12, 1.0)])
     assert (beyond.ratio, beyond.rival) == (None, None)
-
-
-def test_a_place_is_judged_by_the_torque_where_it_has_one():
-    def foremost(*quantities):
-        rows = [row(quantity=name) for name in quantities]
-        return places(Bench(document(("m",), ("alpha",)), points(rows)))[0].foremost
-
-    assert foremost("Jeq", "phi", "Mkr") == "Mkr"
-    assert foremost("Jeq", "phi") == "phi"
-    assert foremost("Jeq", "S") == "Jeq"
-
-
-def test_the_control_is_last_and_no_part_of_the_front_over_all_engines():
-    (place, *_) = places(made_up_bench(control="alpha"))
-    assert [facts.engine for facts in place.engines("Mkr")] == ["beta", "alpha"]
-    assert {record.engine for record in place.rankable_records("Mkr")} == {"beta"}
 
 
 def _document():
@@ -210,15 +182,6 @@ def test_a_document_of_another_form_is_refused_with_the_place(tmp_path, place, w
     save_study(tmp_path, KIND, told, (("0", one, {}) for one in told.pop("records")))
     with pytest.raises(LinkproofError, match=rf"{re.escape(words)}.*run bench with --out again"):
         load(tmp_path)
-
-
-def test_an_unfinished_point_stands_in_every_requested_quantity():
-    failed, finished = points([row(error_max=None, outcome="diverged")]), points([row()])
-    assert [(one.quantity, one.finished) for one in split_by_quantity(failed, ("Jeq", "phi"))] == [
-        ("Jeq", False),
-        ("phi", False),
-    ]
-    assert [one.quantity for one in split_by_quantity(finished, ("Jeq", "phi"))] == ["Mkr"]
 
 
 def test_a_lucky_coarse_step_is_not_chosen():

@@ -10,7 +10,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Case, case_of_file_regime
+from comparisons.case import Case
 from comparisons.judging.records import QuantityRecord
 from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import measure as point
@@ -23,7 +23,7 @@ from comparisons.work_precision.measure import (
     measure,
     planned_sweeps,
 )
-from engines.contract import History, Method, Origin, Setting
+from engines.contract import Method, Origin, Setting
 from engines.registry import engine
 from tests.comparisons.bench_rows import row
 
@@ -178,14 +178,3 @@ def test_a_missing_signal_costs_its_quantity_alone(monkeypatch):
 def test_an_exception_of_an_engine_is_its_adapters_error():
     with pytest.raises(AdapterError, match="direct raised UnknownNameError"):
         measure(PICKLED, "direct", Method("no such", ""), 24.0, ("Mkr",), with_errors=True)
-
-
-def test_a_released_crank_has_no_torque_to_judge_and_a_phase_instead():
-    linkage = load("slotted-takeup")
-    case = case_of_file_regime(Mechanism(linkage), next(one for one in linkage.regimes if one.name == "free"))
-    assert set(chosen_families(case, FOUR)) == {"Jeq", "phi", "joint_force"}
-
-
-def test_an_engine_without_any_requested_quantity_provides_nothing(monkeypatch):
-    measurement = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
-    assert (measurement.outcome, measurement.detail) == ("not-provided", "Jeq not offered; Mkr not offered")

@@ -16,7 +16,7 @@ from engines.pymunk_adapter.adapter import PymunkEngine, contraction
 from engines.pymunk_adapter.layout import exact_layout, plain_layout
 from engines.scene import Channel, Prescribed
 from engines.stepping.own_units import own_units
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import file_text, from_text, mechanism
 from tests.engines.closed_form import driven, errors_of, history_of, run_of
 
 pytest.importorskip("pymunk")
@@ -27,31 +27,7 @@ TUNED = 5e-5  # of the peak: torque, joint forces and accelerations
 WRONG_GROOVE = 1e-4  # what a groove off the mass centre's line does to velocities at any step
 SEEN = 1e-2  # of a joint force: what a world of another crank or without a load is off by
 
-LIGHT = """
-title   = "four-bar of links that are all mass and no inertia"
-source  = "made up for the tests"
-units   = { length = "mm", mass = "kg", inertia = "kg*mm^2", angle = "deg" }
-crank   = "crank"
-gravity = [0, -9.81]
-ground  = { O = [0, 0], Q = [90, 0] }
-[links.crank]
-points  = { O = [0, 0], A = [30, 0] }
-mass    = 1.0
-centre  = [15, 0]
-inertia = 1.8
-[links.coupler]
-points  = { A = [0, 0], B = [80, 0] }
-mass    = 0.1
-centre  = [30, 10]
-inertia = 1.3
-[links.rocker]
-points  = { Q = [0, 0], B = [70, 0] }
-mass    = 2.0
-centre  = [35, 0]
-inertia = 20
-[sketch]
-points = { B = [70, 67] }
-"""
+LIGHT = file_text("four-bar-without-inertia")
 
 
 def _motion(regime="run-up-quintic", **changes):

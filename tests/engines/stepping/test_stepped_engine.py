@@ -108,15 +108,6 @@ def test_only_channels_that_are_asked_for_and_offered_are_recorded(engine):
     assert [course.channels for course in engine.courses] == [offered, {Channel.POSITION}, {Channel.POSITION}]
 
 
-@pytest.mark.parametrize(
-    ("pace", "turns"), [(80.0, 80.0 * 0.05 / (2.0 * np.pi)), (400.0, 400.0 * 0.05 / (2.0 * np.pi))]
-)
-def test_a_free_crank_is_stepped_by_the_pace_that_is_expected_of_it(engine, pace, turns):
-    engine.run(_model(Free(0.1, 0.05, pace)), Setting.TUNED)
-    (part,) = engine.courses[0].parts
-    assert part.samples == pytest.approx(40 * turns, abs=1.0)
-
-
 def test_what_is_not_offered_is_unsupported_with_the_reason(engine):
     assert "no setting 'naive'" in engine.run(_model(), Setting.NAIVE).reason
     run = engine.run(scene(mechanism("scotch-yoke"), Prescribed(MOTION), {Channel.POSITION}), Setting.TUNED)

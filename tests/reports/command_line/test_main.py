@@ -15,13 +15,12 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from analytic.description.loading import read
-from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
 from comparisons.runs.files import STORE
-from comparisons.runs.store import begin, save_study
+from comparisons.runs.store import begin
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.command_line.app import app
-from reports.command_line.destination import finished_runs, own_study, report_interruption
+from reports.command_line.destination import finished_runs, own_study
 from reports.requests.campaign import request
 from reports.requests.options import BenchOptions, CompareOptions, RunLimits, command_line
 from tests.commands import COMMAND, ROOT, linkproof, process, refused, stored_runs
@@ -109,16 +108,6 @@ def test_a_quiet_run_prints_one_line_and_a_verbose_one_every_record():
     verbose = linkproof(*words, "--verbose").stdout
     assert verbose.endswith(quiet.stdout)
     assert verbose.count("joint_force:") == int(quiet.stdout.split()[0])
-
-
-@pytest.mark.parametrize("command", ["bench", "stress"])
-def test_a_folder_with_results_takes_new_ones(command, tmp_path, monkeypatch):
-    def refuse(*_, **__):
-        raise LinkproofError("the runs begin")
-
-    monkeypatch.setattr(f"reports.command_line.commands.{command}.finished_runs", refuse)
-    save_study(tmp_path, command, {}, [])
-    assert linkproof(command, "--quick", "--out", tmp_path).stderr == "linkproof: the runs begin\n"
 
 
 @pytest.mark.parametrize(
@@ -278,33 +267,6 @@ def begun(folder, options=OPTIONS, text="the file"):
     campaign = request(options)
     linkages = tuple(dataclasses.replace(linkage, text=text) for linkage in campaign.linkages)
     return finished_runs(folder, command_line("compare", options), campaign.engines, linkages)
-
-
-@pytest.mark.parametrize(
-    ("folder", "announced", "sentence"),
-    [
-        (
-            Path("out"),
-            [("first", 0, 90), ("last", 37, 90)],
-            "37 of 90 runs are saved in out: repeat the command, or linkproof compare --out out, to finish",
-        ),
-        (None, [("label", 1, 90)], ""),
-        (Path("out"), [], ""),
-    ],
-)
-def test_an_interruption_names_the_number_of_saved_runs(folder, announced, sentence):
-    passed_on = []
-
-    def pressed():
-        with report_interruption(folder, "compare") as counting:
-            announce = counting(lambda *words: passed_on.append(words))
-            for words in announced:
-                announce(*words)
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt) as error:
-        pressed()
-    assert (str(error.value), passed_on) == (sentence, announced)
 
 
 def test_the_same_request_goes_on_and_another_one_begins_anew_with_a_remark(tmp_path, capsys):

@@ -2,53 +2,10 @@
 
 import pytest
 
+from tests.analytic.linkages import file_text
 from tests.commands import linkproof
 
-SOUND = """title = "Crank-rocker"
-units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-crank = "crank"
-gravity = [0, -9.81]
-output = { point = "P", along = [1, 0] }
-ground = { O1 = [0, 0], O2 = [60, 0] }
-
-[links.crank]
-points = { O1 = [0, 0], A = [20, 0] }
-mass = 0.2
-centre = [5, 0]
-inertia = 2e-5
-
-[links.coupler]
-points = { A = [0, 0], B = [60, 0], P = [28, 28] }
-mass = 0.15
-centre = [30, 5]
-inertia = 6e-5
-
-[links.rocker]
-points = { O2 = [0, 0], B = [45, 0] }
-mass = 0.12
-centre = [20, 0]
-inertia = 3e-5
-
-[[forces]]
-point = "P"
-force = [[0, 0], [0, -5], [0, -8], [0, -5]]
-angle = [0, 90, 180, 270]
-
-[[springs]]
-between = ["P", "O2"]
-stiffness = 2000
-length = 50
-
-[regimes.start]
-torque = 0.5
-start_angle = 0
-start_speed = 500
-duration = 0.2
-
-[sketch]
-angle = 60
-points = { B = [60, 45] }
-"""
+SOUND = file_text("crank-rocker-without-mistakes")
 POINTS, ANGLES, UNITS = "points = { O2 = [0, 0], B = [45, 0] }", "angle = [0, 90, 180, 270]", 'angle = "deg" }'
 SLIDER = 'points = { B = [0, 0] }\nslides = { point = "B", through = [0, 0] }'
 TORQUE = '\n[[torques]]\nlink = "rocker"\ntorque = 500\n[[springs]]'

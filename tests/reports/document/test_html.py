@@ -104,15 +104,6 @@ def page(folder):
     return Elements((folder / PAGE.file).read_text(encoding="utf-8"))
 
 
-def test_a_half_written_script_is_written_anew(tmp_path):
-    html.write_assets(tmp_path)
-    script = tmp_path / "assets" / html.PLOTLY
-    whole = script.read_bytes()
-    script.write_bytes(whole[:100])
-    html.write_assets(tmp_path)
-    assert script.read_bytes() == whole
-
-
 def test_words_are_escaped_everywhere_and_elements_nest(page):
     assert not page.of("b")
     assert sum(FOREIGN in words for words in page.words) >= 12
@@ -152,11 +143,3 @@ def test_a_page_loads_its_assets_and_nothing_from_elsewhere(page, folder):
     assert len(loaded) == 2
     for file in loaded:
         assert (folder / PAGE.file).parent.joinpath(file).resolve().is_file()
-
-
-def test_no_line_ends_inside_a_value(tmp_path):
-    words = "5 N m and 2.5e-4 kg m² at 3 %; an N men"
-    html.write(Page("a.html", "", "", "", (Paragraph(words),), ()), tmp_path, ())
-    text = (tmp_path / "a.html").read_text(encoding="utf-8")
-    assert '5\N{NO-BREAK SPACE}N\N{NO-BREAK SPACE}m and <span class="whole">2.5e-4</span>' in text
-    assert "kg\N{NO-BREAK SPACE}m² at 3\N{NO-BREAK SPACE}%; an N men" in text

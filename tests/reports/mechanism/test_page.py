@@ -13,7 +13,7 @@ from comparisons.case import Case
 from comparisons.datasheet.building import page_sheet, usual_sheet
 from comparisons.datasheet.curves import SignalFigure
 from reports.document.parts import FigureGroup, PageFigure, Paragraph, Widget
-from reports.mechanism.page import SAMPLES, file_of, page, player_data, released_section, thread_section
+from reports.mechanism.page import file_of, page, released_section, thread_section
 from reports.mechanism.shown import words
 from tests.analytic.linkages import FOLDER, MADE_UP, from_text, mechanism
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, piston_text, released_sheet
@@ -208,15 +208,3 @@ def boom():
 
 
 # What a player is given: a place on the figures, a pose of the drawing and the signals, instant by instant.
-
-
-@pytest.mark.parametrize("speed", [SPEED, -SPEED])
-def test_signals_are_those_of_the_place_on_the_axis(speed):
-    found = shown(speed)
-    data = player_data(found, found.positions)
-    shares = np.array(data["axis"]["shares"])
-    rows = {row["name"]: row for row in data["rows"]}
-    expected = np.interp(360.0 * shares, found.x, found.y("v"))
-    assert len(shares) == SAMPLES
-    assert np.array(rows["v"]["values"]) == pytest.approx(expected, abs=2e-3 * np.max(np.abs(expected)))
-    assert rows["v"]["unit"] == "mm/s"

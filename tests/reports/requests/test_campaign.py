@@ -21,16 +21,6 @@ def names(options):
     return [linkage.name for linkage in request(options).linkages]
 
 
-def test_options_become_si():
-    options = CompareOptions(speed=3000.0, ramp_time=0.2, hold_time=0.3, start_angle=90.0, clockwise=True)
-    (motion,) = request(options).motions
-    assert motion.angle(0.0) == pytest.approx(math.pi / 2)
-    assert motion.speed(0.5) == pytest.approx(-100.0 * math.pi)
-    assert motion.duration == pytest.approx(0.5)
-    (motion,) = request(CompareOptions(regime=("constant-speed",), ramp_time=0.0, hold_time=0.1)).motions
-    assert motion.duration == pytest.approx(0.1)
-
-
 def test_a_variant_without_mechanisms_means_those_that_have_it():
     assert names(CompareOptions(variant="y-along")) == ["rimoldi-164"]
     with pytest.raises(UnknownNameError, match="variant of 'juki-mf7923d'"):

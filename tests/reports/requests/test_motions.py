@@ -133,24 +133,6 @@ def steady(name="rimoldi-164", **options):
     return steady_case(load(name), SweepOptions(mechanism=name, **options))
 
 
-def test_a_crank_that_turns_is_sampled_over_a_turn_in_either_direction():
-    for options, sign in (({}, 1.0), ({"clockwise": True}, -1.0), ({"speed": -1000.0}, -1.0)):
-        found = steady(**options)
-        np.testing.assert_allclose(found.motion.places, np.radians(np.arange(0.0, 360.0, 2.0)), atol=1e-14)
-        assert found.motion.is_full_turn
-        assert found.motion.speed == pytest.approx(sign * 1000.0 * math.pi / 30.0)
-        assert found.conditions.endswith("gravity on, sampled at 180 crank angles")
-
-
-def test_the_ends_of_a_swing_are_sampled():
-    found = steady(from_angle=40.0, to_angle=10.0, gravity=False, refine=True)
-    np.testing.assert_allclose(np.degrees(found.motion.places[[0, -1]]), [10.0, 40.0])
-    assert not found.motion.is_full_turn
-    assert found.motion.speed < 0.0
-    assert found.conditions.endswith("gravity off, refined between 180 crank angles")
-    assert not any(found.mechanism.linkage.gravity)
-
-
 @pytest.mark.parametrize(
     ("name", "motion"),
     [

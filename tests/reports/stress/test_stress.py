@@ -23,7 +23,6 @@ from reports.stress import (
     map_data,
     page,
     printout,
-    ranking,
     summary,
 )
 from tests.reports.made_up_stress import made_up_cell, made_up_stress
@@ -100,20 +99,6 @@ def test_what_is_missed_is_the_verdict():
     found = cells_of([StressVerdict.MISSED, StressVerdict.CAUGHT, StressVerdict.MISSED, StressVerdict.ALARM])
     assert summary(found, "stress_verdict").startswith("Wrong motions that no check flagged: 2: 3 runs")
     assert summary(found, "stress_verdict").endswith("flagged 1; 1 false alarm.")
-
-
-def test_engines_are_ranked_by_what_they_accept_at_the_tuned_setting():
-    within, over, refused = StressVerdict.WITHIN, StressVerdict.OVER, StressVerdict.UNSUPPORTED
-    parts = [
-        cells_of([within, over]),
-        cells_of([within, refused], engine="beta"),
-        cells_of([refused], engine="gamma"),
-        cells_of([over] * 3, usage="naive"),
-    ]
-    found = made_up_stress(cells=[one for part in parts for one in part.cells], borders=[])
-    assert ranking(found).endswith("that an engine accepts: beta 1 of 1, alpha 1 of 2.")
-    assert ranking(parts[2]) == ""
-    assert ranking(parts[3]).endswith("alpha 0 of 3.")
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from comparisons.work_precision.analysis import by_regime, places
 from comparisons.work_precision.records import Bench, load, save
 from reports.document import html
 from reports.document.terminal import rendered
-from reports.work_precision.page import choices_section, inks, page, verdicts, widget
+from reports.work_precision.page import inks, page, verdicts, widget
 from reports.work_precision.words import comparison_words, engine_labels, printout
 from tests.comparisons.bench_rows import points, setting_row
 from tests.reports.made_up_bench import document, made_up_bench, nothing_finished
@@ -53,14 +53,6 @@ def test_times_within_the_noise_are_a_tie():
     (tied,), (told,) = verdicts(_regimes(*rows), 0.15), verdicts(_regimes(*rows), 0.05)
     assert "to within 1 % of the peak alpha (1.00 s) or beta (1.10 s); " in tied.words
     assert "to within 1 % of the peak alpha (1.00 s); " in told.words
-
-
-def test_what_an_engine_does_not_reach_says_how_near_it_comes():
-    whole, *_ = choices_section(_regimes(setting_row("tuned", 3e-4, 0.5), setting_row("best", 2e-6, 0.9)), "").parts
-    ((regime, label, *found),) = whole.rows
-    assert (regime, label) == ("run-up-quintic", "alpha")
-    assert [(cell.words, cell.span) for cell in found] == [("500 ms", 2), ("900 ms", 2), ("–", 3)]
-    assert found[-1].note == "least 2.0e-6"
 
 
 def _text(bench, quantities=(), width=110):

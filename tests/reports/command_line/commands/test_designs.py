@@ -139,13 +139,6 @@ def test_a_number_that_a_kept_figure_determines_leaves_nothing_to_vary():
     assert row.split()[-2:] == ["0.00", "%"]
 
 
-def test_quiet_is_one_line_of_an_optimum():
-    done = optimised(*PEAK, "--over", "rod.B.x=170:173", "-q")
-    assert done.stdout.splitlines() == ["least Mkr.peak: from 0.270411 to 0.250060 N*m at rod.B.x 172.074 mm"]
-    done = optimised("rimoldi-164", "--maximise", "stroke", "--over", "rod.B.x=174:175", "-q")
-    assert done.stdout.startswith("largest stroke: from 30.9866 to 30.9866 mm at rod.B.x 175.000 mm")
-
-
 def test_lengths_are_rounded_and_the_cost_is_printed(tmp_path):
     words = (*PEAK, *ROD, "--over", "rocker.B.x=20:23", "--over", "rod.mass=0.1:0.2", "--keep", "stroke")
     files = [tmp_path / name for name in ("exact.json", "round.json", "round.toml")]
