@@ -26,10 +26,6 @@ from engines.scene import Channel, Scene
 from tests.analytic.linkages import driven, from_text
 from tests.analytic.swinging import double_rocker
 
-SIX_BAR, SPRUNG = "rimoldi-164", "spring-and-damper"
-MOTION = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02)
-TIMES = np.linspace(0.0, MOTION.duration, 50)
-
 MOTIONS = {
     "boom": CrankMotion("there", (Segment(0.0, 0.8, (0.3, 0.05, 0.2, -0.1)),)),
     "cylinder-in-the-loop": CrankMotion("there", (Segment(0.0, 0.3, (0.08, 0.05, 0.3, -0.1)),)),

@@ -17,7 +17,6 @@ from comparisons.conformance.trial import EngineTrial, NotTestedError
 from tests.comparisons.conformance.wrong_engines import WRONG
 from tests.comparisons.faults import announce
 
-pytest_plugins = ["pytester"]
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "your-first-engine.md").read_text(encoding="utf-8")
 BLOCKS = dict(re.findall(r"^```\w+ (\S+)\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
@@ -61,12 +60,6 @@ def test_an_error_in_its_loop_is_named_with_file_and_line(barwork):
     detail = CHECKS["installed"].result(EngineTrial(import_module("linkproof_barwork").BarworkEngine())).detail
     assert "raised AttributeError: 'Mechanism' object has no attribute 'stepp'" in detail
     assert f"barwork_loop.py, line {number}): correct it" in detail
-
-
-def test_its_checks_are_cases_for_pytest(barwork, pytester):
-    pytester.makepyfile(test_barwork=BLOCKS["test_barwork.py"])
-    done = pytester.runpytest_inprocess("-p", "no:cacheprovider", "test_barwork.py", "-k", "identity or silence")
-    done.assert_outcomes(passed=1, xfailed=1, deselected=len(CHECKS) - 2)
 
 
 def test_its_thirty_lines_pass_every_check_of_an_engine_that_has_positions_alone():

@@ -28,27 +28,7 @@ NAMES = {
 SHARED = "plotly-basic.min.js"  # loaded once for all pages, and not counted
 
 # Everything on a page that a reader may meet, without what stands in closed folds.
-FACTS = """() => {
-  const root = document.documentElement;
-  const small = [];
-  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-  while (walker.nextNode()) {
-    const host = walker.currentNode.parentElement;
-    if (!walker.currentNode.textContent.trim() || !host.checkVisibility()) continue;
-    if (host.closest('script, style, noscript')) continue;
-    const box = host.closest('svg');
-    const matrix = box && host.getScreenCTM && host.getScreenCTM();
-    const size = parseFloat(getComputedStyle(host).fontSize) * (matrix ? Math.hypot(matrix.a, matrix.b) : 1);
-    if (size < 11.95) small.push(`${size.toFixed(1)} px: ${walker.currentNode.textContent.trim().slice(0, 40)}`);
-  }
-  return {
-    nodes: document.querySelectorAll('*').length,
-    screens: root.scrollHeight / innerHeight,
-    overflow: root.scrollWidth - root.clientWidth,
-    small,
-    verdict: (document.querySelector('.verdict') || root).getBoundingClientRect().bottom / innerHeight,
-  };
-}"""
+FACTS = Path(__file__).with_name("facts.js").read_text(encoding="utf-8")
 PAINT = "() => performance.getEntriesByName('first-contentful-paint').map(entry => entry.startTime)[0]"
 EMPTY = """() => [
   ...[...document.images].filter(one => !(one.complete && one.naturalWidth)).map(one => one.currentSrc || one.src),

@@ -25,19 +25,6 @@ def test_every_number_can_be_set_alone(name):
             assert after == {**before, path: value + 1.0}
 
 
-def test_scaling_follows_the_dimensions():
-    before, after = changes.numbers(SPRUNG), changes.numbers(changes.scaled(SPRUNG, length=2.0, mass=3.0, time=5.0))
-    factors = {
-        **{"crank.A.x": 2.0, "crank.mass": 3.0, "crank.inertia": 12.0, "springs.A.O2.stiffness": 3.0 / 25.0},
-        **{"springs.A.O2.damping": 3.0 / 5.0, "springs.A.O2.length": 2.0, "gravity.y": 2.0 / 25.0},
-        "dampers.crank.ground.coefficient": 12.0 / 5.0,
-    }
-    for path, factor in factors.items():
-        assert after[path] == pytest.approx(factor * before[path])
-    force = changes.numbers(LOADED)["forces.T.1.y"]
-    assert changes.numbers(changes.scaled(LOADED, mass=7.0))["forces.T.1.y"] == pytest.approx(7.0 * force)
-
-
 @pytest.mark.parametrize("part", changes.EMPTY_PARTS)
 def test_a_part_left_out_is_gone_and_no_other(part):
     linkage = load("slotted-takeup") if part == "thread" else SPRUNG

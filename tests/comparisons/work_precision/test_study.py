@@ -131,16 +131,6 @@ def test_orders_and_floors_of_the_known_engine_are_found(measured):
     }  # fmt: skip
 
 
-def test_settings_stand_beside_methods(measured):
-    settings = {one.setting: one for one in measured.records if one.kind == SETTING}
-    assert set(settings) == {"naive", "tuned", "best"}
-    assert settings["best"].step is None
-    assert settings["best"].used == "scheme known"
-    assert [settings[name].runs for name in ("naive", "tuned", "best")] == [1, 1, 4]
-    assert {one.runs for one in measured.records if one.setting == "fourth"} == {2}
-    assert settings["tuned"].error_max == pytest.approx(1e-5)
-
-
 def test_a_method_that_raises_costs_its_own_points(measured):
     broken = [one for one in measured.records if one.setting == "broken"]
     assert len(broken) == 3
@@ -216,7 +206,3 @@ def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that
     assert [(one.setting, one.finished) for one in found[:3]] == [(setting, True) for setting in Setting]
     assert {(one.setting, one.outcome) for one in found[3:]} == {("methods", "adapter-error")}
     assert "known raised TypeError: a slip (tests/comparisons/work_precision/test_study.py" in found[3].detail
-
-
-def _cases(*names):
-    return tuple(dataclasses.replace(CASE, mechanism=Mechanism(load(name))) for name in names)

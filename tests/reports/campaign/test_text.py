@@ -6,14 +6,12 @@ from xml.etree import ElementTree
 
 import pytest
 
-from comparisons.campaign.results import Results
 from comparisons.judging.changes import Change, ChangeKind, Place
-from comparisons.judging.records import Verdict, run_record
-from reports.campaign.summary import junit, markdown
+from comparisons.judging.records import run_record
+from reports.campaign.summary import junit
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
 from tests.comparisons.judging.test_judging import RECORD
-from tests.reports.made_up_results import changed_results, made_up_results
 
 
 def _text(printout):
@@ -39,25 +37,6 @@ def test_computed_figures_are_not_called_read(origin, runs, words, line):
     assert words in text
     assert ("read" in text) is ("read" in words)
     assert f"{RECORD.engine} {RECORD.setting}: {line}" in text or not line
-
-
-@pytest.fixture(scope="module")
-def results():
-    return made_up_results(
-        samples=51, engines=("alpha", "beta", "gamma"), broken={"gamma": Verdict.UNAVAILABLE}, regimes=("run-up",)
-    )
-
-
-@pytest.fixture(scope="module")
-def text(results):
-    return markdown(results)
-
-
-def test_another_machine_on_another_day_writes_the_same(results, text):
-    slow = changed_results(results, lambda record: replace(record, seconds=9.9, setup_seconds=9.9))
-    environment = {**results.document["environment"], "date": "another day", "machine": "another"}
-    later = Results({**results.document, "environment": environment}, slow.runs)
-    assert markdown(later) == text
 
 
 PLACE = Place("m", "v", "r", "c", "e", "tuned", "Teq")

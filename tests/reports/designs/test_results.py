@@ -12,7 +12,7 @@ import pandas
 import pytest
 from ezdxf.lldxf.validator import is_valid_layer_name
 
-from analytic.description.crank_motion import RPM, crank_motion, swing
+from analytic.description.crank_motion import swing
 from analytic.errors import LinkproofError
 from comparisons.datasheet.curves import Instants
 from comparisons.imported.reading import read_results
@@ -59,20 +59,6 @@ def test_json_is_one_object_in_si_whatever_the_units_of_the_file():
         scale = 1e-11 * max(map(abs, values)) + 1e-9
         assert imperial["values"][name] == pytest.approx(values, abs=scale), name
         assert imperial["peaks"][name]["value"] == pytest.approx(metric["peaks"][name]["value"], abs=scale), name
-
-
-def test_a_peak_is_at_its_stated_place():
-    """Read off the axis: φ at constant speed, else the time; the least transmission angle counts as its peak."""
-    for motion in (TURN, crank_motion("run-up", speed=300 * RPM, ramp_time=0.1, hold_time=0.0)):
-        document = json.loads(json_text(piston(motion=motion)))
-        along = np.array(document["values"][document["axis"]])
-        for name, peak in document["peaks"].items():
-            values = np.array(document["values"][name])
-            size = float(np.max(np.abs(values)))
-            if peak["at"] is None:  # of a signal that is 0 but for rounding
-                assert not np.any(values), name
-                continue
-            assert np.interp(peak["at"], along, values) == pytest.approx(peak["value"], abs=2e-3 * size + 1e-9), name
 
 
 def test_chosen_instants_are_the_rows_and_peaks_are_those_of_the_whole_motion():

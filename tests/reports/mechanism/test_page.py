@@ -15,7 +15,7 @@ from comparisons.datasheet.curves import SignalFigure
 from reports.document.parts import FigureGroup, PageFigure, Paragraph, Widget
 from reports.mechanism.page import file_of, page, released_section, thread_section
 from reports.mechanism.shown import words
-from tests.analytic.linkages import FOLDER, MADE_UP, from_text, mechanism
+from tests.analytic.linkages import MADE_UP, from_text, mechanism
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, piston_text, released_sheet
 from tests.reports.made_up_results import made_up_results
 
@@ -200,11 +200,6 @@ def test_a_turn_is_shown_from_0_to_360_degrees_however_it_is_made(speed, start):
 )
 def test_a_figure_stands_in_the_units_of_the_file(length, metres, one, text):
     assert words(shown(length=length, metres=metres), one) == text
-
-
-@pytest.fixture(scope="module")
-def boom():
-    return usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))
 
 
 # What a player is given: a place on the figures, a pose of the drawing and the signals, instant by instant.

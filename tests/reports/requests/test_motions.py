@@ -12,9 +12,8 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.open_ends import MARGIN
 from reports.requests.campaign import request
-from reports.requests.designs import steady_case
 from reports.requests.motions import requested_motions
-from reports.requests.options import CompareOptions, MotionOptions, SweepOptions, changed_options
+from reports.requests.options import CompareOptions, MotionOptions, changed_options
 from tests.analytic.linkages import driven, path_of
 from tests.commands import linkproof
 
@@ -127,10 +126,6 @@ def test_a_regime_of_a_file_is_requested_by_its_name_or_with_all_of_them():
     assert requested_motions(MotionOptions(regime=("own",)), linkages).own_regimes == ("driven", "free")
     with pytest.raises(LinkproofError, match="unknown regime 'fre'"):
         requested_motions(MotionOptions(regime=("fre",)), linkages)
-
-
-def steady(name="rimoldi-164", **options):
-    return steady_case(load(name), SweepOptions(mechanism=name, **options))
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,6 @@ import re
 import pytest
 
 from comparisons.judging.records import QuantityRecord
-from comparisons.stress.campaign import Border
-from comparisons.stress.cells import axes
 from comparisons.stress.verdict import Cell, StressVerdict
 from reports.document import html
 from reports.document.terminal import rendered
@@ -15,10 +13,8 @@ from reports.stress import (
     MOST_OPEN,
     OPEN,
     SIGNS,
-    border_place,
     cell_details,
     cell_facts,
-    draw_map,
     incident_table,
     map_data,
     page,
@@ -29,22 +25,6 @@ from tests.reports.made_up_stress import made_up_cell, made_up_stress
 
 STRESS = made_up_stress()
 PLACE = {"axis": "mass", "row": "four-bar, crank", "engine": "alpha", "usage": "tuned"}
-
-
-@pytest.mark.parametrize(
-    ("inside", "outside", "values", "place"),
-    [
-        (1e-2, 1.1e-3, (1e-4, 1e-3, 1e-2, 1e-1), 2),
-        (1e-3, 1e-2, (1e-4, 1e-3, 1e-2, 1e-1), 2),
-        (1.1e-3, 1.2e-3, (1e-4, 1e-3, 1e-2, 1e-1), 2),
-        (1e-3, 0.0, (1e-2, 1e-3, 0.0), 2),
-        (10.0, 1.0, (10.0, 1.0, 0.3), 1),
-        (0.4, 0.3, (10.0, 1.0, 0.3), 2),
-    ],
-)
-def test_a_border_stands_between_the_columns_it_lies_between(inside, outside, values, place):
-    found = Border(**PLACE, inside=inside, outside=outside, verdict=StressVerdict.OVER)
-    assert border_place(found, values) == place
 
 
 @pytest.mark.parametrize("axis", STRESS.axes)
@@ -76,17 +56,6 @@ def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
     assert found["Worst deviation, over the peak"] == "Jeq of needle bar 2.0e-3, limit 1e-3"
     assert found["Worst invariant"] == "force balance 3.0e-4, limit 1e-2"
     assert found["Conditions"] == "mass factor 1e4; link crank"
-
-
-@pytest.mark.parametrize("axis", STRESS.axes)
-def test_every_cell_has_its_box_and_sign_and_every_border_its_bar(axis):
-    drawing = draw_map(map_data(STRESS, axis))
-    assert [panel.get_title(loc="left") for panel in drawing.axes] == [row.label for row in axes()[axis].rows]
-    lines = [line for panel in drawing.axes for line in panel.lines]
-    bars = [line for line in lines if line.get_marker() == "None"]
-    assert sum(len(line.get_xdata()) for line in lines if line not in bars) == 2 * STRESS.count(axis=axis).total()
-    places = [border_place(one, STRESS.columns[axis]) for one in STRESS.borders if one.axis == axis]
-    assert sorted(float(line.get_xdata()[0]) for line in bars) == sorted(places)
 
 
 def cells_of(verdicts, **changes):

@@ -8,7 +8,7 @@ from comparisons.work_precision.analysis import by_regime, places
 from comparisons.work_precision.records import Bench, load, save
 from reports.document import html
 from reports.document.terminal import rendered
-from reports.work_precision.page import inks, page, verdicts, widget
+from reports.work_precision.page import page, verdicts, widget
 from reports.work_precision.words import comparison_words, engine_labels, printout
 from tests.comparisons.bench_rows import points, setting_row
 from tests.reports.made_up_bench import document, made_up_bench, nothing_finished
@@ -90,9 +90,6 @@ def test_every_finished_record_of_every_place_is_there_once():
             errors = [point["errors"][name][1] for _, point in _held(data) if name in point["errors"]]
             wanted = [float(f"{one.error_max:.4g}") for one in place.records if one.quantity == name and one.finished]
             assert sorted(errors) == sorted(wanted)
-
-
-PLACES, INKS = places(BENCH), inks(engine_labels(BENCH))
 
 
 @pytest.fixture(scope="module")
