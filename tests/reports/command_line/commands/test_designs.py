@@ -98,7 +98,7 @@ def saved(file):
 
 def test_tables_files_and_json_of_an_optimum_have_the_same_figures(tmp_path):
     best, results, curves = (tmp_path / f"best.{kind}" for kind in ("toml", "json", "svg"))
-    words = (*PEAK, *ROD, "--over", "rocker.B.x=±10%", "--keep", "stroke", "--global")
+    words = (*PEAK, *ROD, "--over", "rocker.B.x=±10%", "--keep", "stroke")
     done = optimised(*words, *(word for file in (best, results, curves) for word in ("--save", file)))
     document, numbers, figures = saved(results)
     new = load(best)
@@ -111,7 +111,6 @@ def test_tables_files_and_json_of_an_optimum_have_the_same_figures(tmp_path):
         f"{figures['Mkr.peak']['after']:.6g}", "minimised",
         f"{100.0 * figures['Mkr.peak']['change']:+.2f} %", "kept at 30.98", "joint_force:O1.peak", "Jeq.mean",
         "transmission_angle:rocker + rod (RRR).min", "exact derivatives",
-        f"Starts: {len(document['search']['ends'])}; ",
     ):  # fmt: skip
         assert text in done.stdout
     assert "Mkr" in curves.read_text(encoding="utf-8")
@@ -163,8 +162,11 @@ def test_lengths_are_rounded_and_the_cost_is_printed(tmp_path):
         ((*PEAK, "--over", "speed=0:2"), "--over speed: expected bounds above 0, got '0:2'"),
         ((*PEAK, *ROD, "--maximise", "stroke"), "got both"),
         (("rimoldi-164", *ROD), "got neither"),
-        ((*PEAK, *ROD, "--keep", "stroke=50:51"), "expected a design with stroke from 50 to 51 mm, got none within"),
-        ((*PEAK, *ROD, "--keep", "Mkr.peak=0.1:0.2"), "; the nearest found has 0.25"),
+        pytest.param(  # which is looked for everywhere
+            (*PEAK, *ROD, "--keep", "stroke=50:51"),
+            "expected a design with stroke from 50 to 51 mm, got none within",
+            marks=pytest.mark.nightly,
+        ),
         ((*PEAK, "--over", "rod.B.x=10:18"), "expected designs that can be assembled at every angle, got none"),
         (("rimoldi-164", "--minimise", "stroke", "--over", "rod.mass=0.1:0.2"), "which does not; choose others"),
         ((*PEAK, *ROD, "--round", "0"), "--round: expected a positive length, got '0'"),
