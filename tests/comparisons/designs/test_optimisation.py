@@ -24,11 +24,6 @@ PEAK, STROKE = Figure("Mkr", Reduction.PEAK), Figure("S", Reduction.RANGE)
 CRANK, GROUND, ROCKER = 0.02, 0.06, 0.045  # m, of the four-bar
 
 
-@pytest.fixture(scope="module")
-def rimoldi():
-    return Mechanism(load("rimoldi-164"))
-
-
 def best(mechanism, *over, **wish):
     chosen = mechanism if isinstance(mechanism, Mechanism) else Mechanism(load(mechanism))
     return optimise(chosen, steady_motion(chosen, SPEED), OptimisationRequest(over=over, **wish), lambda *_: None)

@@ -115,11 +115,6 @@ def measured(whole):
     return whole[0]
 
 
-@pytest.fixture
-def runs(whole):
-    return whole[1].runs
-
-
 def test_orders_and_floors_of_the_known_engine_are_found(measured):
     found = {one.first.setting: one for one in method_sweeps(measured.records)}
     assert found["first"].order == pytest.approx(1.0, abs=0.05)
