@@ -40,7 +40,6 @@ ALONE = """
 import runpy, sys
 sys.modules.update(dict.fromkeys(("analytic", "engines", "comparisons", "reports")))
 import numpy as np
-from tests.engines.closed_form import installed
 samples = dict(runpy.run_path("case.py")["samples"])
 samples |= {f"force in {joint}": pair for joint, pair in samples.pop("joint_force", {}).items()}
 np.savez("samples.npz", **{f"{name}/{n}": np.array(v) for name, pair in samples.items() for n, v in enumerate(pair)})
