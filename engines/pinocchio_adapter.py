@@ -39,6 +39,9 @@ class PinocchioRecipe(Recipe):
     settle: float = 10.0
 
 
+# Catalogue, quintic run-up, 10 samples to settle; largest torque error, CPU time of the slowest, by steps per turn:
+# 100 2e-5, 200 1e-6, 400 8e-8 1 s, 1000 2e-9, 2000 3e-10 5 s, and no less at 4000: a slider's force keeps 3e-9, which
+# is its block's mass. Settling in 2.5, 5, 20 samples instead: 4e-6, 3e-7, 2e-8 at 400. In SI the same digits.
 NEWCOMER = PinocchioRecipe(step=1e-3, settle=0.0, in_own_units=False)
 EXPERT = PinocchioRecipe(steps_per_turn=100, ratios=(4,))
 
