@@ -1,8 +1,9 @@
 """Pinocchio against the closed form: torque, every joint's force and motion, its order, and what it does not take."""
 
 import dataclasses
+import re
+from pathlib import Path
 
-import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
@@ -24,6 +25,11 @@ KINDS = [
     "three-on-one-pin",
     "force-over-angle",
 ]
+
+PAGE = (Path(__file__).parents[2] / "docs/engines.md").read_text(encoding="utf-8")
+SCRIPTS = re.findall(
+    r"```text\n(import numpy as np\nimport pinocchio as pin\n.*?)```\n\n```text\n(.*?)```", PAGE, re.DOTALL
+)
 
 
 def run(linkage, setting=Setting.TUNED, ratio=4, **changes):
@@ -68,22 +74,8 @@ def test_what_is_not_taken_is_refused_in_a_sentence():
     assert "no point spring" in (PinocchioEngine().obstacle(driven(mechanism("spring-and-damper"), SHORT)) or "")
 
 
-def test_a_planar_loop_without_a_proximal_term_is_nan_in_silence():
-    """The third row of a point constraint is empty in a plane; docs/engines.md says so."""
-    pin, ends = pytest.importorskip("pinocchio"), []
-    model = pin.Model()
-    for name, place in (("left", 0.0), ("right", 0.5)):
-        joint = model.addJoint(0, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array([place, 0.0, 0.0])), name)
-        bar = pin.Inertia(1.0, np.array([0.1, 0.2, 0.0]), 0.01 * np.eye(3))
-        model.appendBodyToJoint(joint, bar, pin.SE3.Identity())
-        ends += [joint, pin.SE3(np.eye(3), np.array([0.25 - place, 0.4, 0.0]))]
-    loop = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, *ends, pin.LOCAL)
-    loops, solved = pin.StdVec_RigidConstraintModel([loop]), pin.StdVec_RigidConstraintData([loop.createData()])
-    data, still = model.createData(), np.zeros(model.nv)
-    pin.initConstraintDynamics(model, data, loops, solved)
-    bare, proximal = (
-        pin.constraintDynamics(model, data, still, still, still + 1.0, loops, solved, pin.ProximalSettings(0.0, mu, 10))
-        for mu in (0.0, 1e-8)
-    )
-    assert np.isnan(bare).all()
-    assert np.isfinite(proximal).all()
+@pytest.mark.parametrize(("script", "shown"), SCRIPTS)
+def test_a_script_of_the_documentation_prints_what_stands_below_it(script, shown, capsys):
+    installed("pinocchio")
+    exec(script, {})
+    assert capsys.readouterr().out == shown
