@@ -29,7 +29,7 @@ from analytic.kinematics.structure import Prismatic
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
 from analytic.numerics.refine import extremes, grid, in_turn
-from analytic.numerics.roots import evaluate_assembled, root
+from analytic.numerics.roots import root
 
 Array = NDArray[np.float64]
 
@@ -244,9 +244,11 @@ class EquationOfMotion:
 
     def closed_form(self, angle: Array) -> Array:
         """The ``terms`` from the closed form, whether there is a table or not; shape (3 or 4, *angle.shape)."""
-        sweep = self.mechanism.sweep(angle)
+        return self._terms_of(self.mechanism.sweep(angle))
+
+    def _terms_of(self, sweep: Sweep) -> Array:
         inertia = reduced_inertia(sweep)
-        moment = generalised_force(sweep) + self.torque(angle)[0]
+        moment = generalised_force(sweep) + self.torque(sweep.angle)[0]
         slope = half_inertia_derivative(sweep)
         timed = [] if self.over_time is None else [np.ones_like(inertia)]
         return np.stack([moment, damping_coefficient(sweep), slope, *timed]) / inertia
@@ -257,11 +259,14 @@ class EquationOfMotion:
         seen = self.mechanism.turn.angle if self.mechanism.linkage.is_linear else grid()
         most = 0.0 if self.over_time is None else max(map(abs, self.over_time.torque))
 
-        def moment(angle: Array) -> Array:
-            terms = np.abs(self.terms(angle))
-            return np.asarray(terms[0] + most * terms[3] if most else terms[0])
+        def moment(terms: Array) -> Array:
+            return np.asarray(np.abs(terms[0]) + most * np.abs(terms[3]) if most else np.abs(terms[0]))
 
-        return float(np.nanmax(evaluate_assembled(moment, seen), initial=0.0))
+        if self.table is not None:
+            return float(np.max(moment(self.table(seen))))
+        return float(
+            np.nanmax(self.mechanism.where_assembled(lambda at: moment(self._terms_of(at)), seen), initial=0.0)
+        )
 
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
         """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape, without ``push``."""
@@ -308,7 +313,7 @@ def _check_inertia(mechanism: Mechanism) -> None:
     """Raise LinkproofError where Jeq vanishes at a crank angle, so that no acceleration follows from the loads."""
 
     def inertia(angle: Array) -> Array:
-        return evaluate_assembled(lambda at: reduced_inertia(mechanism.sweep(at)), angle.ravel()).reshape(angle.shape)
+        return mechanism.where_assembled(reduced_inertia, angle.ravel()).reshape(angle.shape)
 
     linkage = mechanism.linkage
     if linkage.crank and np.any(link_inertia(mechanism.sweep(0.0), linkage.crank)):
@@ -364,12 +369,15 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     """
     law = crank_torque(torque)
 
+    def moment_of(sweep: Sweep) -> Array:
+        return np.asarray(generalised_force(sweep) + law(sweep.angle)[0])
+
     def moment(angle: Array) -> Array:
-        return np.asarray(generalised_force(mechanism.sweep(angle)) + law(angle)[0])
+        return moment_of(mechanism.sweep(angle))
 
     is_linear = mechanism.linkage.is_linear
     start = mechanism.turn.angle if is_linear else grid()
-    before = evaluate_assembled(moment, start)
+    before = mechanism.where_assembled(moment_of, start)
     peak = float(np.nanmax(np.abs(before), initial=0.0))
     if peak <= NEGLIGIBLE * _moment_scale(mechanism):
         return ()

@@ -78,6 +78,13 @@ class Mechanism:
         """The linkage at every crank angle (rad, any shape); poses are computed when they are needed."""
         return Sweep(self.linkage, self.structure, np.asarray(angle, dtype=float))
 
+    def where_assembled(self, function: Callable[[Sweep], Array], angle: Array) -> Array:
+        """A function of the linkage at angles (n,), rad; nan where what it needs is not assembled, or is stuck."""
+        faults = np.zeros(angle.shape, dtype=bool)
+        with np.errstate(all="ignore"):  # of what is meaningless
+            values = function(Sweep(self.linkage, self.structure, angle, faults))
+        return np.where(faults, np.nan, values)
+
     @property
     def is_numerical(self) -> bool:
         """Whether a group is of class III or higher, so that the reference is numerical: solved by Newton's method."""

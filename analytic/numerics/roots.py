@@ -8,8 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import AssemblyError
-
 Array = NDArray[np.float64]
 
 MOST_STEPS: Final = 200
@@ -104,17 +102,3 @@ def find_lowest(
         step = (right - left) / (points - 1)
         left, right = spot - step, spot + step
     return spot, height
-
-
-# Functions of the crank angle that are nan where the linkage cannot be assembled.
-
-
-def evaluate_assembled(function: Callable[[Array], Array], angle: Array) -> Array:
-    """A function at every angle (n,), rad, nan where the linkage is not assembled or stuck."""
-    try:
-        return function(angle)
-    except AssemblyError:
-        if len(angle) == 1:
-            return np.full(1, np.nan)
-        halves = np.split(angle, [len(angle) // 2])
-        return np.concatenate([evaluate_assembled(function, half) for half in halves], axis=-1)

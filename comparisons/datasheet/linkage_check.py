@@ -26,7 +26,6 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
-from analytic.numerics.roots import evaluate_assembled
 from comparisons.datasheet.figures import NEAR, REPRODUCED, check_published, compare_published
 from comparisons.datasheet.open_ends import INSET, RANGE_SAMPLES, good_stretches
 
@@ -151,7 +150,7 @@ def _oversized_loads(linkage: Linkage) -> Iterator[str]:
         return
     places = loaded.turn.angle if linkage.is_linear else grid(PLACES)
     speed = 0.0 if linkage.is_linear else SPEED * RPM
-    rest = evaluate_assembled(lambda angle: -drive_torque(bare.sweep(angle), speed, 0.0), places)
+    rest = bare.where_assembled(lambda sweep: -drive_torque(sweep, speed, 0.0), places)
     known = np.isfinite(rest)
     rest, parts = rest[known], [part for _, part in load_forces(loaded.sweep(places[known]))]
     for load, part in zip(loads, parts, strict=True):
