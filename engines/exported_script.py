@@ -124,11 +124,18 @@ def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, 
 
 
 def _standalone_source(loop: str) -> tuple[str, str]:
-    """Docstring and source of a module that has to do without linkproof, without remarks for linters."""
+    """Docstring and source of a module that has to do without linkproof, without remarks for linters.
+
+    The source of another loop that it imports from stands before it.
+    """
     source = inspect.getsource(import_module(loop))
-    module = ast.parse(source)
+    module, lines, before = ast.parse(source), source.splitlines(), list[str]()
     for node in ast.walk(module):
         if not isinstance(node, (ast.Import, ast.ImportFrom)):
+            continue
+        if isinstance(node, ast.ImportFrom) and re.fullmatch(r"engines\..*_loop", node.module or ""):
+            before.append(_standalone_source(node.module or "")[1])
+            lines[node.lineno - 1 : node.end_lineno] = [""] * ((node.end_lineno or 0) - node.lineno + 1)
             continue
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
         if getattr(node, "level", 0) or OWN_PACKAGES & {name.partition(".")[0] for name in names}:
@@ -137,8 +144,8 @@ def _standalone_source(loop: str) -> tuple[str, str]:
                 "which a script does not have"
             )
     docstring = ast.get_docstring(module)
-    rest = source.splitlines()[module.body[0].end_lineno or 0 :] if docstring else source.splitlines()
-    return docstring or "", _without_remarks("\n".join(rest))
+    rest = lines[module.body[0].end_lineno or 0 :] if docstring else lines
+    return docstring or "", _without_remarks("\n".join([*before, *rest]))
 
 
 def _without_remarks(source: str) -> str:

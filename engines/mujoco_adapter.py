@@ -37,11 +37,15 @@ KINEMATICS = {Channel.POSITION: "framepos", Channel.VELOCITY: "framelinvel", Cha
 
 @dataclass(frozen=True, kw_only=True)
 class MujocoRecipe(Recipe):
-    """``settle``: the constraints' time constant in samples; 0 leaves all as shipped and reads what a step leaves."""
+    """``settle``: the constraints' time constant in samples; 0 leaves all as shipped and reads what a step leaves.
+
+    The inverse weights of what is tied are made ``harder`` by this factor.
+    """
 
     at_kinks: bool = True
     integrator: str = "RK4"
     settle: float = 20.0
+    harder: float = 1e-7
 
 
 # Catalogue, quintic run-up, 20 samples to settle; largest torque error, time of the slowest, by steps per turn:
@@ -76,6 +80,7 @@ class MujocoModel:
         return {
             "xml": tostring(self.xml(recipe), encoding="unicode"),
             "settle": recipe.settle,
+            "harder": recipe.harder,
             "driven": self.driven,
             "is_linear": scene.driver_kind is not DriverKind.CRANK,
             "start": scene.crank_angle,

@@ -14,7 +14,6 @@ Array = NDArray[np.float64]
 Data = dict[str, Any]
 Planar = list[complex]  # a vector in the plane for every body, the ground last
 
-HARDER = 1e-7  # of the inverse weights
 PLANE = np.array([1.0, 1j, 0.0])  # vectors of space as complex numbers
 KINEMATICS = ("position", "velocity", "acceleration")
 
@@ -36,8 +35,10 @@ class MujocoWorld:
         if given["settle"]:
             model.opt.tolerance, model.opt.iterations = 0.0, 2  # the second is for the rounding of the first
             lightest = model.body_invweight0[self.numbers].max(axis=0)
-            model.body_invweight0[:] = HARDER * np.minimum(model.body_invweight0, lightest)  # blocks weigh nothing
-            model.dof_invweight0[:] *= HARDER
+            model.body_invweight0[:] = given["harder"] * np.minimum(
+                model.body_invweight0, lightest
+            )  # blocks weigh nothing
+            model.dof_invweight0[:] *= given["harder"]
         for name, speed in given["speeds"].items():
             data.joint(name).qvel[:] = speed
         data.qfrc_applied[self.crank] = given["torque"]
@@ -107,6 +108,24 @@ class MujocoWorld:
 
         return control if segment or times or loaded else None
 
+    def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
+        """Instants of a part, s, and what is read at them."""
+        model, data, settle = self.model, self.data, self.given["settle"]
+        sample = (part["end"] - part["start"]) / part["samples"]
+        model.opt.timestep = sample / course["ratio"]
+        model.eq_solref[:, 0] = settle * sample or 0.02  # s, as shipped
+        mujoco.set_mjcb_control(self.control(part["segment"]))
+        for instant in np.linspace(part["start"], part["end"], part["samples"] + 1).tolist():
+            if instant > part["start"]:
+                mujoco.mj_step(model, data, nstep=course["ratio"])
+            data.time = instant
+            if settle:
+                mujoco.mj_forward(model, data)  # or forces and accelerations are those of the last step's last stage
+            mujoco.mj_rnePostConstraint(model, data)
+            if warnings:
+                raise ArithmeticError(f"MuJoCo warns: {warnings[0]}")
+            yield instant, self.read(course["channels"])
+
 
 def load_rows(given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[float]]) -> list[list[float]]:
     """Force x, y, N, and moment about the mass centre, N m, of loads and springs on every body and the ground.
@@ -163,7 +182,7 @@ def follow(world: MujocoWorld, course: Data) -> Data:
     mujoco.set_mju_user_warning(warnings.append)  # or they go to the terminal and into a file
     try:
         for part in course["parts"]:
-            states = list(part_states(world, part, course, warnings))
+            states = list(world.states(part, course, warnings))
             rows += states if part is course["parts"][-1] else states[:-1]
     finally:
         mujoco.set_mjcb_control(None)
@@ -174,22 +193,3 @@ def follow(world: MujocoWorld, course: Data) -> Data:
         forces = samples["joint_force"][1]
         samples["joint_force"] = {joint: (time, forces[:, n]) for n, joint in enumerate(world.given["joints"])}
     return samples
-
-
-def part_states(world: MujocoWorld, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
-    """Instants of a part, s, and what is read at them."""
-    model, data, settle = world.model, world.data, world.given["settle"]
-    sample = (part["end"] - part["start"]) / part["samples"]
-    model.opt.timestep = sample / course["ratio"]
-    model.eq_solref[:, 0] = settle * sample or 0.02  # s, as shipped
-    mujoco.set_mjcb_control(world.control(part["segment"]))
-    for instant in np.linspace(part["start"], part["end"], part["samples"] + 1).tolist():
-        if instant > part["start"]:
-            mujoco.mj_step(model, data, nstep=course["ratio"])
-        data.time = instant
-        if settle:
-            mujoco.mj_forward(model, data)  # or forces and accelerations are those of the last step's last stage
-        mujoco.mj_rnePostConstraint(model, data)
-        if warnings:
-            raise ArithmeticError(f"MuJoCo warns: {warnings[0]}")
-        yield instant, world.read(course["channels"])

@@ -232,7 +232,7 @@ def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
     """The limit of a record and its reason; that of another tool's results is the user's."""
     if record.origin == IMPORTED and record.limit is not None:
         return record.limit, "your --limit, or for a check the rounding of its columns"
-    table = limits.limit(record.quantity, record.setting, record.regime, record.mechanism)
+    table = limits.limit(record.quantity, record.setting, record.regime, record.mechanism, record.engine)
     value = record.limit if record.limit is not None else table.value
     return value, table.reason if value == table.value else "as the table of limits stood when the campaign ran"
 

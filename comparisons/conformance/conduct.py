@@ -50,7 +50,8 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
         errors = list(_channel_errors(channel, sample_case(sample), scene, history))
         assert errors, f"expected a {channel.value} in sample '{sample}', got none: record it, its abilities offer it"
         is_compared = True
-        bound = limit(LIMIT_QUANTITIES[channel], Setting.TUNED, sample_case(sample).motion.regime).value
+        regime = sample_case(sample).motion.regime
+        bound = limit(LIMIT_QUANTITIES[channel], Setting.TUNED, regime, trial.engine.name).value
         error, reading, right = max(errors, key=lambda each: float(np.max(each[0])))
         if not np.max(error) <= bound:
             raise AssertionError(

@@ -20,16 +20,17 @@ from comparisons.judging.quantities import Deviation, NoSampleError, Quantity, d
 from comparisons.judging.records import Record, Verdict
 from comparisons.observed_motion import ObservedMotion
 from engines.contract import Origin, Setting
+from engines.registry import engine_names
 
 OWN = "own"  # stands in the table for every regime of a linkage's own
 SWING = "swing"  # stands there for every law from one crank angle to another but constant speed, which is one law
 TABLE = Path(__file__).with_name("limits.toml")
-LISTS: Final = ("quantities", "settings", "regimes", "mechanisms")
+LISTS: Final = ("quantities", "settings", "regimes", "mechanisms", "engines")
 USER_REASON: Final = "set by the user"
 
 
 class Limit(TomlTable):
-    """The largest error_max allowed, why, and what for; no settings, regimes or mechanisms means all of them."""
+    """The largest error_max allowed, why, and what for; no settings, regimes, mechanisms or engines: all of them."""
 
     value: Positive
     reason: str = USER_REASON
@@ -37,8 +38,9 @@ class Limit(TomlTable):
     settings: frozenset[str] = frozenset()
     regimes: frozenset[str] = frozenset()
     mechanisms: frozenset[str] = frozenset()
+    engines: frozenset[str] = frozenset()
 
-    def fits(self, quantity: str, setting: str, regime: str, mechanism: str) -> bool:
+    def fits(self, quantity: str, setting: str, regime: str, mechanism: str, engine: str) -> bool:
         """Whether the limit holds for a record."""
         kind = regime if regime in REGIMES else SWING if regime in LAWS else OWN
         return (
@@ -46,6 +48,7 @@ class Limit(TomlTable):
             and (not self.settings or setting in self.settings)
             and (not self.regimes or bool({regime, kind} & self.regimes))
             and (not self.mechanisms or mechanism in self.mechanisms)
+            and (not self.engines or engine in self.engines)
         )
 
 
@@ -55,14 +58,14 @@ class LimitTable:
 
     rows: tuple[Limit, ...]
 
-    def limit(self, quantity: str, setting: str, regime: str, mechanism: str = "") -> Limit:
+    def limit(self, quantity: str, setting: str, regime: str, mechanism: str = "", engine: str = "") -> Limit:
         """The limit of a record; raises LookupError for a quantity that the table does not cover.
 
         Forces of all joints share a limit, and so do all regimes that linkages define for themselves.
         """
         name = quantity.partition(":")[0]
         for row in self.rows:
-            if row.fits(name, setting, regime, mechanism):
+            if row.fits(name, setting, regime, mechanism, engine):
                 return row
         raise LookupError(f"limits.toml has no row for {name}, {setting}, {regime}: add one with its reason")
 
@@ -91,9 +94,9 @@ def table_from_rows(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
     return LimitTable(tuple(map(Limit.model_validate, rows)))
 
 
-def limit(quantity: str, setting: str, regime: str) -> Limit:
+def limit(quantity: str, setting: str, regime: str, engine: str = "") -> Limit:
     """The limit of the suite's own table, as ``LimitTable.limit``."""
-    return shipped_limits().limit(quantity, setting, regime)
+    return shipped_limits().limit(quantity, setting, regime, engine=engine)
 
 
 LimitRows = Annotated[Tables[Limit], Field(min_length=1)]
@@ -118,6 +121,8 @@ def with_rows(rows: Sequence[Limit], origin: str) -> LimitTable:
             raise UnknownNameError(f"setting of {origin}: limit {number}", name, Setting)
         for name in sorted(row.quantities - {*ours.quantities}):
             raise UnknownNameError(f"quantity of {origin}: limit {number}", name, ours.quantities)
+        for name in sorted(row.engines - {*engine_names()}):
+            raise UnknownNameError(f"engine of {origin}: limit {number}", name, engine_names())
     return LimitTable((*rows, *ours.rows))
 
 
@@ -159,7 +164,7 @@ class Standard:
         error = record.error_max
         if error is None or not (record.outcome == Verdict.COMPUTED or Verdict(record.outcome).judged):
             return record
-        bound = self.limits.limit(record.quantity, record.setting, record.regime, record.mechanism).value
+        bound = self.limits.limit(record.quantity, record.setting, record.regime, record.mechanism, record.engine).value
         record = replace(record, limit=bound, outcome=Verdict.PASSED.value, detail="")
         if record.origin == Origin.COMPUTED:
             detail = "computed by the adapter from the linkage's data, not read from the engine"

@@ -325,7 +325,7 @@ def _nearest_deviation(case: Case, motion: ObservedMotion, blank: Record) -> Rec
             worst = deviation(case, quantity, motion)
         except NoSampleError:
             continue
-        bound = limit(quantity.name, blank.setting, blank.regime).value
+        bound = limit(quantity.name, blank.setting, blank.regime, blank.engine).value
         error = worst.error_max if worst.error_at_jumps <= bound else max(worst.error_max, worst.error_at_jumps)
         outcome = Verdict.PASSED if error <= bound else Verdict.OVER_LIMIT
         records.append(replace(blank, quantity=quantity.name, error_max=_finite_number(error), limit=bound,

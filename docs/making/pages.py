@@ -57,12 +57,12 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:  # noqa: ANN401
 
 def limits() -> str:
     """The table of limits that comes with the suite."""
-    head = ("quantities", "settings", "regimes", "limit", "reason")
-    return table(Table("", head, tuple(map(_limit, shipped_limits().rows)), align="lllrl"))
+    head = ("quantities", "settings", "regimes", "engines", "limit", "reason")
+    return table(Table("", head, tuple(map(_limit, shipped_limits().rows)), align="llllrl"))
 
 
 def _limit(row: Limit) -> tuple[str, ...]:
-    names = (row.quantities, row.settings, row.regimes)
+    names = (row.quantities, row.settings, row.regimes, row.engines)
     return (*(", ".join(sorted(one)) or "all" for one in names), bound(row.value), row.reason)
 
 

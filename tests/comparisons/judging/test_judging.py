@@ -50,12 +50,14 @@ def test_the_table_is_complete():
 
 def test_rows_of_a_user_go_before_the_table(tmp_path):
     path = tmp_path / "limits.toml"
-    path.write_text('[[limit]]\nquantities = ["Mkr"]\nmechanisms = ["press"]\nregimes = ["own"]\nvalue = 0.5\n')
+    names = 'quantities = ["Mkr"]\nmechanisms = ["press"]\nregimes = ["own"]\nengines = ["mujoco"]'
+    path.write_text(f"[[limit]]\n{names}\nvalue = 0.5\n")
     table = read_limits(path)
-    own = table.limit("Mkr", "tuned", "a-regime-of-its-own", "press")
+    own = table.limit("Mkr", "tuned", "a-regime-of-its-own", "press", "mujoco")
     assert (own.value, own.reason) == (0.5, USER_REASON)
-    for quantity, regime, mechanism in ("Jeq", "free", "press"), ("Mkr", "run-up", "press"), ("Mkr", "free", "other"):
-        assert table.limit(quantity, "tuned", regime, mechanism) == limit(quantity, "tuned", regime)
+    others = "Jeq free press mujoco", "Mkr run-up press mujoco", "Mkr free other mujoco", "Mkr free press drake"
+    for quantity, regime, *names in map(str.split, others):
+        assert table.limit(quantity, "tuned", regime, *names) == limit(quantity, "tuned", regime)
 
 
 @pytest.mark.parametrize(
@@ -71,6 +73,10 @@ def test_rows_of_a_user_go_before_the_table(tmp_path):
         (
             '[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nsettings = ["tune"]',
             "unknown setting of .*limit 1 'tune': .*tuned",
+        ),
+        (
+            '[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nengines = ["mujoko"]',
+            "unknown engine of .*1 'mujoko': .*mujoco",
         ),
         ('[[limit]]\nquantities = ["Mrk"]\nvalue = 1', "unknown quantity of .*limit 1 'Mrk': .*Mkr"),
         ('[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nreasons = ""', "limit #1.reasons: unknown key 'reasons'"),

@@ -1,0 +1,1 @@
+"""MuJoCo's models in MJX and in MuJoCo Warp."""

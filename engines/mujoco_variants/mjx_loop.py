@@ -1,0 +1,69 @@
+"""One pass in MJX: the steps between two samples are one compiled function, what is read at a sample another."""
+
+from collections.abc import Iterator
+
+import jax
+import numpy as np
+from mujoco import mjx
+
+from engines.mujoco_variants.clocked_loop import SET, Array, ClockedWorld, Data, follow
+
+__all__ = ["build", "follow"]
+
+
+def after_steps(model: mjx.Model, state: mjx.Data, motion: jax.Array) -> mjx.Data:
+    """The state after one step by each row of the clock's motion."""
+
+    def step(state: mjx.Data, row: jax.Array) -> tuple[mjx.Data, None]:
+        clock = {name: getattr(state, name).at[-1].set(value) for name, value in zip(SET[:3], row, strict=True)}
+        return mjx.step(model, state.replace(**clock)), None
+
+    return jax.lax.scan(step, state, motion)[0]
+
+
+stepped, forward = jax.jit(after_steps), jax.jit(mjx.forward)
+
+
+class MjxWorld(ClockedWorld):
+    """A world in single or double precision, whose functions are compiled before its first step."""
+
+    lead = 12
+    compiled = ""  # the precision of what JAX holds compiled
+
+    def __init__(self, given: Data) -> None:
+        super().__init__(given)
+        if MjxWorld.compiled not in ("", given["precision"]):
+            jax.clear_caches()  # JAX 0.10 mixes constants of both up in what it has traced
+        MjxWorld.compiled = given["precision"]
+        self.device = jax.devices()[0].device_kind
+        with jax.enable_x64(given["precision"] == "f64"):
+            self.begin()
+            self.state = start = mjx.put_data(self.model, self.data)
+            jax.block_until_ready(
+                (stepped(self.other, start, np.zeros((given["ratio"], 3))), forward(self.other, start))
+            )
+
+    def begin(self) -> None:
+        self.other = mjx.put_model(self.model)
+
+    def advance(self, motion: Array) -> None:
+        self.state = stepped(self.other, self.state, motion)
+        self.fetch()
+
+    def compute(self, settled: bool) -> None:
+        self.state = self.state.replace(**{name: jax.numpy.array(getattr(self.data, name)) for name in SET})
+        if settled:
+            self.state = forward(self.other, self.state)
+            self.fetch()
+
+    def fetch(self) -> None:
+        """Fill C MuJoCo's data; here joints' rows come after those of all cuts, so the drive's is the last."""
+        values = vars(self.state) | vars(self.state._impl)
+        self.fill(values, np.roll(values["efc_force"], 1))
+
+    def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
+        with jax.enable_x64(self.given["precision"] == "f64"):
+            yield from super().states(part, course, warnings)
+
+
+build = MjxWorld
