@@ -355,8 +355,8 @@ def _invariant_record(case: Case, inspection: Inspection, record: Record) -> Rec
     if record.quantity == "joint_gap":
         return _judge_signal(record, joint_gaps(motion), case.mechanism.linkage.shortest_length(), samples)
     if record.quantity in SHARES:
-        scale = inspection.radian if record.quantity == "crank_phase" else 1.0
-        return _judge_signal(record, SHARES[record.quantity](inspection), scale, samples)
+        whole = inspection.radian if record.quantity == "crank_phase" else 1.0
+        return _judge_signal(record, SHARES[record.quantity](inspection), whole, samples)
     samples = len(motion.signal(Channel.ACCELERATION).time)
     if record.quantity == "force_balance":
         return _judge_signal(record, _without_jumps(case, inspection.force_balance()), 1.0, samples)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -22,6 +23,7 @@ from analytic.errors import LinkproofError, is_safe
 from analytic.files import read_file
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
+from comparisons.datasheet.figures import NEGLIGIBLE
 from comparisons.datasheet.linkage_check import check_slips
 from comparisons.datasheet.open_ends import BINDS
 from comparisons.designs.parameters import named_figures, parameters, speed_unit
@@ -158,10 +160,19 @@ def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> Non
     mechanism, motion, conditions = steady_case(linkage, SteadyOptions())
     every = named_figures(mechanism, figure_names(mechanism))
     speed = {SPEED: np.array([abs(motion.speed)])}
-    values = motion.figures(mechanism, speed, [figure.figure for figure in every])[:, 0].tolist()
+    found = motion.figures(mechanism, speed, [figure.figure for figure in every])[:, 0].tolist()
+    values = [value / each.unit.size for each, value in zip(every, found, strict=True)]
+    sizes: dict[tuple[str, str], float] = {}  # of signals of one kind, beside which a value may be rounding
+    kinds = [(re.split("[:.@]", each.name)[0], each.unit.name) for each in every]
+    for kind, value in zip(kinds, values, strict=True):
+        sizes[kind] = max(sizes.get(kind, 0.0), abs(finite(value) or 0.0))
     figures = [
-        {"name": each.name, "units": each.unit.name, "value": finite(float(f"{value / each.unit.size:.15g}"))}
-        for each, value in zip(every, values, strict=True)
+        {
+            "name": each.name,
+            "units": each.unit.name,
+            "value": 0.0 if abs(value) <= NEGLIGIBLE * sizes[kind] else finite(float(f"{value:.15g}")),
+        }
+        for each, value, kind in zip(every, values, kinds, strict=True)
     ]
     numbers = [
         {"name": each.name, "units": each.unit.name, "value": in_unit(each.value, each.unit.size)}

@@ -133,7 +133,8 @@ def test_every_listed_figure_is_reproduced_where_a_file_prints_it(tmp_path):
     """As it stands in the table, with its unit and half a unit of its last digit."""
     text, table = load("juki-mf7923d").text, linkproof("list", "juki-mf7923d").stdout.split("\n\n")[1]
     rows = [re.split(r"\s{2,}", line.strip()) for line in table.splitlines()[1:]]
-    printed = [row for row in rows if abs(float(row[-1])) > 1e-9]  # others are roundings of zero
+    printed = [row for row in rows if float(row[-1])]
+    assert min(abs(float(row[-1])) for row in printed) > 1e-9  # no rounding of zero
     entries = [
         f'[[published]]\nquantity = "{name}"\nunit = "{"".join(unit)}"\nvalue = {value}\nspeed = 1000\n'
         f'half_digit = {0.5 * 10.0 ** (math.floor(math.log10(abs(float(value)))) - 5)}\nplace = "list"\n'
