@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import REGIMES, RPM, crank_motion
+from analytic.description.crank_motion import LARGEST, REGIMES, RPM, crank_motion
 from analytic.description.diagnosis import Source
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, ThreadPath
@@ -330,6 +330,9 @@ def check_published(mechanism: Mechanism) -> None:
             key = "regime"
             if entry.regime is not None and entry.regime not in (*regimes, *REGIMES):
                 raise UnknownNameError(f"regime of '{linkage.name}'", entry.regime, [*regimes, *REGIMES])
+            key = "speed"
+            if entry.speed is not None and not 1.0 / LARGEST <= abs(entry.speed) * RPM <= LARGEST:
+                raise LinkproofError(f"expected a crank that turns, got {entry.speed:g} rpm; leave it out for 1 rad/s")
         except LinkproofError as error:
             raise source.fault(f"published.{number}.{key}: {error}") from error
 

@@ -234,6 +234,7 @@ def test_printed_angles_are_compared_modulo_a_turn():
         ('quantity = "stroke", unit = "furlong"', "unit: unknown unit of a figure in m 'furlong'"),
         ('quantity = "stroke", unit = "kN"', "unit: unknown unit of a figure in m 'kN'"),
         ('quantity = "stroke", regime = "nope"', "regime: unknown regime of 'printed' 'nope'"),
+        ('quantity = "stroke", speed = 0', "speed: expected a crank that turns, got 0 rpm; leave it out for 1 rad/s"),
     ],
 )
 def test_a_printed_figure_that_cannot_be_is_a_fault_with_its_line(tmp_path, keys, words):
