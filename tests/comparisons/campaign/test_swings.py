@@ -52,12 +52,6 @@ def test_a_rocker_that_cannot_turn_swings_within_the_limits(rocker, name):
         assert shared["S"] == ""
 
 
-def test_a_swing_beyond_a_toggle_says_where_it_ends_and_what_to_do(rocker):
-    choice = CompareOptions(mechanisms=(rocker,), engine=("direct",), from_angle=0.0, to_angle=80.0)
-    with pytest.raises(AssemblyError, match=r"reaches -74.41.* to 74.41.*stretched in one line.; stay within"):
-        list(compare(request(choice), pool=LocalPool(0)))
-
-
 RELEASED = """
 [regimes.timed]
 torque = [0.0, 1.0, -1.0]

@@ -13,12 +13,9 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case, case_of_file_regime, motion_of_file_regime
 from comparisons.datasheet.building import (
     describe_release,
-    positions_over_motion,
-    positions_over_range,
     usual_case,
     usual_sheet,
 )
-from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.saved import load_cases, save_case
 from comparisons.runs.files import STORE
 from tests.analytic.linkages import FOLDER, from_text
@@ -140,15 +137,3 @@ def test_what_cannot_be_assembled_has_a_sheet_with_the_reason():
     far = usual_sheet(replace(broken, ground=dict.fromkeys(linkage.ground, (9.0, 9.0))))
     assert "values" in far.missing
     assert far.facts["links"].keys() == linkage.links.keys()
-
-
-def test_positions_of_a_turn_end_as_they_began_and_less_than_a_turn_is_shown_over_its_time():
-    turn = positions_over_range(Mechanism(load("slotted-takeup")))
-    assert (turn.over, turn.closed) == ("phi", True)
-    for x, y, angle in turn.bodies.values():
-        assert np.allclose([x[0], y[0], np.cos(angle[0])], [x[-1], y[-1], np.cos(angle[-1])], atol=1e-12)
-        assert np.max(np.abs(np.diff(angle))) < 1.0
-    motion = crank_motion("run-up", speed=2.0, ramp_time=1.0, hold_time=0.5)
-    part = positions_over_motion(Curves(Case(Mechanism(load("juki-mf7923d")), motion)))
-    assert (part.over, part.closed) == ("time", False)
-    assert np.allclose(part.bodies["crank"][2], motion.angle(part.axis))

@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
-from comparisons.datasheet.linkage_check import check, warnings
+from comparisons.datasheet.linkage_check import check
 from reports.command_line.commands.mechanisms import printed_facts
 from reports.document.terminal import rendered
 from tests.analytic.chains import chain_of_dyads
@@ -125,18 +125,3 @@ def test_change_points_of_a_parallelogram():
 
 
 # Beside those in tests/reports/command_line/test_usual_mistakes.py.
-SLIPS = {
-    ("inertia = 0.19e-4", "inertia = 0.19e-10"): "(kg*m^2 read as kg*mm^2?)",
-    ("inertia = 0.19e-4", "inertia = 4e-3"): "check the unit of inertia",
-    ("mass    = 0.64", "mass = 640"): "'crank' weighs 640 kg at a length of 15.5 mm: check",
-}
-
-
-def test_slips_are_told_and_a_linkage_without_slips_or_without_masses_has_none():
-    def told(text):
-        return list(warnings(parse(text, "juki", "juki.toml")))
-
-    for slip, words in SLIPS.items():
-        assert any(words in sentence for sentence in told(JUKI.replace(*slip, 1))), slip
-    assert told(JUKI) == []
-    assert told("\n".join(line for line in JUKI.splitlines() if not line.startswith(("mass ", "inertia ")))) == []

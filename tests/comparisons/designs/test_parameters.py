@@ -44,11 +44,6 @@ def test_a_place_is_in_degrees_whatever_the_unit_of_the_file(unit, place, angle)
     assert found.figure.angle == pytest.approx(angle, rel=1e-15)
 
 
-def test_a_place_of_a_drive_along_a_line_is_in_the_unit_of_length():
-    (found,) = named_figures(driven("linear-motor"), ["v@12"])
-    assert found.figure.angle == pytest.approx(0.012, rel=1e-15)
-
-
 @pytest.mark.parametrize(
     ("name", "meant"),
     [("torque", "Mkr.peak"), ("force.mean", "joint_force.mean"), ("strok", "stroke"), ("Mkr.pek", "Mkr.peak")],

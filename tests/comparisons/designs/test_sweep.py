@@ -6,8 +6,6 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from analytic.description.crank_motion import RPM
 from analytic.designs.results import design_figures
@@ -15,7 +13,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import sheet, usual_case
 from comparisons.designs import sweep as sweeps
-from comparisons.designs.parameters import named_figures, parameter, steady_motion
+from comparisons.designs.parameters import named_figures, steady_motion
 from comparisons.designs.sweep import (
     DesignSpace,
     SweepRequest,
@@ -27,21 +25,6 @@ from comparisons.designs.sweep import (
 )
 from tests.analytic.loaded_linkages import on_trial
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
-
-NAMES = ("rod.B.x", "rod.mass", "rod.centre.x")
-
-
-@given(st.lists(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=4), min_size=1, max_size=3), st.data())
-def test_designs_are_numbered_last_axis_first(values, data):
-    parts = tuple(parameter(SIX_BAR, name) for name in NAMES[: len(values)])
-    space = DesignSpace(parts, tuple(map(np.array, values)))
-    truth = np.array(list(itertools.product(*values))).T
-    first = data.draw(st.integers(0, space.count - 1))
-    last = data.draw(st.integers(first + 1, space.count))
-    np.testing.assert_array_equal(space.file_values(first, last), truth[:, first:last])
-    np.testing.assert_array_equal(space.ends, np.stack([truth.min(axis=1), truth.max(axis=1)], axis=1))
-    for one, row in zip(parts, truth, strict=True):
-        np.testing.assert_array_equal(space.block(first, last)[one.name], row[first:last] * one.unit.size)
 
 
 def test_a_range_is_read_in_the_units_of_the_file_or_in_its_own():

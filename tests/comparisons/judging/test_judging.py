@@ -19,7 +19,6 @@ from comparisons.judging.limits import (
     Limit,
     LimitTable,
     Standard,
-    deciding,
     judge,
     limit,
     read_limits,
@@ -125,12 +124,6 @@ def test_another_standard_gives_another_verdict_of_the_same_error():
     passed = Standard(_loose(3.0 * LIMIT)).judge(failed)
     assert (passed.outcome, passed.detail, passed.limit) == (Verdict.PASSED, "", pytest.approx(3.0 * LIMIT))
     assert shipped_standard().judge(passed) == failed
-
-
-def test_naive_records_decide_only_where_nothing_else_ran():
-    naive = replace(JUDGED, setting="naive")
-    assert list(deciding([naive, JUDGED])) == [JUDGED]
-    assert list(deciding([naive])) == [naive]
 
 
 @pytest.fixture(scope="module", params=["juki-mf7923d", "rimoldi-164"])

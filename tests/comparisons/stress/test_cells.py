@@ -27,10 +27,8 @@ from comparisons.stress.cells import (
     Conditions,
     axes,
     case,
-    chosen_axes,
     find_cell,
     lost,
-    reversal,
     run_cell,
     scene,
 )
@@ -76,16 +74,6 @@ def test_an_axis_varies_a_field_over_values_that_hold_its_easy_one(axis):
         assert getattr(axis.conditions(row.label, 0.125), axis.vary) == 0.125
 
 
-def test_axes_are_chosen_by_name_in_the_tables_order():
-    names = list(axes())
-    assert [axis.name for axis in chosen_axes(())] == names
-    assert [axis.name for axis in chosen_axes(reversed(names[:3]))] == names[:3]
-    with pytest.raises(UnknownNameError, match=r"unknown axis 'mas'.*mass"):
-        chosen_axes(["mas"])
-    with pytest.raises(UnknownNameError, match="row of axis 'mass'"):
-        axes()["mass"].row("four-bar")
-
-
 JUKI = Conditions("juki-mf7923d")
 POWERS = st.floats(-6.0, 6.0).map(lambda power: 10.0**power)
 LOADED = ["tests/linkages/spring-and-damper.toml", "tests/linkages/force-over-angle.toml", *catalogue()]
@@ -107,24 +95,6 @@ def test_the_closed_form_does_not_notice_units(name, length, mass, time):
     peak = max(np.max(np.abs(force)) for force in forces.values())
     for joint, force in forces.items():
         assert np.max(np.abs(force - others[joint] * time**2 / (mass * length))) < 1e-10 * peak
-
-
-@pytest.mark.parametrize(("hold", "change"), [(0.03, 0.06), (0.01, 1e-3)])
-def test_a_reversal_turns_round_and_back_without_a_jump(hold, change):
-    one = reversal(100.0, 0.4, hold, change)
-    time = np.linspace(0.0, one.duration, 20001)
-    speed = one.speed(time)
-    assert one.duration == pytest.approx(3.0 * hold + 2.0 * change)
-    assert one.jumps == ()
-    assert one.peak_speed == pytest.approx(100.0)
-    assert np.max(np.abs(speed)) <= 100.0 * (1.0 + 1e-12)
-    assert one.speed(np.array([0.0, 1.5 * hold + change, one.duration])) == pytest.approx([100.0, -100.0, 100.0])
-    step = time[1]
-    np.testing.assert_allclose(
-        np.gradient(one.angle(time), step)[1:-1], speed[1:-1], atol=100.0 * (step / change) ** 2 * 9
-    )
-    back = np.diff(one.angle(time))
-    assert np.sum(np.abs(np.diff(np.sign(back[np.abs(back) > 1e-9])))) == 4  # two changes of sense
 
 
 @pytest.mark.parametrize("what", ["position", "velocity"])

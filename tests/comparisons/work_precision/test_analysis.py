@@ -182,8 +182,3 @@ def test_a_document_of_another_form_is_refused_with_the_place(tmp_path, place, w
     save_study(tmp_path, KIND, told, (("0", one, {}) for one in told.pop("records")))
     with pytest.raises(LinkproofError, match=rf"{re.escape(words)}.*run bench with --out again"):
         load(tmp_path)
-
-
-def test_a_lucky_coarse_step_is_not_chosen():
-    lucky = sweep_rows([1e-9, 1e-2, 1e-3, 1e-4, 1e-10], cost=1e-3)
-    assert choices(lucky, [1e-8])[0].record == lucky[-1]

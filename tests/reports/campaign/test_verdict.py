@@ -6,7 +6,6 @@ import pytest
 
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Verdict
-from engines.contract import Setting
 from reports.campaign.verdict import EngineRanking, verdict
 from tests.reports.made_up_results import changed_results, made_up_results
 
@@ -53,13 +52,6 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
     assert first.startswith("Within their limits: alpha, once tuned, for every quantity compared. ")
     assert "Do not trust beta for Mkr/Peq: an error is over its limit" in first
     assert trust.most_accurate("tuned", "Mkr/Peq") == "alpha"
-
-
-def test_where_only_naive_ran_it_decides():
-    trust = EngineRanking(made_up(settings=[Setting.NAIVE]))
-    assert trust.settings == ("naive",)
-    assert "Do not trust alpha and beta for S/v/a, Jeq/Teq" in verdict(trust)[0]
-    assert not any("At default" in line for line in verdict(trust))
 
 
 def test_the_control_is_shown_last_and_never_named(results):

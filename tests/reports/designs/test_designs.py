@@ -1,6 +1,5 @@
 """Sweeps, optima and tolerances in words and pictures: the designs that are named are marked, no words touch."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,18 +8,15 @@ import xarray
 from matplotlib.patches import Rectangle
 
 from analytic.description.crank_motion import RPM
-from comparisons.designs.optimisation import OptimisationRequest, optimise
 from comparisons.designs.parameters import steady_motion
 from comparisons.designs.sweep import sweep
 from comparisons.designs.tolerances import Tolerances, tolerance_request, tolerance_study
 from reports.charts import draw
 from reports.charts.scales import INK, LIMIT_COLOUR, MUTED, PALETTE
 from reports.designs import tolerance_terminal
-from reports.designs.optimise_terminal import before_after_chart
 from reports.designs.sweep_picture import sweep_figure
 from reports.designs.sweep_terminal import sentence
 from reports.designs.tolerance_terminal import NONE, TIED, WIDE, printout, tornado_chart
-from reports.document.numbers import figure as digits
 from reports.document.terminal import rendered
 from tests.analytic.linkages import IN_LINE, from_text, mechanism
 from tests.comparisons.designs.sweeps import grid, request
@@ -125,19 +121,6 @@ def test_a_map_has_a_colour_bar_contours_with_words_a_hatch_and_its_best_design(
     assert marked(axes, "D", INK) == [(174.0, 184.0)]
 
 
-@pytest.mark.parametrize("counts", [(40, 30), (400, 3, 3)])
-def test_values_that_grow_without_bounds_are_cut_off_and_the_picture_says_how_far_they_reach(counts):
-    dataset = made_up_sweep(*counts, change=lambda values: values + 1.0)
-    name = "Mkr.peak"
-    dataset[name][{"rod.B.x": -1}] = 1e4
-    figure = drawn(dataset)
-    words = [" ".join(text.split()) for text in texts(figure)]
-    assert any(re.fullmatch(r"Mkr\.peak \(1\.000 to 10000\),.N\*m", text) for text in words)
-    assert any(text.startswith("If two numbers follow a name") for text in words)
-    assert not any(text in {"5000", "10000"} for text in words)
-    assert len(marked(panels(figure)[0], "*", LIMIT_COLOUR)) == (len(counts) < 3)
-
-
 def summed_up(*texts):
     return sweep(request(grid(*texts), figures=("stroke",)))
 
@@ -149,23 +132,6 @@ def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():
     assert told.startswith("2 001 designs, of which ")
     assert "(100 %)" not in told
     assert told.endswith("to 180 mm")
-
-
-def test_torque_comes_first_and_both_peaks_are_marked():
-    rimoldi = mechanism("rimoldi-164")
-    wanted = OptimisationRequest("joint_force:A.peak", ("rod.B.x=170:180",))
-    optimum = optimise(rimoldi, steady_motion(rimoldi, 1000.0 * RPM, samples=90), wanted, lambda *_: None)
-    torque = optimum.curves()["Mkr"]
-    figure = draw.figure(before_after_chart(optimum, "made-up"))
-    first, second = figure.axes
-    assert {"before", "after", "made-up"} <= set(texts(figure))
-    before, after = (values[np.argmax(np.abs(values))] for values in torque)
-    assert f"Mkr: peak {digits(before)} → {digits(after)} N*m" in texts(figure, first)
-    assert any(text.startswith("joint_force:A: peak ") for text in texts(figure, second))
-    dots = {line.get_color(): line.get_ydata()[0] for line in first.lines if line.get_marker() == "o"}
-    assert dots == {MUTED: pytest.approx(before), PALETTE[0]: pytest.approx(after)}
-    assert "crank angle φ, °" in texts(figure, second)
-    assert second.get_xlim() == (0.0, 360.0)
 
 
 def printed_study(sample, results, table, **options):

@@ -11,7 +11,7 @@ from comparisons.judging.records import Verdict
 from comparisons.judging.thinning import EXTREMES, WORST
 from engines.contract import Setting
 from reports.charts import draw
-from reports.document.parts import Bullets, Table, TableCell, Widget
+from reports.document.parts import Table, TableCell, Widget
 from reports.mechanism.engines import (
     MARKERS,
     chart_data,
@@ -81,13 +81,6 @@ def test_a_run_over_its_limits_has_a_remedy(results, setting, cure):
     (view,) = views(changed_results(results, fail))
     _, reasons = errors_section(view, view.regimes[0]).parts
     assert [item for item in reasons.items if item.startswith("beta ")] == [f"beta {setting} – {cure}."]
-
-
-def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
-    broken = {"gone": Verdict.UNAVAILABLE}
-    (view,) = views(made_up_results(engines=("gone",), broken=broken, samples=21, quantities=("Mkr",)))
-    errors, _ = engines_section(view).parts
-    assert errors.parts == (Bullets(("gone naive; tuned; best – not installed: gone <cannot> hold this scene.",)),)
 
 
 # Curves of runs, thinned and packed for the page's chart.

@@ -154,20 +154,6 @@ def test_a_regime_is_told_in_sentences_and_shown_to_its_last_turn(driven):
     assert [one.name for one in figures.figures] == ["released-driven", "released-driven-last-turn"]
 
 
-def test_what_a_motion_lacks_has_no_sentence(driven):
-    one = driven.released["driven"]
-    nothing = {"rests": [], "ending": None, "settled": None, "error_bound": None}
-
-    def words(**changes):
-        bare = replace(one, facts={**one.facts, **nothing, **changes})
-        (regime,) = released_section(replace(driven, released={"driven": bare})).parts
-        return regime.parts[0].items
-
-    (line,) = words()
-    assert line.endswith("the crank can rest at no angle.")
-    assert "changes with time" in words(over="time")[0]
-
-
 # A data sheet in the units of its file, over the crank angle of a turn.
 
 

@@ -21,12 +21,6 @@ def names(options):
     return [linkage.name for linkage in request(options).linkages]
 
 
-def test_a_variant_without_mechanisms_means_those_that_have_it():
-    assert names(CompareOptions(variant="y-along")) == ["rimoldi-164"]
-    with pytest.raises(UnknownNameError, match="variant of 'juki-mf7923d'"):
-        request(CompareOptions(mechanisms=(JUKI,), variant="y-along"))
-
-
 @pytest.mark.parametrize(
     ("options", "words"),
     [

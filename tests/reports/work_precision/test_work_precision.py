@@ -8,8 +8,8 @@ from comparisons.work_precision.analysis import by_regime, places
 from comparisons.work_precision.records import Bench, load, save
 from reports.document import html
 from reports.document.terminal import rendered
-from reports.work_precision.page import page, verdicts, widget
-from reports.work_precision.words import comparison_words, engine_labels, printout
+from reports.work_precision.page import page, verdicts
+from reports.work_precision.words import comparison_words, printout
 from tests.comparisons.bench_rows import points, setting_row
 from tests.reports.made_up_bench import document, made_up_bench, nothing_finished
 
@@ -71,25 +71,6 @@ def test_methods_choices_and_settings_stand_in_one_block_per_place():
 
 
 # A benchmark's diagram, static figures and page.
-
-
-def _widget(bench=BENCH):
-    return widget(by_regime(places(bench)), engine_labels(bench))
-
-
-def _held(data):
-    return [(sweep, point) for sweep in data["sweeps"] for point in sweep["points"]]
-
-
-def test_every_finished_record_of_every_place_is_there_once():
-    made = _widget()
-    found = [made.data["first"], *made.further.values()]
-    assert [key for key, _ in made.data["places"]][1:] == list(made.further)
-    for place, data in zip(places(BENCH), found, strict=True):
-        for name in place.quantities:
-            errors = [point["errors"][name][1] for _, point in _held(data) if name in point["errors"]]
-            wanted = [float(f"{one.error_max:.4g}") for one in place.records if one.quantity == name and one.finished]
-            assert sorted(errors) == sorted(wanted)
 
 
 @pytest.fixture(scope="module")
