@@ -13,9 +13,7 @@ import numpy as np
 import pybullet
 
 UNTURNED = [0.0, 0.0, 0.0, 1.0]
-# A block's mass in the lightest body's; a body's inertia about its other axes in that about z, as nothing else keeps it
-# from tilting out of the plane.
-LIGHT, UPRIGHT = 1e-8, 1e6
+LIGHT = 1e-7  # of the lightest body's mass, a block's
 EXACT = {"erp": 1.0, "constraintSolverType": pybullet.CONSTRAINT_SOLVER_LCP_DANTZIG}
 UNLIMITED = {"maxForce": 1e12}  # N; a constraint gives way at 500 N unless told otherwise
 UNDAMPED = {"linearDamping": 0.0, "angularDamping": 0.0, "jointDamping": 0.0, "maxJointVelocity": 1e12}
@@ -66,7 +64,7 @@ class World:
         for link in range(-1, count) if self.centred else ():
             self.call("changeDynamics", body, link, **UNDAMPED)
         # In one call with those above PyBullet takes the inertia for 0.
-        self.call("changeDynamics", body, -1, localInertiaDiagonal=[UPRIGHT * inertia, UPRIGHT * inertia, inertia])
+        self.call("changeDynamics", body, -1, localInertiaDiagonal=[inertia] * 3)
         for link, (n, _) in enumerate(guides):  # a link comes with a motor that brakes it
             self.call("setJointMotorControl2", body, link, pybullet.VELOCITY_CONTROL, force=0.0)
             self.links[n] = link
