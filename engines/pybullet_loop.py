@@ -13,8 +13,9 @@ import numpy as np
 import pybullet
 
 UNTURNED = [0.0, 0.0, 0.0, 1.0]
-LIGHT = 1e-7  # of the lightest body's mass, a block's
-EXACT = {"erp": 1.0, "constraintSolverType": pybullet.CONSTRAINT_SOLVER_LCP_DANTZIG}
+# A block's mass in the lightest body's, and how soft constraints are, in own units: those that say the same twice, as
+# may be out of the plane, have no solution without.
+LIGHT, SOFT = 3e-8, 1e-6
 UNLIMITED = {"maxForce": 1e12}  # N; a constraint gives way at 500 N unless told otherwise
 UNDAMPED = {"linearDamping": 0.0, "angularDamping": 0.0, "jointDamping": 0.0, "maxJointVelocity": 1e12}
 
@@ -27,7 +28,8 @@ class World:
 
     def __init__(self, given: dict[str, Any], step: float) -> None:
         self.given, self.client, self.centred = given, pybullet.connect(pybullet.DIRECT), given["lead"] > 0
-        self.call("setPhysicsEngineParameter", fixedTimeStep=step, **(EXACT if self.centred else {}))
+        solver = {"constraintSolverType": pybullet.CONSTRAINT_SOLVER_LCP_DANTZIG, "erp": 1.0, "globalCFM": SOFT * step}
+        self.call("setPhysicsEngineParameter", fixedTimeStep=step, **(solver if self.centred else {}))
         self.call("setGravity", *given["gravity"], 0.0)
         place, rate = np.array(given["start"])[:, 0]
         self.spins, self.links = rate[:, 2], dict[int, int]()
