@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from comparisons.campaign.results import Results
+from comparisons.judging.changes import Place
 from comparisons.judging.records import CONTROL, Verdict
 from reports.campaign.verdict import EngineRanking, verdict
 from tests.reports.made_up_results import changed_results, made_up_results
@@ -60,11 +61,9 @@ def test_the_control_is_shown_last_and_never_named(results):
     assert "alpha" not in " ".join(verdict(trust))
 
 
-PLACE = dict.fromkeys(("mechanism", "variant", "regime", "conditions", "engine", "setting", "quantity"), "some")
-
-
 def test_nobody_is_trusted_where_something_is_not_as_it_was_recorded(results):
-    changes = [{**PLACE, "before": 1.0, "after": 1.5, "kind": kind} for kind in ("changed", "vanished", "appeared")]
+    kinds, place = ("changed", "vanished", "appeared"), ["some"] * len(Place._fields)
+    changes = [{"place": place, "before": 1.0, "after": 1.5, "kind": kind} for kind in kinds]
     told = {**results.document, "changes": changes}
     first, second, *rest = verdict(EngineRanking(Results(told, results.runs)))
     assert first == "2 results are not as recorded before."
