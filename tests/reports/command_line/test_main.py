@@ -160,6 +160,7 @@ def test_closed_streams_are_no_fault():
     assert subprocess.run(["sh", "-c", script], cwd=ROOT, check=False).returncode == 0
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes differ there")
 def test_a_reader_that_leaves_costs_no_report(tmp_path):
     words = ("compare", NAME, "--engine", "direct", "--quantity", "Jeq", "--jobs", "0", "--json", "--out", "o")

@@ -109,7 +109,7 @@ def test_it_is_warned_of(tmp_path, mistake):
         "optimise --minimise Mkr.peak --over rocker.mass=1:2",
         "tolerance tolerances.toml",
         "compare --engine direct --jobs 0 --regime constant-speed",
-        "bench --engine direct --quick --regime constant-speed",
+        pytest.param("bench --engine direct --quick --regime constant-speed", marks=pytest.mark.nightly),
     ],
 )
 def test_no_option_hides_its_warnings(tmp_path, words):

@@ -71,6 +71,7 @@ def test_every_page_is_there_and_every_link_leads_to_a_file(site):
             assert ((site / name).parent / link).is_file(), (name, link)
 
 
+@pytest.mark.nightly
 def test_worker_processes_write_the_same(saved, site, tmp_path, monkeypatch):
     monkeypatch.setattr("reports.site.run_jobs", run_jobs)
     shutil.copytree(saved, tmp_path, dirs_exist_ok=True)

@@ -20,7 +20,7 @@ RUN_UP = ("--regime", "run-up")
 @pytest.fixture(scope="module")
 def curves():
     """Instants and the closed form's own values of a run-up."""
-    time = np.linspace(0.0, 0.7, 351)
+    time = np.linspace(0.0, 0.7, 141)
     return time, Simulation(JUKI, crank_motion("run-up")).predict([samples(name, time) for name in NAMES])
 
 
@@ -99,7 +99,7 @@ def test_the_page_begins_with_the_verdict_and_its_cause(folder):
 
 def test_a_swing_of_a_cylinder_is_given_in_the_unit_of_its_file(tmp_path):
     boom = path_of("boom")
-    time = np.linspace(0.0, 2.0, 101)  # a cycloidal law is twice as fast as its mean at most, which 1 s gives
+    time = np.linspace(0.0, 2.0, 51)  # a cycloidal law is twice as fast as its mean at most, which 1 s gives
     simulation = Simulation(load(boom), swing("cycloidal", 0.42, 0.45, speed=0.03))
     (force,) = simulation.predict([samples("Mkr", time)])
     (tmp_path / "run.csv").write_text(csv([Channel("time", "s", time), Channel("Mkr", "N", force)]))
