@@ -148,16 +148,21 @@ FEWEST, ENOUGH, MOST = 10, 1000, 10_000
 LARGEST_REMAINDER = 0.3
 
 
-def iterations_for(layout: PartLayout, remaining: float) -> int:
+def iterations_for(layout: PartLayout, remaining: float) -> list[int]:
     """Iterations a step, ``FEWEST`` to ``MOST``, for a remaining error of an impulse.
 
-    The error is a share of the impulse's change over the step, at the pose that converges slowest. Above ``ENOUGH``
-    iterations only ``LARGEST_REMAINDER`` is aimed at.
+    The error is a share of the impulse's change over the step. Above ``ENOUGH`` iterations only ``LARGEST_REMAINDER``
+    is aimed at. A crank that turns fully has them at ``POSES`` even angles, each enough for its neighbours, too; any
+    other driver has one number, that of the pose that converges slowest.
     """
     with np.errstate(all="ignore"):
-        worst = max(contraction(layout, pose) for pose in poses_of(layout.equations))
-        enough, needed = np.log([remaining, LARGEST_REMAINDER]) / np.log(min(worst, 1.0 - 1e-12))
-    return int(np.clip(max(min(enough, ENOUGH), needed), FEWEST, MOST))
+        factors = np.array([contraction(layout, pose) for pose in poses_of(layout.equations)])
+        enough, needed = np.log([[remaining], [LARGEST_REMAINDER]]) / np.log(np.minimum(factors, 1.0 - 1e-12))
+    counts = np.clip(np.maximum(np.minimum(enough, ENOUGH), needed), FEWEST, MOST).astype(int)
+    scene, (*turn, _) = layout.scene, counts
+    if scene.driver_kind is not DriverKind.CRANK or abs(driver_travel(scene)) < FULL_TURN or len(turn) < POSES:
+        return [int(counts.max())]
+    return [int(count) for count in np.maximum.reduce([np.roll(turn, shift) for shift in (-1, 0, 1)])]
 
 
 def driver_travel(scene: Scene) -> float:
@@ -232,17 +237,20 @@ class PymunkRecipe(Recipe):
 
 NAIVE: Final = PymunkRecipe(step=1e-4, least_steps=1, centred=False, in_own_units=False)
 # Chosen from a sweep over the catalogue's five mechanisms, quintic run-up to 1000 rpm. Steps per turn and the share
-# left by the solver; worst error of torque, reduced inertia and joint forces over their peaks; time of all five:
-#   2000, 5 %: 5.9e-5, 5.8e-5, 6.8e-5, 0.9 s    6000, 20 %: 5.0e-4, 4.2e-6, 9.5e-4, 1.9 s
-#   6000, 5 %: 6.6e-6, 4.2e-6, 7.6e-6, 2.5 s    6000, 1 %: 6.7e-6, 4.2e-6, 7.6e-6, 2.9 s
-#  10800, 5 %: 2.0e-6, 1.3e-6, 2.4e-6, 8.3 s    Some random linkages ask for more than 6000.
-TUNED: Final = PymunkRecipe(steps_per_turn=400, ratios=(21,), least_steps=100, remaining=0.05)
+# left by the solver; worst error of torque, reduced inertia and joint forces over their peaks:
+#   2000, 5 %: 5.9e-5, 5.8e-5, 6.8e-5    6000, 20 %: 5.0e-4, 4.2e-6, 9.5e-4
+#   6000, 5 %: 6.6e-6, 4.2e-6, 7.6e-6    6000, 1 %: 6.7e-6, 4.2e-6, 7.6e-6
+#   8600, 5 %: 3.2e-6, 2.0e-6, 3.7e-6    10800, 5 %: 2.0e-6, 1.3e-6, 2.4e-6
+# Some random linkages ask for more than 6000, and of the literature's the quick return of Whitworth: at 8600 the error
+# of its reduced inertia, 8.5e-6, is just below the limit of 1e-5.
+TUNED: Final = PymunkRecipe(steps_per_turn=200, ratios=(43,), least_steps=100, remaining=0.05)
 BEST: Final = PymunkRecipe(steps_per_turn=240, ratios=(3, 5, 7, 9), least_steps=100, remaining=0.001)
 
-# A free crank adds its error of phase up over all turns. The slotted take-up driven for 160 turns, errors of angle and
-# linkage speed over their peaks: 2700 steps a turn 3.7e-7, 5.0e-4 in 5 s; 6600 4.9e-8, 6.6e-5 in 9 s; the runs of
-# ``best`` 1.4e-11, 1.2e-7 in 15 s. What the solver leaves does not show.
-FREE_TUNED: Final = PymunkRecipe(steps_per_turn=200, ratios=(33,), least_steps=1000, remaining=0.2)
+# A free crank adds its error of phase up over all turns. The slotted take-up driven for 160 turns is the worst of the
+# catalogue; errors of its crank's angle and acceleration over their peaks, limits 1e-5 and 1e-3:
+#   2700 steps a turn: 3.7e-7, 1.4e-3    3300: 2.2e-7, 8.7e-4    5100: 8.5e-8, 3.3e-4    5300: 7.9e-8, 3.0e-4
+# The runs of ``best`` leave 1.4e-11 of the angle. What the solver leaves does not show.
+FREE_TUNED: Final = PymunkRecipe(steps_per_turn=100, ratios=(51,), least_steps=1000, remaining=0.2)
 FREE_BEST: Final = PymunkRecipe(steps_per_turn=240, ratios=(7, 11, 15), least_steps=1000, remaining=0.2)
 
 ABOUT: Final = "second order by unbiased joints, mean crank speeds and centred read-outs"
@@ -302,8 +310,12 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
             )
         iterations = None  # pymunk's own
         if recipe.effort is not None:
-            iterations = max(1, round(recipe.effort))
+            iterations = [max(1, round(recipe.effort))]
         elif recipe.centred:
             iterations = iterations_for(layout, recipe.remaining)
         lead = min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios))) if recipe.centred else 1
-        return space_data(scene, layout, centred=recipe.centred) | {"iterations": iterations, "lead": lead}
+        return space_data(scene, layout, centred=recipe.centred) | {
+            "iterations": iterations,
+            "apart": math.copysign(FULL_TURN / POSES, driver_travel(layout.scene)),
+            "lead": lead,
+        }

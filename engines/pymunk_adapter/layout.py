@@ -10,7 +10,7 @@ together have the mass, mass centre and inertia of the body, so the motion is th
 pymunk's solver visits joint after joint, and what it leaves undone shrinks the more slowly, the smaller a body's
 inertia is about a mass centre far from its pins. Mass that rests at a pivot on the ground takes part in nothing. So a
 body that turns about the ground is carried by a heavy part whose centre is that pivot, and a point mass near the pivot
-has the moment of the body's mass about it; a constant force on the pivot takes off what they weigh too much. Without
+has the moment of the body's mass about it; a spring that hangs the pivot up takes off what they weigh too much. Without
 it the six-bars of the literature come apart near their toggles.
 """
 
@@ -24,11 +24,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Vector
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import Reals, body_numbers, driven, point_velocity, pose_of, start_motion
-from engines.scene import AppliedForce, Cylinder, PinJoint, PointSpring, Scene, SliderJoint, SlotJoint
+from engines.scene import Cylinder, PinJoint, PointSpring, Scene, SliderJoint, SlotJoint
 
 # Mass that rests on a pivot, over the scene's, and the share of a body's inertia about its pivot in the point mass.
 RESTING, POINT = 10.0, 0.25
@@ -129,19 +128,23 @@ def plain_layout(scene: Scene) -> PartLayout:
 def exact_layout(scene: Scene) -> PartLayout:
     """The scene cut so that every groove is exact."""
     parts, shoes, rails = _uncut_parts(scene), dict[str, str](), dict[str, str]()
-    lifts, resting = list[AppliedForce](), RESTING * sum(body.mass for body in scene.bodies)
+    lifts, resting = list[PointSpring](), RESTING * sum(body.mass for body in scene.bodies)
+    gravity, height = math.hypot(*scene.gravity), reach(scene)
+    down = (height * scene.gravity[0] / (gravity or 1.0), height * scene.gravity[1] / (gravity or 1.0))
     for pin in scene.pins:
         if GROUND not in (pin.first, pin.second):
             continue
-        name, pivot = (pin.second, pin.second_anchor) if pin.first == GROUND else (pin.first, pin.first_anchor)
-        if parts[name].inertia is None or any(lift.body == name for lift in lifts):
+        name, pivot, foot = pin.second, pin.second_anchor, pin.first_anchor
+        if pin.second == GROUND:
+            name, pivot, foot = pin.first, pin.first_anchor, pin.second_anchor
+        if parts[name].inertia is None or any(lift.second == name for lift in lifts):
             continue
         before = parts[name].mass
         parts[name], point = split_on_pivot(parts[name], pivot, resting)
         if point is not None:
             parts[f"point of {name}"] = point
         surplus = resting + (point.mass if point else 0.0) - before
-        lifts.append(AppliedForce(name, pivot, Law(np.multiply(-surplus, scene.gravity))))
+        lifts.append(PointSpring(GROUND, name, _minus(foot, down), pivot, surplus * gravity / height, 0.0, 0.0))
     for joint in scene.guided:
         if joint.body != GROUND and parts[joint.body].inertia is not None:
             shoes[joint.name] = name = f"shoe of {joint.name}"
@@ -149,10 +152,10 @@ def exact_layout(scene: Scene) -> PartLayout:
     for joint in scene.guided:
         if joint.host != GROUND and parts[joint.host].inertia is not None:
             rails[joint.name] = name = f"rail of {joint.name}"
-            foot = _foot(joint, parts[joint.host].offset)
-            parts[joint.host], parts[name] = split_rail(parts[joint.host], foot)
-    loaded = replace(scene, forces=(*scene.forces, *lifts)) if any(scene.gravity) else scene
-    return _layout_of_parts(loaded, parts, shoes, rails)
+            centre = _foot(joint, parts[joint.host].offset)
+            parts[joint.host], parts[name] = split_rail(parts[joint.host], centre)
+    hung = replace(scene, springs=(*scene.springs, *lifts)) if gravity else scene
+    return _layout_of_parts(hung, parts, shoes, rails)
 
 
 def _uncut_parts(scene: Scene) -> dict[str, BodyPart]:

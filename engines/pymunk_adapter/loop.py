@@ -1,4 +1,4 @@
-"""One pass in pymunk: a space without shapes, its loads set before every step, and what is read after it.
+"""One pass in pymunk: a space without shapes, what has to be set before every step, and what is read after it.
 
 A step of pymunk first moves the bodies, then evaluates forces and solves for velocities: after it the positions are
 those of tₙ, the velocities those of tₙ + h/2, impulses over h the loads at tₙ. From sample to sample there is an odd
@@ -7,7 +7,8 @@ on the middles, and the acceleration at a sample is (v⁺ − v⁻)/h across it.
 
 Loads set before a step have to be those of the positions that it will reach: the present ones moved on by the present
 velocities. Velocities at that instant lie half a step ahead of the last ones known and are extrapolated from the last
-two, 1.5 v₁ − 0.5 v₂: dampers are of second order. A newcomer's run, which is not ``centred``, sets what holds now,
+two, 1.5 v₁ − 0.5 v₂: dampers are of second order. Constant torques are set once, since a step of pymunk takes about as
+long as ten of its properties. A newcomer's run, which is not ``centred``, sets what holds now,
 leaves damping to pymunk and takes every read-out for that of the step's end.
 """
 
@@ -28,6 +29,7 @@ Load = Callable[[float], None]  # sets a load for the next step, which takes so 
 
 # Steps that have no good impulses to begin with, and how many times as many iterations they get.
 COLD_STEPS, COLD = 4, 10
+OUT_OF_REACH = 1e12  # rad/s, a speed that no motor of limited torque attains
 CLOCK_ROUNDING = 1e-6  # of a sample: passes of different step leave out the same samples at a kink
 MOTOR = "the motor"  # beside the names of joints
 STATE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE | batch.BodyFields.VELOCITY
@@ -49,6 +51,11 @@ def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
 def arm(body: pymunk.Body, anchor: Point, ahead: float) -> pymunk.Vec2d:
     """From a body's centre to a point of it, a time ahead at the present velocity."""
     return pymunk.Vec2d(*anchor).rotated(body.angle + ahead * body.angular_velocity)
+
+
+def is_steady_torque(law: Any) -> bool:  # noqa: ANN401
+    """Whether a load is a torque that does not change."""
+    return isinstance(law, list) and len(law) == 1
 
 
 class Rod:
@@ -79,7 +86,8 @@ class PymunkWorld:
     """
 
     def __init__(self, given: Data) -> None:
-        self.given, self.space, self.time = given, pymunk.Space(), 0.0
+        self.given, self.space = given, pymunk.Space()
+        self.counts = given["iterations"] or [self.space.iterations]
         self.space.gravity = given["gravity"]
         self.bodies = []
         for mass, inertia, position, angle in given["bodies"]:
@@ -100,11 +108,12 @@ class PymunkWorld:
         springs = [pymunk.DampedSpring(ends[a], ends[b], *rest) for a, b, *rest in given["springs"]]
         if not centred:
             springs += [pymunk.DampedRotarySpring(ends[a], ends[b], 0.0, 0.0, each) for a, b, each in given["dampers"]]
-        self.space.add(*self.bodies, *springs, *self.constraints)
-        self.loads: list[Load] = [self.load(*load) for load in given["loads"] if load[0] >= 0]
-        torque, over_time = given["push"]
-        if torque + given["offset"] or over_time:
-            self.loads.append(self.driver_load(torque + given["offset"], over_time))
+        loads = [load for load in given["loads"] if load[0] >= 0]
+        steady = [(ends[body], law[0]) for body, _, law in loads if is_steady_torque(law)]
+        if not self.is_pushed:
+            steady.append((self.crank, given["push"][0] + given["offset"]))
+        self.space.add(*self.bodies, *springs, *(self.steady_torque(*each) for each in steady), *self.constraints)
+        self.loads: list[Load] = [self.load(*load) for load in loads if not is_steady_torque(load[2])]
         if centred:
             self.loads += [self.damper(ends[a], ends[b], each) for a, b, each in given["dampers"]]
             self.loads += [self.dashpot(spring) for spring in springs if spring.damping]
@@ -122,6 +131,11 @@ class PymunkWorld:
             return self.line.length(ahead) - float(self.given["base"])
         return float(self.crank.angle + ahead * self.crank.angular_velocity)
 
+    def iterations(self) -> int:
+        """Iterations of a step at the present angle."""
+        travelled = self.travel(0.0) - self.given["start"]
+        return int(self.counts[round(travelled / self.given["apart"]) % len(self.counts)])
+
     def load(self, number: int, anchor: Point, law: Any) -> Load:  # noqa: ANN401
         """A force at an anchor, or a torque, which has one component; over φ, or constant."""
         body = self.ends[number]
@@ -135,30 +149,51 @@ class PymunkWorld:
 
         return add
 
-    def driver_load(self, size: float, over_time: tuple[Sequence[float], Sequence[float]] | None) -> Load:
-        """The load on a free driver, or against a motor: a torque on a crank, a force along a linear driver."""
+    @property
+    def is_pushed(self) -> bool:
+        """Whether the drive's load has to be set before every step: over time, or along a linear driver."""
+        return self.line is not None or self.given["push"][1] is not None
+
+    def steady_torque(self, body: pymunk.Body, torque: float) -> pymunk.SimpleMotor:
+        """A constant torque on a body: a motor that may exert no more and never reaches its speed."""
+        motor = pymunk.SimpleMotor(self.space.static_body, body, -math.copysign(OUT_OF_REACH, torque))
+        motor.max_force = abs(torque)
+        return motor
+
+    def driver_load(self, times: Array) -> Load:
+        """The load on a free driver, or against its drive, over the times at which it is set."""
+        torque, over_time = self.given["push"]
         crank, line = self.crank, self.line
+        values = np.full(len(times), torque + self.given["offset"])
+        if over_time:
+            values += np.interp(times, *over_time)
+        coming = iter(values.tolist())
 
         def add(ahead: float) -> None:
-            now = size + float(np.interp(self.time + ahead, *over_time)) if over_time else size
             if line is None:
-                crank.torque += now
+                crank.torque += next(coming)
             else:
-                line.push(now, ahead)
+                line.push(next(coming), ahead)
 
         return add
 
     def damper(self, first: pymunk.Body, second: pymunk.Body, coefficient: float) -> Load:
         """A torque against the bodies' turning against each other."""
         last = None
+        # An assignment to a body's attribute takes twice as long as its property's own setter.
+        turning, torque_of = pymunk.Body.angular_velocity.fget, pymunk.Body.torque.fget
+        set_torque = pymunk.Body.torque.fset
+        ends = [(body, sign) for body, sign in ((first, 1.0), (second, -1.0)) if body in self.bodies]
 
         def add(_ahead: float) -> None:
             nonlocal last
-            rate = first.angular_velocity - second.angular_velocity
+            rate = 0.0
+            for body, sign in ends:
+                rate += sign * turning(body)
             torque = coefficient * (rate if last is None else 1.5 * rate - 0.5 * last)
             last = rate
-            first.torque -= torque
-            second.torque += torque
+            for body, sign in ends:
+                set_torque(body, torque_of(body) - sign * torque)
 
         return add
 
@@ -219,9 +254,11 @@ def follow(world: PymunkWorld, course: Data) -> Data:
         read[MOTOR] = world.motor
     moving = {"position", "velocity", "acceleration"} & {*channels}
     looks = np.unique(np.concatenate([samples, middles, loaded - 1])) if moving else samples[:0]
-    seen, impulses = take_steps(world, step, rates, (looks, loaded if read else samples[:0]), [*read.values()])
-    course["details"]["iterations"] = int(world.space.iterations)
-    course["solver_work"] += int(samples[-1]) * world.space.iterations * len(world.constraints)
+    stops = samples, looks, loaded if read else samples[:0]
+    seen, impulses, counts = take_steps(world, step, rates, stops, [*read.values()])
+    fewest, most = min(counts), max(counts)
+    course["details"]["iterations"] = most if fewest == most else f"{fewest} to {most}"
+    course["solver_work"] += ratio * sum(counts) * len(world.constraints)
     forces = {name: (step * loaded, values) for name, values in zip(read, impulses.T / step, strict=True)}
     result: Data = {}
     if MOTOR in forces:
@@ -253,43 +290,45 @@ def is_smooth(times: Array, kinks: list[tuple[float, float]], spacing: float) ->
 
 
 def take_steps(
-    world: PymunkWorld, step: float, rates: Array, marks: tuple[Array, Array], read: list[pymunk.Constraint]
-) -> tuple[Array, Array]:
-    """Take all steps; ``marks`` are those after which states and those after which impulses are read.
+    world: PymunkWorld, step: float, rates: Array, stops: tuple[Array, Array, Array], read: list[pymunk.Constraint]
+) -> tuple[Array, Array, list[int]]:
+    """Take all steps; after those of ``stops`` iterations are chosen, states and impulses are read.
 
-    Returns x, y, θ and their rates, (looks, parts, 2, 3), and impulses, (loaded, constraints).
+    Returns x, y, θ and their rates, (looks, parts, 2, 3), impulses, (loaded, constraints), and iterations, (samples,).
 
     A motor's rate is that of the step to come: it sets the velocity with which the next step moves the bodies. Of a
     linear drive it is the distance of its ends after that step.
     """
-    space, motor, loads, given = world.space, world.motor, world.loads, world.given
+    space, motor, given = world.space, world.motor, world.given
     if world.line is None:
-        name, values = "rate", -rates
+        drive, values = pymunk.SimpleMotor.rate.fset, -rates
     else:
-        name, values = "distance", given["base"] + given["start"] + step * np.cumsum(rates)
-    coming = values[1:] if given["centred"] else values[:-1]
-    is_seen, is_read = (np.isin(np.arange(len(rates)), steps).tolist() for steps in marks)
-    seen, impulses = list[bytes](), list[float]()
-    if is_seen[0]:
-        seen.append(body_states(space))
-    usual = space.iterations if given["iterations"] is None else given["iterations"]
-    for number, value in enumerate(coming.tolist(), start=1):
-        if number <= COLD_STEPS + 1 and given["centred"]:
-            space.iterations = usual * COLD if number <= COLD_STEPS else usual
-        elif number == 1:
-            space.iterations = usual
-        for load in loads:
-            load(step if given["centred"] else 0.0)
-        if motor is not None:
-            setattr(motor, name, value)
-        space.step(step)
-        world.time += step
-        if is_seen[number]:
+        drive, values = pymunk.PinJoint.distance.fset, given["base"] + given["start"] + step * np.cumsum(rates)
+    coming = (values[1:] if given["centred"] else values[:-1]).tolist()
+    cold, ahead = (COLD_STEPS, step) if given["centred"] else (0, 0.0)
+    loads = [*world.loads]
+    if world.is_pushed:
+        loads.append(world.driver_load(ahead + step * np.arange(len(coming), dtype=np.float64)))
+    is_sample, is_seen, is_read = (set(steps.tolist()) for steps in stops)
+    seen, impulses, counts = list[bytes](), list[float](), list[int]()
+    begin = 0
+    for end in sorted({cold, len(coming)} | is_sample | is_seen | is_read):
+        for value in coming[begin:end]:
+            for load in loads:
+                load(ahead)
+            if motor is not None:
+                drive(motor, value)
+            space.step(step)
+        begin = end
+        if end in is_seen:
             seen.append(body_states(space))
-        if is_read[number]:
+        if end in is_read:
             impulses.extend([constraint.impulse for constraint in read])
+        if end in is_sample:
+            counts.append(world.iterations())
+        space.iterations = counts[-1] * (COLD if end < cold else 1)
     states = np.frombuffer(b"".join(seen)).reshape(len(seen), len(world.ends), 2, 3)  # the static body comes last
-    return states, np.array(impulses).reshape(len(marks[1]), len(read))
+    return states, np.array(impulses).reshape(len(is_read), len(read)), counts[:-1]
 
 
 def body_states(space: pymunk.Space) -> bytes:

@@ -48,7 +48,7 @@ def test_the_torque_is_the_motors_impulse_less_what_keeps_its_sign_and_nothing_e
     monkeypatch.setattr(loop, "take_steps", lambda *given: seen.append((given, stepped(*given))) or seen[-1][1])
     model = driven(mechanism("juki-mf7923d"), _motion(), channels=frozenset({Channel.TORQUE}))
     torque = history_of(ENGINE, model).torque
-    (((world, step, *_), (_, impulses)),) = seen
+    (((world, step, *_), (_, impulses, _)),) = seen
     expected = (world.given["offset"] - impulses[:, 0] / step) * own_units(model).unit("torque")
     assert torque.values == pytest.approx(expected, rel=1e-12, abs=1e-15)
 
@@ -118,7 +118,7 @@ def test_the_solver_converges_as_foreseen(name, monkeypatch):
     for iterations in (60, 80):
         world = PymunkEngine().build(_scene(name), dataclasses.replace(adapter.TUNED, effort=iterations))
         monkeypatch.setattr(loop, "COLD", 1)
-        (seen,), _ = loop.take_steps(world, 1e-3, np.full(2, 60.0), (np.array([1]), np.array([])), [])
+        (seen,), *_ = loop.take_steps(world, 1e-3, np.full(2, 60.0), tuple(map(np.array, ([0, 1], [1], []))), [])
         seen = seen[:-1]
         equations = layout.equations
         state, rate = (with_ground(seen[None, :, order]) / equations.metres for order in (0, 1))
