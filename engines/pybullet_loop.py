@@ -32,7 +32,7 @@ class World:
         self.call("setPhysicsEngineParameter", fixedTimeStep=step, **(solver if self.centred else {}))
         self.call("setGravity", *given["gravity"], 0.0)
         place, rate = np.array(given["start"])[:, 0]
-        self.spins, self.links = rate[:, 2], dict[int, int]()
+        self.spins, self.links = [0.0] * len(given["dampers"]), dict[int, int]()
         self.bodies = [self.add(number, place[:, :2]) for number in range(len(place))]
         for body, (*speed, spin) in zip(self.bodies, rate, strict=True):
             self.call("resetBaseVelocity", body, [*speed, 0.0], [0.0, 0.0, spin])
@@ -92,13 +92,12 @@ class World:
             self.call("applyExternalForce", self.bodies[body], -1, [*force, 0.0], point, pybullet.WORLD_FRAME)
         for body, moment in self.given["torques"]:
             self.call("applyExternalTorque", self.bodies[body], -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
-        if self.given["dampers"]:
-            last, self.spins = self.spins, np.array([self.call("getBaseVelocity", each)[1][2] for each in self.bodies])
-            spins = 1.5 * self.spins - 0.5 * last if self.centred else self.spins  # half a step ahead of the last ones
-        for first, second, coefficient in self.given["dampers"]:
-            moment = coefficient * (spins[second] - spins[first])
-            self.call("applyExternalTorque", self.bodies[first], -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
-            self.call("applyExternalTorque", self.bodies[second], -1, [0.0, 0.0, -moment], pybullet.WORLD_FRAME)
+        for n, (*pair, coefficient) in enumerate(self.given["dampers"]):
+            first, second = (self.call("getBaseVelocity", self.bodies[body])[1][2] for body in pair)
+            last, self.spins[n] = self.spins[n], first - second  # those of now lie half a step ahead
+            drag = coefficient * (1.5 * self.spins[n] - 0.5 * last if self.centred else self.spins[n])
+            for body, moment in zip(pair, (-drag, drag), strict=True):
+                self.call("applyExternalTorque", self.bodies[body], -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
         self.call("stepSimulation")
 
     def state(self) -> Any:  # noqa: ANN401
@@ -132,12 +131,13 @@ def follow(given: dict[str, Any], course: dict[str, Any]) -> dict[str, Any]:
     count = ratio * part["samples"]
     step, late = part["end"] / count, 0.0 if centred else 1.0
     world, (starts, laws) = World(given, step), zip(*given["motion"], strict=True)
-    for number in range(-given["lead"], count + centred):
-        piece = np.searchsorted(starts[1:], (number + 1) * step, side="right")
-        angle = np.polyval(laws[piece][::-1], (number + 1) * step - starts[piece])
+    times = step * np.arange(1 - given["lead"], count + centred + 1)
+    pieces = [np.polyval(law[::-1], times - start) for start, law in given["motion"]]
+    angles = np.select([times < end for end in (*starts[1:], np.inf)], pieces)
+    for number, angle in enumerate(angles.tolist(), start=-given["lead"]):
         is_read = number >= 0 and number % ratio in (0, ratio // 2)
         before = world.state() if is_read else None
-        world.advance(float(angle) - laws[0][0])
+        world.advance(angle - laws[0][0])
         if is_read:
             rows.append((number, before, world.state(), *world.forces()))
     world.call("disconnect")
