@@ -163,6 +163,24 @@ def test_a_fault_of_an_engine_is_still_there(text, shell, tmp_path):
     assert not {name for name, off in expected.items() if off > ROUNDING and found[name] < STILL * off}
 
 
+# So does every script that stands on the page itself, where what it imports is installed.
+
+
+FAULTS = re.findall(
+    r"^```python (\w+\.py)\n(.*?)^```\n\n```text\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S
+)
+assert len(FAULTS) >= 7
+
+
+@pytest.mark.parametrize(("file", "text", "shown"), FAULTS, ids=[file for file, _, _ in FAULTS])
+def test_a_script_of_a_fault_prints_what_its_page_shows(file, text, shown, shell, tmp_path):
+    for module in re.findall(r"^(?:import|from) (\w+)", text, re.MULTILINE):
+        pytest.importorskip(module)
+    (tmp_path / file).write_text(text, encoding="utf-8")
+    output = shell(f"python {file} 2> warnings.txt", tmp_path).stdout
+    assert agrees(output, shown, measured=False), output
+
+
 # The tutorial runs from its first cell to its last, and prints what it shows.
 
 
