@@ -285,7 +285,6 @@ def load_study(
 
     Raises LinkproofError where the study is missing, damaged, or of another version.
     """
-    check_folder(folder)
     found = _one(folder, "SELECT id, document FROM studies WHERE kind = ?", kind, whole=True)
     if found is None:
         raise LinkproofError(f"no results of {kind} in '{folder}': expected the folder given to {kind} --out")
@@ -300,6 +299,7 @@ def load_study(
 
 def _one(folder: Path, query: str, kind: str, *, whole: bool = False) -> Any:  # noqa: ANN401 - what is asked for
     """The first row of a query about a kind of study, or its only value; None where the folder has no such study."""
+    check_folder(folder)
     if kind and (folder / kind / BEFORE).is_file():
         raise LinkproofError(
             f"'{folder / kind}' was made by an older version of linkproof: {REPEAT_HINT.format(kind)}, into a new "

@@ -1,7 +1,6 @@
 """Conditions become scenes; a cell is run by its key in any engine, as JSON and back; a map with its borders."""
 
 import dataclasses
-import json
 from dataclasses import fields, replace
 
 import numpy as np
@@ -17,7 +16,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.runs import environment
 from comparisons.runs.run_engine import Failure, Lost
-from comparisons.runs.study import Journal
+from comparisons.runs.store import temporary_runs
 from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress
@@ -213,12 +212,12 @@ def test_the_truth_is_within_limit_at_any_mass(with_engine):
 
 
 @pytest.mark.parametrize("engine", [Perfect(), Liar()])
-def test_json_holds_all_of_a_cell(with_engine, engine):
+def test_the_store_holds_all_of_a_cell(with_engine, engine):
     with_engine(engine)
-    found = run_cell(dataclasses.replace(COUPLER, value=1e4))
-    told = json.loads(json.dumps(found.data, allow_nan=False))
-    assert CellResult.from_row(told) == found
-    assert told["command"] == "linkproof stress 'mass/four-bar, coupler/10000/perfect/tuned'"
+    found, runs = run_cell(dataclasses.replace(COUPLER, value=1e4)), temporary_runs()
+    runs.add(found.key, *found.written())
+    assert CellResult.from_row(*runs.read(found.key)) == found
+    assert found.data["command"] == "linkproof stress 'mass/four-bar, coupler/10000/perfect/tuned'"
     for failure in Failure:
         found = lost(Lost(failure, "as tested"), COUPLER).data
         assert found["verdict"] == failure.value
@@ -250,16 +249,16 @@ def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_
     assert heard[-1][1] == heard[-1][2] == len(found.cells)
 
 
-def test_what_was_finished_before_an_interruption_is_not_run_again(with_engine, tmp_path):
+def test_what_was_finished_before_an_interruption_is_not_run_again(with_engine):
     def interrupt(_, done, known):
         if done == 2:
             raise KeyboardInterrupt
 
-    first = with_engine(Perfect())
+    first, finished = with_engine(Perfect()), temporary_runs()
     with pytest.raises(KeyboardInterrupt):
-        campaign.stress(request(quick=True), interrupt, Journal(tmp_path, "as tested"))
+        campaign.stress(request(quick=True), interrupt, finished)
     second = with_engine(Perfect())
-    found = campaign.stress(request(quick=True), journal=Journal(tmp_path, "as tested"))
+    found = campaign.stress(request(quick=True), finished=finished)
     assert (len(first.asked), len(second.asked)) == (2, 1)
     assert {one.cell.value for one in found.cells} == {*axes()["mass"].quick}
 
