@@ -40,12 +40,13 @@ class PybulletRecipe(Recipe):
 
 
 # Constant speed, fork-takeup, errors of torque and Jeq by steps per turn: 3000 2.8e-5, 1.8e-5; 4200 1.4e-5, 9.1e-6;
-# 5000 1.0e-5, 6.4e-6; jansen-leg needs 6000 for its Jeq. Extrapolated from 600, 1000 and 1400: torque 7e-9.
+# 5000 1.0e-5, 6.4e-6; jansen-leg needs 6000, whitworth-quick-return 8200. Extrapolated from 600, 1000 and 1400: torque
+# 7e-9.
 # A block's mass, in the lightest body's, shows in a slider's force as it is, and divides the rounding; best, largest
 # errors of juki-mf7923d and of the slotted take-up: 1e-7 2.8e-7, 5.5e-8; 1e-8 2.8e-8, 5e-7; 1e-10 8e-5 of the latter.
 # Constraints between 1e-8 and 1e-5 in softness leave the same to two digits.
 NEWCOMER = PybulletRecipe(step=1e-3, centred=False, in_own_units=False)
-TUNED = PybulletRecipe(steps_per_turn=200, ratios=(35,))
+TUNED = PybulletRecipe(steps_per_turn=200, ratios=(45,))
 BEST = PybulletRecipe(steps_per_turn=200, ratios=(3, 5, 7))
 
 
