@@ -183,17 +183,18 @@ class PymunkWorld:
         # An assignment to a body's attribute takes twice as long as its property's own setter.
         turning, torque_of = pymunk.Body.angular_velocity.fget, pymunk.Body.torque.fget
         set_torque = pymunk.Body.torque.fset
-        ends = [(body, sign) for body, sign in ((first, 1.0), (second, -1.0)) if body in self.bodies]
+        body, *others = (end for end in (first, second) if end in self.bodies)
 
         def add(_ahead: float) -> None:
             nonlocal last
-            rate = 0.0
-            for body, sign in ends:
-                rate += sign * turning(body)
+            rate = turning(body)
+            for other in others:
+                rate -= turning(other)
             torque = coefficient * (rate if last is None else 1.5 * rate - 0.5 * last)
             last = rate
-            for body, sign in ends:
-                set_torque(body, torque_of(body) - sign * torque)
+            set_torque(body, torque_of(body) - torque)
+            for other in others:
+                set_torque(other, torque_of(other) + torque)
 
         return add
 
@@ -224,12 +225,12 @@ def driver_speeds(
         return np.zeros(count)
     nodes, shares = np.polynomial.legendre.leggauss(4) if centred else (-np.ones(1), np.full(1, 2.0))
     times = step * (np.arange(count)[:, None] + 0.5 * (nodes + 1.0))
-    piece = np.searchsorted([start for start, _ in motion[1:]], times, side="right")
-    result = np.zeros(times.shape)
-    for number, (start, coefficients) in enumerate(motion):
-        here = piece == number
-        result[here] = np.poly1d(coefficients[::-1]).deriv()(times[here] - start)
-    return np.asarray(result @ (0.5 * shares))
+    starts, pieces = zip(*motion, strict=True)
+    parts = np.split(times.ravel(), np.searchsorted(times.ravel(), starts[1:]))
+    speeds = [
+        np.poly1d(piece[::-1]).deriv()(part - start) for start, piece, part in zip(starts, pieces, parts, strict=True)
+    ]
+    return np.asarray(np.concatenate(speeds).reshape(times.shape) @ (0.5 * shares))
 
 
 def build(model: Data) -> PymunkWorld:
