@@ -52,6 +52,7 @@ class DartEngine(LoopEngine[DartRecipe]):
     package = distribution = "dartpy"
     oldest = "6.20"
     loop = "engines.dart_loop"
+    engine_calls = ("dartpy.simulation.World.step",)
     chatters = True
     abilities = Abilities(
         readouts={

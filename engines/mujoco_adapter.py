@@ -168,6 +168,8 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
     name = "mujoco"
     package = "mujoco"
     loop = "engines.mujoco_loop"
+    engine_calls = ("mujoco.mj_step", "mujoco.mj_forward", "mujoco.mj_rnePostConstraint")
+    callback_calls = ("mujoco.set_mjcb_control",)
     oldest = "3.7"  # the first to count J'q' in a reference acceleration: without it loops bend at every turn
     abilities = Abilities(
         readouts={

@@ -97,6 +97,7 @@ class OndselEngine(LoopEngine[OndselRecipe]):
     name = "ondsel"
     package = "pyondsel"
     loop = "engines.ondsel_loop"
+    engine_calls = ("engines.ondsel_loop.solve_asmt",)  # which is pyondsel's
     oldest = "0.0.3"
     abilities = Abilities(
         readouts={

@@ -55,6 +55,7 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
     distribution = "pin"
     oldest = "4.1"
     loop = "engines.pinocchio_loop"
+    engine_calls = ("pinocchio.constraintDynamics",)
     abilities = Abilities(
         readouts={
             **dict.fromkeys((Channel.POSITION, Channel.VELOCITY), ReadOut("the adapter's steps of constraintDynamics")),

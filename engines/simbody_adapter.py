@@ -193,6 +193,12 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
     name = "simbody"
     package = "opensim"
     loop = "engines.simbody_loop"
+    engine_calls = (
+        "opensim.Model.initSystem",
+        "opensim.Manager.initialize",
+        "opensim.Manager.integrate",
+        "opensim.Model.realizeAcceleration",
+    )
     oldest = "4.6"
     effort_unit = "tolerance of the joints"
     abilities = Abilities(

@@ -35,9 +35,11 @@ class PointRecord(RunRecord):
     and as exact.
 
     Set-up, stepping and reading out (wall time of the call less the other two) are the shortest of the repeats, s, 0
-    where it did not finish; 0 ``runs`` gave no motion. A quantity that the engine does not tell has no error, and says
-    why. Of a single measurement ``details`` are ``CALIBRATION``, what the fixed work took just before, s, and
-    ``FIRST_USE``, what the first run of the engine in its process took more than the second, s, 0 of any later run.
+    where it did not finish; 0 ``runs`` gave no motion. ``overhead`` is the share of a setting's stepping outside the
+    engine's own calls; None where its adapter does not name these. A quantity that the engine does not tell has no
+    error, and says why. Of a single measurement ``details`` are ``CALIBRATION``, what the fixed work took just before,
+    s, and ``FIRST_USE``, what the first run of the engine in its process took more than the second, s, 0 of any later
+    run.
     """
 
     is_control: bool
@@ -48,6 +50,7 @@ class PointRecord(RunRecord):
     steps_per_turn: float | None
     repeats: tuple[float, ...] = ()
     readout_seconds: float = 0.0
+    overhead: float | None = None
     solver_work: int = 0
     work_unit: str
     outcome: str

@@ -263,6 +263,7 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
     name = "pymunk"
     package = "pymunk"
     loop = "engines.pymunk_adapter.loop"
+    engine_calls = ("pymunk.Space.step",)
     oldest = "7.0"
     work_unit = "constraint visits"
     effort_unit = "iterations"

@@ -116,7 +116,9 @@ class SteppedEngine(ABC, Generic[World, R]):
 
     ``package`` is imported; it is installed as ``distribution``, if that has another name. ``oldest`` is the first
     version that will do; ``settings`` are the recipes by drive, ``studied`` what each method is in one sentence and its
-    recipe, the newcomer's first. ``weights`` are those of an extrapolation's runs, unless a test plants an error in
+    recipe, the newcomer's first. ``engine_calls`` are the functions in which the engine works while it steps, by dotted
+    name, ``callback_calls`` those that give it functions of the adapter's to call back: from them a benchmark has the
+    adapter's own share of the time. ``weights`` are those of an extrapolation's runs, unless a test plants an error in
     them.
     """
 
@@ -130,6 +132,8 @@ class SteppedEngine(ABC, Generic[World, R]):
     abilities: ClassVar[Abilities]
     settings: Mapping[type, Mapping[Setting, R]]
     studied: Mapping[str, tuple[str, R]]
+    engine_calls: ClassVar[tuple[str, ...]] = ()
+    callback_calls: ClassVar[tuple[str, ...]] = ()
     chatters: ClassVar[bool] = False  # whether the engine writes to the terminal
     weights = staticmethod(weights)
 

@@ -57,6 +57,7 @@ from reports.work_precision.words import (
     method_words,
     noise_note,
     noise_share,
+    setting_words,
     way_words,
 )
 
@@ -316,7 +317,7 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
     def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
         for each in facts.setting_comparisons:
             comparison = comparison_words(each, noise).lstrip(":; ") if facts.sweeps else ""
-            words = f"{error(each.record.error_max)} in {seconds(each.record.total_seconds)}".replace(" ", "\u00a0")
+            words = setting_words(each.record).replace(" ", "\u00a0").replace(",\u00a0", ", ")
             cell = TableCell(words, note=comparison.partition(":")[0], tooltip=comparison)
             yield TableCell(each.record.setting), cell
 

@@ -117,6 +117,17 @@ def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
     return (*(f"{', '.join(same)}: {reason}" for reason, same in names.items()), *left_out)
 
 
+def overhead_words(record: BenchRecord) -> str:
+    """The adapter's own share of the stepping."""
+    return ABSENT if record.overhead is None else f"{100.0 * record.overhead:.0f} %"
+
+
+def setting_words(record: BenchRecord) -> str:
+    """Error and time of a setting, with the adapter's share where it is known."""
+    share = "" if record.overhead is None else f", overhead {overhead_words(record)}"
+    return f"{error(record.error_max)} in {seconds(record.total_seconds)}{share}"
+
+
 # The benchmark for a terminal: what each method comes to, what to use for an error, how the settings stand.
 
 
@@ -124,7 +135,7 @@ CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time")
 POINTS = (
     *("mechanism", "regime", "engine", "method", "runs", "effort", "step s", "quantity", "outcome", "error", "RMS"),
-    *("set-up", "stepping", "steps", "why"),
+    *("set-up", "stepping", "overhead", "steps", "why"),
 )
 
 
@@ -145,7 +156,8 @@ def _points(bench: Bench) -> Table:
             f"{record.runs}", "" if record.effort is None else f"{record.effort:g}",
             "" if record.step is None else f"{record.step:.4g}", record.quantity, record.outcome,
             error(record.error_max), error(record.error.error_rms if record.error else None),
-            seconds(record.setup_seconds), seconds(record.seconds), f"{record.steps}", record.detail,
+            seconds(record.setup_seconds), seconds(record.seconds), overhead_words(record), f"{record.steps}",
+            record.detail,
         )
         for record in bench.records
     ]  # fmt: skip
@@ -162,8 +174,7 @@ def _place_printout(place: PlaceFacts, quantity: str, noise: float) -> Iterator[
     for facts in engines if measured else ():
         for comparison in facts.setting_comparisons:
             record, standing = comparison.record, comparison_words(comparison, noise)
-            cost = f"{error(record.error_max)} in {seconds(record.total_seconds)}"
-            yield f"{facts.engine} {record.setting}: {cost}{standing}"
+            yield f"{facts.engine} {record.setting}: {setting_words(record)}{standing}"
     for facts in engines:
         for reason in failed_methods(facts):
             yield Paragraph(f"{label_of(facts)} {reason}", colour="yellow")

@@ -3,7 +3,9 @@
 import dataclasses
 import math
 import pickle
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -112,6 +114,32 @@ def test_a_quick_benchmark_has_the_most_advanced_methods_and_not_the_best_settin
     measured = [sweep.points[0].setting or sweep.points[0].method.name for sweep in found]
     assert measured == ["naive", "tuned", "advanced", "advanced x2"]
     assert all(len(sweep.points) > FEWEST for sweep in found[2:])
+
+
+def test_the_overhead_is_the_time_outside_the_engines_calls_and_in_what_they_call_back(monkeypatch):
+    now, called_back = [0.0], []
+
+    def spend(seconds):
+        now[0] += seconds
+
+    def step():
+        spend(5.0)
+        called_back[-1]()
+
+    made_up = SimpleNamespace(step=step, set_callback=called_back.append)
+    adapter = SimpleNamespace(engine_calls=("made_up.step",), callback_calls=("made_up.set_callback",))
+    monkeypatch.setitem(sys.modules, "made_up", made_up)
+    monkeypatch.setattr(point.time, "perf_counter", lambda: now[0])
+
+    def run():
+        made_up.set_callback(lambda: spend(1.0))
+        for _ in range(4):
+            spend(2.0)
+            made_up.step()
+
+    assert point.overhead(adapter, run, 32.0) == pytest.approx(3.0 / 8.0)
+    assert made_up.step is step
+    assert point.overhead(SimpleNamespace(), run, 32.0) is None
 
 
 def by_name(measurement):
