@@ -15,7 +15,7 @@ import pybullet
 UNTURNED = [0.0, 0.0, 0.0, 1.0]
 # A block's mass in the lightest body's, and how soft constraints are, in own units: those that say the same twice, as
 # may be out of the plane, have no solution without.
-LIGHT, SOFT = 3e-8, 1e-6
+LIGHT, SOFT = 2e-8, 1e-6
 UNLIMITED = {"maxForce": 1e12}  # N; a constraint gives way at 500 N unless told otherwise
 UNDAMPED = {"linearDamping": 0.0, "angularDamping": 0.0, "jointDamping": 0.0, "maxJointVelocity": 1e12}
 
