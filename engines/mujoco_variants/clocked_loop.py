@@ -50,8 +50,8 @@ class ClockedWorld(MujocoWorld, ABC):
         """Instants of a part, s, and what is read at them."""
         model, data, ratio, settle = self.model, self.data, course["ratio"], self.given["settle"]
         sample, lead = (part["end"] - part["start"]) / part["samples"], 0 if part["start"] else ceil(self.lead * settle)
-        count, step = (part["samples"] + lead) * ratio, sample / ratio
-        instants = np.linspace(part["start"] - lead * sample, part["end"], count + 1)
+        step = sample / ratio
+        instants = part["start"] + step * np.arange(-lead * ratio, part["samples"] * ratio + 1)
         if lead:  # C MuJoCo, which does not lag, steps back
             model.opt.timestep, model.eq_solref[:, 0] = -step, 100.0 * step
             mujoco.set_mjcb_control(self.control(part["segment"]))
