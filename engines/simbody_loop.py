@@ -1,13 +1,13 @@
 """One pass in Simbody, through OpenSim: a manager for each part of the motion, from where the one before ended."""
 
-import math
-from bisect import bisect_right
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import opensim
 from numpy.typing import NDArray
+
+from engines.law_loop import law_values
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
@@ -141,15 +141,6 @@ class SimbodyWorld:
 def components(law: Any) -> int:  # noqa: ANN401
     """Number of a load's components: two of a force, one of a torque."""
     return len(law) if isinstance(law, list) else 1 if isinstance(law, dict) else len(law[1][0])
-
-
-def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle or a travel, by cubics that repeat or keep their end values."""
-    knots, pieces, repeats = law
-    angle = knots[0] + (angle - knots[0]) % (2.0 * math.pi) if repeats else min(max(angle, knots[0]), knots[-1])
-    piece = min(bisect_right(knots, angle), len(pieces)) - 1
-    x = angle - knots[piece]
-    return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
 
 
 def load_functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401

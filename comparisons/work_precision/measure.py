@@ -260,11 +260,11 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, usage, blank.step))
         run = checked(run, scene, name)
-        share = None
-        if with_errors and run.outcome is Outcome.FINISHED and isinstance(usage, Setting):
-            share = overhead(adapter, lambda: started(adapter, scene, usage, None), run.seconds)
+        inside = None
+        if run.outcome is Outcome.FINISHED and isinstance(usage, Setting):
+            inside = engine_seconds(adapter, lambda: started(adapter, scene, usage, None))
     times = {CALIBRATION: steady, FIRST_USE: first_use}
-    measured = replace(_with_run(blank, run, wall), overhead=share, details=times)
+    measured = replace(_with_run(blank, run, wall), engine_seconds=inside, details=times)
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return measured
     try:
@@ -397,14 +397,14 @@ class Clock:
         return lambda function: setter(function and self.around(function, -1.0))
 
 
-def overhead(adapter: Engine, run: Callable[[], Run], seconds: float) -> float | None:
-    """Share of a run's stepping, which takes so many seconds, outside the engine's own calls.
+def engine_seconds(adapter: Engine, run: Callable[[], Run]) -> float | None:
+    """Wall time of a run inside the engine's own calls, s; None of an adapter that does not name them.
 
-    They are clocked in another run, as the clock slows it. None of an adapter that does not name them.
+    The clock slows the run.
     """
     clock = Clock()
     wrappers = dict.fromkeys(getattr(adapter, "engine_calls", ()), clock.around)
-    if not wrappers or not seconds:
+    if not wrappers:
         return None
     wrappers |= dict.fromkeys(getattr(adapter, "callback_calls", ()), clock.around_callbacks)
     with ExitStack() as restored:
@@ -414,7 +414,7 @@ def overhead(adapter: Engine, run: Callable[[], Run], seconds: float) -> float |
             restored.callback(setattr, owner, attribute, getattr(owner, attribute))
             setattr(owner, attribute, wrapper(getattr(owner, attribute)))
         timed(run)
-    return max(0.0, 1.0 - clock.inside / seconds)
+    return clock.inside
 
 
 def timed(work: Callable[[], T]) -> tuple[T, float]:

@@ -35,11 +35,11 @@ class PointRecord(RunRecord):
     and as exact.
 
     Set-up, stepping and reading out (wall time of the call less the other two) are the shortest of the repeats, s, 0
-    where it did not finish; 0 ``runs`` gave no motion. ``overhead`` is the share of a setting's stepping outside the
-    engine's own calls; None where its adapter does not name these. A quantity that the engine does not tell has no
-    error, and says why. Of a single measurement ``details`` are ``CALIBRATION``, what the fixed work took just before,
-    s, and ``FIRST_USE``, what the first run of the engine in its process took more than the second, s, 0 of any later
-    run.
+    where it did not finish; 0 ``runs`` gave no motion. So is ``engine_seconds``, the part of a setting's stepping
+    inside the engine's own calls, clocked in runs of their own; None where the adapter does not name these. A quantity
+    that the engine does not tell has no error, and says why. Of a single measurement ``details`` are ``CALIBRATION``,
+    what the fixed work took just before, s, and ``FIRST_USE``, what the first run of the engine in its process took
+    more than the second, s, 0 of any later run.
     """
 
     is_control: bool
@@ -50,7 +50,7 @@ class PointRecord(RunRecord):
     steps_per_turn: float | None
     repeats: tuple[float, ...] = ()
     readout_seconds: float = 0.0
-    overhead: float | None = None
+    engine_seconds: float | None = None
     solver_work: int = 0
     work_unit: str
     outcome: str
@@ -69,6 +69,13 @@ class PointRecord(RunRecord):
     def seconds_median(self) -> float:
         """The median of the repeats, s."""
         return statistics.median(self.repeats) if self.repeats else 0.0
+
+    @property
+    def overhead(self) -> float | None:
+        """Share of the stepping outside the engine's own calls; None where that is not known."""
+        if self.engine_seconds is None or not self.seconds:
+            return None
+        return max(0.0, 1.0 - self.engine_seconds / self.seconds)
 
     @property
     def is_extrapolated(self) -> bool:

@@ -115,6 +115,9 @@ class Rounds:
                 first,
                 seconds=min((repeat.seconds for repeat in repeats), default=0.0),
                 setup_seconds=min((repeat.setup_seconds for repeat in repeats), default=0.0),
+                engine_seconds=min(
+                    (repeat.engine_seconds for repeat in repeats if repeat.engine_seconds is not None), default=None
+                ),
                 readout_seconds=min((repeat.readout_seconds for repeat in repeats), default=0.0),
                 repeats=tuple(repeat.seconds for repeat in repeats),
                 ended=sweep.ended,

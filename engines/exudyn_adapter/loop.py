@@ -9,7 +9,6 @@ coordinates q, which the static solver finds to rounding; from their differences
 
 import cmath
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache, reduce
 from operator import mul
@@ -20,6 +19,8 @@ import numpy as np
 from exudyn import itemInterface
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
 from numpy.typing import NDArray
+
+from engines.law_loop import law_values
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
@@ -38,15 +39,6 @@ def polynomial(coefficients: Sequence[float], x: Any, order: int = 0) -> Any:  #
     for _ in range(order):
         coefficients = [power * each for power, each in enumerate(coefficients)][1:] or [0.0]
     return reduce(lambda total, each: total * x + each, coefficients[-2::-1], coefficients[-1] + 0.0 * x)
-
-
-def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle or a travel, by cubics that repeat or keep their end values."""
-    knots, pieces, repeats = law
-    angle = knots[0] + (angle - knots[0]) % math.tau if repeats else min(max(angle, knots[0]), knots[-1])
-    piece = min(bisect_right(knots, angle), len(pieces)) - 1
-    x = angle - knots[piece]
-    return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
 
 
 class LinearDriver:

@@ -13,7 +13,6 @@ leaves damping to pymunk and takes every read-out for that of the step's end.
 """
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -21,6 +20,8 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 from pymunk import batch
+
+from engines.law_loop import law_values
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
@@ -35,17 +36,6 @@ MOTOR = "the motor"  # beside the names of joints
 STATE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE | batch.BodyFields.VELOCITY
 STATE |= batch.BodyFields.ANGULAR_VELOCITY
 BUFFER = batch.Buffer()  # pymunk never frees one
-
-
-def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle or a travel: constants, or cubics that repeat or keep their end values."""
-    if isinstance(law, list):
-        return law
-    knots, pieces, repeats = law
-    angle = knots[0] + (angle - knots[0]) % (2.0 * math.pi) if repeats else min(max(angle, knots[0]), knots[-1])
-    piece = min(bisect_right(knots, angle), len(pieces)) - 1
-    x = angle - knots[piece]
-    return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
 
 
 def arm(body: pymunk.Body, anchor: Point, ahead: float) -> pymunk.Vec2d:

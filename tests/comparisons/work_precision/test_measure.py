@@ -137,9 +137,10 @@ def test_the_overhead_is_the_time_outside_the_engines_calls_and_in_what_they_cal
             spend(2.0)
             made_up.step()
 
-    assert point.overhead(adapter, run, 32.0) == pytest.approx(3.0 / 8.0)
+    assert point.engine_seconds(adapter, run) == pytest.approx(20.0)
     assert made_up.step is step
-    assert point.overhead(SimpleNamespace(), run, 32.0) is None
+    assert point.engine_seconds(SimpleNamespace(), run) is None
+    assert row(engine_seconds=20.0, seconds=32.0).overhead == pytest.approx(3.0 / 8.0)
 
 
 def by_name(measurement):
