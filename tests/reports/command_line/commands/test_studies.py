@@ -105,7 +105,8 @@ def test_limits_of_a_file_are_saved_with_the_results(folder):
     document = json.loads((folder / "r.json").read_text(encoding="utf-8"))
     assert document["command"].endswith(f"--quantity Mkr --limits {limits} --out DIR")
     assert document["limits"][0] == {
-        "quantities": ["Mkr"], "settings": [], "regimes": [], "mechanisms": [], "value": 0.001, "reason": "my own",
+        "quantities": ["Mkr"], "settings": [], "regimes": [], "mechanisms": [], "engines": [], "value": 0.001,
+        "reason": "my own",
     }  # fmt: skip
     assert len(document["descriptions"][0]["checksum"]) == 16
     assert limit_table(results.load(folder / "out")).rows[0][3:] == ("1e-3", "my own")
@@ -208,11 +209,11 @@ def test_a_cell_alone_is_printed_in_full_and_written_as_json(capsys):
     assert (cell["verdict"], cell["command"]) == ("within limit", f"linkproof stress '{CELL}'")
 
 
-def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
+def test_maps_are_written_and_read_back(tmp_path, capsys):
     choice = StressOptions(words=("start",), engine=("direct",), setting=("tuned",), quick=True)
     assert stress(choice, Destination(out=tmp_path)) == 0
     files = {path.name for path in tmp_path.iterdir()}
-    assert files == {"stress", "stress.html", "index.html", "assets", "figures"}
+    assert files == {STORE, "stress.html", "index.html", "assets", "figures"}
     tables = capsys.readouterr().out
     assert "missed 0" in " ".join(tables.split())
     assert linkproof("stress", "--out", tmp_path).stdout == tables
