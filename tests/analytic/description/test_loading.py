@@ -124,7 +124,8 @@ def assert_written(text, variant, numbers, ulps=1):
 def test_any_numbers_are_written_to_the_last_digit(design, data):
     name, variant = design
     old = numbers_of(FILES[name], variant)
-    chosen = data.draw(st.lists(st.sampled_from(sorted(old)), unique=True, max_size=6))
+    names = [one for one in sorted(old) if old[one] or not one.endswith(".mass")]  # a mass would need an inertia
+    chosen = data.draw(st.lists(st.sampled_from(names), unique=True, max_size=6))
     factor = st.floats(0.6, 1.6)  # what is zero gets numbers far from each other: points of a link stay apart
     numbers = {one: (old[one] or 1e-3 * 3.0**place) * data.draw(factor) for place, one in enumerate(chosen)}
     assert_written(FILES[name], variant, numbers)
