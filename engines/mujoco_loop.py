@@ -1,7 +1,5 @@
 """One pass in MuJoCo: the drive and the loads by the control callback, read-outs at samples between steps."""
 
-import math
-from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from functools import reduce
 from typing import Any
@@ -9,6 +7,8 @@ from typing import Any
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+
+from engines.law_loop import law_values
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
@@ -35,9 +35,8 @@ class MujocoWorld:
         if given["settle"]:
             model.opt.tolerance, model.opt.iterations = 0.0, 2  # the second is for the rounding of the first
             lightest = model.body_invweight0[self.numbers].max(axis=0)
-            model.body_invweight0[:] = given["harder"] * np.minimum(
-                model.body_invweight0, lightest
-            )  # blocks weigh nothing
+            weights = np.minimum(model.body_invweight0, lightest)  # blocks weigh nothing
+            model.body_invweight0[:] = given["harder"] * weights
             model.dof_invweight0[:] *= given["harder"]
         for name, speed in given["speeds"].items():
             data.joint(name).qvel[:] = speed
@@ -157,17 +156,6 @@ def load_rows(given: Data, angle: float, state: tuple[Planar, Planar, Planar, li
         push(first, arm, -tension * along)
         push(second, other, tension * along)
     return rows
-
-
-def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle or a travel: constants, or cubics that repeat or keep their end values."""
-    if isinstance(law, list):
-        return law
-    knots, pieces, repeats = law
-    angle = knots[0] + (angle - knots[0]) % (2.0 * math.pi) if repeats else min(max(angle, knots[0]), knots[-1])
-    piece = min(bisect_right(knots, angle), len(pieces)) - 1
-    x = angle - knots[piece]
-    return [a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece]]
 
 
 def build(model: Data) -> MujocoWorld:
