@@ -250,6 +250,15 @@ class StressRequest:
     pool: Pool = EVERY_CORE
     command: str = ""
 
+    @cached_property
+    def cells(self) -> list[Cell]:
+        """The cells; raises LinkproofError where there is none."""
+        found = cells(self.axes, self.engines, self.usages, quick=self.quick)
+        if not found:
+            usages = ", ".join(self.usages) or "any setting"
+            raise LinkproofError(f"no stability run matches {usages}: choose other axes or settings")
+        return found
+
 
 def summary(results: Iterable[CellResult]) -> dict[str, dict[str, int]]:
     """Number of cells by engine and verdict."""
@@ -262,25 +271,15 @@ def summary(results: Iterable[CellResult]) -> dict[str, dict[str, int]]:
     return counts
 
 
-def requested_cells(request: StressRequest) -> list[Cell]:
-    """The cells of a request; raises LinkproofError where there is none."""
-    requested = cells(request.axes, request.engines, request.usages, quick=request.quick)
-    if not requested:
-        usages = ", ".join(request.usages) or "any setting"
-        raise LinkproofError(f"no stability run matches {usages}: choose other axes or settings")
-    return requested
-
-
 def stress(request: StressRequest, announce: Announce = lambda *_: None, finished: Runs | None = None) -> Stress:
     """Make every requested cell, then the runs that narrow the borders down; ``finished`` runs are not made again.
 
     ``announce`` hears a label, how many cells are done and how many are known of. Raises LinkproofError where there
     is no cell.
     """
-    requested = requested_cells(request)
     study = _stress_study(announce, finished, request.pool)
     make = partial(_run_cells, study, request)
-    grid = make(requested)
+    grid = make(request.cells)
     rough = borders(grid)
     if request.quick:
         rough = [border for border in rough if border.usage == QUICK_BORDERS]

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from analytic.errors import LinkproofError
 from comparisons.runs.workers import LastingPool
-from comparisons.stress.campaign import KIND, StressRequest, load, make_cells, requested_cells, save, stress
+from comparisons.stress.campaign import KIND, StressRequest, load, make_cells, save, stress
 from comparisons.stress.cells import chosen_axes, find_cell
 from reports.command_line.destination import Destination, finished_runs, report_interruption
 from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
@@ -30,13 +30,14 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     if cells:
         return _make_named_cells(options, cells, destination, where)
     wanted, out = _request(options), destination.out
-    requested_cells(wanted)  # a request without any is refused before the folder is touched
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(wanted.engines))
     with closing(LastingPool(where.processes)) as pool, report_interruption(out, KIND) as counting:
+        wanted = replace(wanted, pool=pool)
+        _ = wanted.cells  # a request without any is refused before the folder is touched
         finished = finished_runs(out, wanted.command, wanted.engines) if out else None
         with destination.progress() as announce:
-            result = stress(replace(wanted, pool=pool), counting(announce), finished)
+            result = stress(wanted, counting(announce), finished)
         if destination.json:
             destination.write_json(result.as_dict)
         if out:
