@@ -14,7 +14,7 @@ from analytic.description.written import fixed
 from comparisons.faults.ranking import FaultFinding
 from comparisons.imported.judge import NEAR_ZERO, SETTING, ImportedJudgement, SignalVerdict
 from comparisons.judging.limits import grouped
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Error, Run, Verdict
 from comparisons.judging.thinning import extreme_samples
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
@@ -161,16 +161,16 @@ def _remaining_error(finding: FaultFinding) -> str:
 # A judgement of another tool's results as JSON: plain numbers, SI, angles in rad.
 
 
-def document(judgement: ImportedJudgement, blank: Record, command: str, sentence: str) -> dict[str, Any]:
+def document(judgement: ImportedJudgement, run: Run, command: str, sentence: str) -> dict[str, Any]:
     """The JSON document of ``judge``."""
     return {
         "command": command,
-        "conditions": blank.conditions,
+        "conditions": run.conditions,
         "verdict": sentence,
         "passed": judgement.passed,
         "limit": judgement.limit,
         "motion": judgement.motion_source,
-        "records": [asdict(add_cause(verdict.record(blank), judgement)) for verdict in judgement.verdicts],
+        "records": run.rows(run.errors),
         "signals": [_signal(verdict) for verdict in judgement.verdicts],
         "causes": [_finding_as_dict(finding) for finding in judgement.explanation.findings],
         "unexplained": list(judgement.explanation.unexplained),
@@ -184,19 +184,19 @@ def document(judgement: ImportedJudgement, blank: Record, command: str, sentence
     }
 
 
-def blank_record_of(judgement: ImportedJudgement, files: str) -> Record:
-    """The common fields of all records of a judgement; the files stand in an engine's place."""
+def run_of_judgement(judgement: ImportedJudgement, files: str) -> Run:
+    """A judgement as a run: the files stand in an engine's place, and an error's detail names its likeliest cause."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank motion from {judgement.motion_source}"
-    return Record(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING)
+    run = Run(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING, runs=1)
+    errors = (verdict.record(run.blank) for verdict in judgement.verdicts)
+    return replace(run, errors=tuple(_with_cause(error, judgement) for error in errors))
 
 
-def add_cause(record: Record, judgement: ImportedJudgement) -> Record:
-    """A record whose detail names the likeliest cause of its error, if any."""
-    words = [f.likeliest.words for f in judgement.explanation.findings if record.quantity in f.signals]
-    return (
-        replace(record, detail="; likely cause: ".join([record.detail, *words]).removeprefix("; ")) if words else record
-    )
+def _with_cause(error: Error, judgement: ImportedJudgement) -> Error:
+    words = [f.likeliest.words for f in judgement.explanation.findings if error.quantity in f.signals]
+    detail = "; likely cause: ".join([error.detail, *words]).removeprefix("; ")
+    return error._replace(detail=detail) if words else error
 
 
 def _signal(verdict: SignalVerdict) -> dict[str, Any]:

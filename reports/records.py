@@ -21,7 +21,7 @@ from comparisons.conformance.trial import CheckResult, Finding
 from comparisons.judging.changes import CLOSED_FORM, Change, ChangeKind
 from comparisons.judging.limits import LimitTable, grouped
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
-from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
+from comparisons.judging.records import CONTROL, IMPORTED, Error, Verdict
 from engines.contract import Origin, Setting
 from reports.document.chart import Array
 from reports.document.numbers import ABSENT, bound, error
@@ -50,7 +50,7 @@ class Trace:
     ``error`` is |observed − reference| over the reference's peak, NaN where the comparison left a sample out.
     """
 
-    record: Record
+    record: Error
     time: Array
     angle: Array
     observed: Array
@@ -66,7 +66,7 @@ class View:
     linkage: Linkage
 
     @cached_property
-    def records(self) -> tuple[Record, ...]:
+    def records(self) -> tuple[Error, ...]:
         """Records and invariants of this mechanism, by regime, engine, setting and quantity."""
         mine = (self.linkage.name, self.linkage.variant)
         return tuple(record for record in every_record(self.results) if record.run[:2] == mine)
@@ -79,11 +79,11 @@ class View:
         conditions = {record.regime: record.conditions for record in self.records}
         return tuple(Regime(name, words, motions.get(name)) for name, words in conditions.items())
 
-    def of(self, regime: Regime) -> tuple[Record, ...]:
+    def of(self, regime: Regime) -> tuple[Error, ...]:
         """Records and invariants of a regime."""
         return tuple(record for record in self.records if record.regime == regime.name)
 
-    def runs(self, regime: Regime) -> list[list[Record]]:
+    def runs(self, regime: Regime) -> list[list[Error]]:
         """Records and invariants of every run of a regime, those of the reference's control last."""
         groups = [list(run) for _, run in groupby(self.of(regime), key=lambda record: record.run)]
         return sorted(groups, key=lambda run: any(record.origin == CONTROL for record in run))
@@ -104,7 +104,7 @@ class View:
         symbol = short_title(quantity) if quantity in QUANTITIES and "_" not in quantity else ""
         return " ".join(filter(None, (symbol, words or title(quantity))))
 
-    def curved(self, regime: Regime, quantity: str) -> list[Record]:
+    def curved(self, regime: Regime, quantity: str) -> list[Error]:
         """The records of a quantity under a regime whose runs gave a curve of it."""
         mine = self.of(regime) if quantity not in self.invariants else ()
         return [record for record in mine if record.quantity == quantity and record.error_max is not None]
@@ -118,7 +118,7 @@ class View:
         """The curves of a quantity under a regime, of every run that gave one."""
         return [self._read_trace(regime, record) for record in self.curved(regime, quantity)]
 
-    def _read_trace(self, regime: Regime, record: Record) -> Trace:
+    def _read_trace(self, regime: Regime, record: Error) -> Trace:
         time, angle, reference, beyond = self.results.curve(record.run, record.quantity).astype(float)
         error = np.abs(beyond) / (record.peak or 1.0)
         if regime.motion and holds_acceleration(record.quantity):
@@ -182,24 +182,24 @@ def columns(results: Results) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return quantities, tuple(dict.fromkeys(record.quantity for record in results.invariants))
 
 
-def worst(records: Iterable[Record]) -> Record:
+def worst(records: Iterable[Error]) -> Error:
     """Of the records of one family in one run, the one that uses most of its limit; one without an error is worst."""
     return max(records, key=lambda record: np.inf if record.error_max is None else share(record))
 
 
-def share(record: Record) -> float:
+def share(record: Error) -> float:
     """An error over its limit; 0 without an error."""
     return (record.error_max or 0.0) / (record.limit or 1.0)
 
 
-def every_record(results: Results) -> tuple[Record, ...]:
+def every_record(results: Results) -> tuple[Error, ...]:
     """Records and invariants by mechanism, variant and regime in the campaign's order, engine, setting, quantity."""
     mechanisms = {(linkage.name, linkage.variant): number for number, linkage in enumerate(results.linkages)}
     names = [*(motion.regime for motion in results.motions), *(record.regime for record in results.records)]
     regimes = {name: number for number, name in enumerate(dict.fromkeys(names))}
     families = {name: number for number, name in enumerate(name for part in columns(results) for name in part)}
 
-    def rank(record: Record) -> tuple[int, int, str, int, int, str]:
+    def rank(record: Error) -> tuple[int, int, str, int, int, str]:
         run = mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting_rank(record.setting)
         return *run, families[family(record.quantity)], record.quantity
 
@@ -218,7 +218,7 @@ def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -
 # The limits of a campaign's records.
 
 
-def remedy(run: Iterable[Record]) -> str:
+def remedy(run: Iterable[Error]) -> str:
     """What to do about a run of an engine with errors over their limits; "" if there are none."""
     over = [record for record in run if record.error_max is not None and Verdict(record.outcome).failed]
     if not over or over[0].origin == IMPORTED:
@@ -228,7 +228,7 @@ def remedy(run: Iterable[Record]) -> str:
     return f"run 'linkproof engines {over[0].engine} --check', and if it passes shorten the step"
 
 
-def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
+def _limit(record: Error, limits: LimitTable) -> tuple[float, str]:
     """The limit of a record and its reason; that of another tool's results is the user's."""
     if record.origin == IMPORTED and record.limit is not None:
         return record.limit, "your --limit, or for a check the rounding of its columns"
@@ -308,20 +308,19 @@ def appeared_note(changes: Sequence[Change]) -> tuple[str, ...]:
 READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
 
 
-def origin_words(records: Sequence[Record]) -> str:
-    """Of the records of one run: "1 run, read", "read in part", "4 runs, extrapolated", "control", "imported"."""
+def origin_words(records: Sequence[Error], runs: int) -> str:
+    """Of results made of ``runs``: "1 run, read", "read in part", "4 runs, extrapolated", "control", "imported"."""
     words = [record for record in records if record.origin]
     if not words:
         return ""
     if words[0].origin in (CONTROL, IMPORTED):
         return words[0].origin
-    runs = max(record.runs for record in words)
     if runs > 1:
         return f"{runs} runs, {Origin.EXTRAPOLATED}"
     return "read in part" if any(r.origin != Origin.READ for r in words) else f"1 run, {Origin.READ}"
 
 
-def computed_or_shared(records: Sequence[Record]) -> str:
+def computed_or_shared(records: Sequence[Error]) -> str:
     """The quantities that the adapter computes or shares with the reference, in words; empty without any."""
     families = {
         origin: ", ".join(dict.fromkeys(family(record.quantity) for record in records if record.origin == origin))

@@ -15,7 +15,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
 from comparisons.judging.limits import grouped
-from comparisons.judging.records import QuantityRecord
+from comparisons.judging.records import Error
 from comparisons.runs.files import STORE
 from comparisons.stress.campaign import Border, Line, Stress
 from comparisons.stress.cells import axes
@@ -152,7 +152,7 @@ def cell_facts(result: CellResult) -> dict[str, str]:
     return {name: words for name, words in parts.items() if words}
 
 
-def _error_and_limit(record: QuantityRecord | None) -> str:
+def _error_and_limit(record: Error | None) -> str:
     """An error and its limit, both over the peak, with the name of its quantity; empty without a record."""
     if record is None:
         return ""

@@ -16,7 +16,7 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.invariants.checks import checks
 from comparisons.judging.limits import judged_deviation
 from comparisons.judging.quantities import JOINT_FORCE, Deviation, Quantity, check_defined, chosen_quantities
-from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict, blank_record, run_record
+from comparisons.judging.records import CONTROL, Error, Run, Verdict, run_of
 from comparisons.observed_motion import ObservedMotion
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, Lost, blamed_on, run_engine
@@ -48,7 +48,7 @@ class CampaignRequest:
 
 
 def tasks(request: CampaignRequest) -> list[Task]:
-    """The runs of a request, in a stable order; a key identifies a run as ``Record.run`` does.
+    """The runs of a request, in a stable order; a key identifies a run as ``Error.run`` does.
 
     Raises UnknownNameError, AssemblyError or StructureError before any run is made.
     """
@@ -116,10 +116,10 @@ def _checked_case(case: Case) -> Case:
 
 
 @dataclass(frozen=True)
-class CampaignRuns(Iterable[RunRecord]):
+class CampaignRuns(Iterable[Run]):
     """The runs of a campaign in the order of its tasks: made when they are first gone through, then read back."""
 
-    study: Study[RunRecord]
+    study: Study[Run]
     tasks: Sequence[Task]
     bounds: Bounds
 
@@ -127,7 +127,7 @@ class CampaignRuns(Iterable[RunRecord]):
         """Make the runs that are not stored yet."""
         self.study.complete(self.tasks, self.bounds)
 
-    def __iter__(self) -> Iterator[RunRecord]:
+    def __iter__(self) -> Iterator[Run]:
         return self.study.in_order(self.tasks, self.bounds)
 
 
@@ -151,17 +151,15 @@ def compare(
     """
     todo = todo or tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
-    study = Study(judged, lost, RunRecord.written, RunRecord.from_row, finished, announce, where)
+    study = Study(judged, lost, Run.written, Run.from_row, finished, announce, where)
     return CampaignRuns(study, todo, bounds)
 
 
-def lost(
-    failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool
-) -> RunRecord:
-    """The records of a run whose process gave no result."""
+def lost(failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool) -> Run:
+    """The run whose process gave no result."""
     case = unpickle_case(pickled)
-    blank = blank_record(case, setting, engine_name, engine(engine_name).version() or "")
-    return _records_without_motion(chosen_quantities(case, names), blank, failure.outcome, failure.reason)
+    run = run_of(case, setting, engine_name, engine(engine_name).version() or "")
+    return _without_motion(run, chosen_quantities(case, names), failure.outcome, failure.reason)
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
@@ -169,57 +167,53 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
     return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
 
 
-def judged(
-    pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool
-) -> RunRecord:
+def judged(pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> Run:
     """Run a pickled case in an engine, and judge the quantities of these ``names``."""
     case, adapter = unpickle_case(pickled), engine(engine_name)
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
         version, absent = adapter.version(), why_unavailable(adapter)
-    blank = blank_record(case, setting, engine_name, version or "")
+    run = run_of(case, setting, engine_name, version or "")
     if absent is not None:
-        return _records_without_motion(quantities, blank, Outcome.UNAVAILABLE, absent)
+        return _without_motion(run, quantities, Outcome.UNAVAILABLE, absent)
     model = case.scene(_channels(quantities, with_invariants))
-    run = run_engine(adapter, model, setting)
-    blank = replace(
-        blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps, runs=max(1, len(run.passes))
+    made = run_engine(adapter, model, setting)
+    run = replace(
+        run, seconds=made.seconds, setup_seconds=made.setup_seconds, steps=made.steps, runs=max(1, len(made.passes))
     )
-    if run.outcome is not Outcome.FINISHED or run.history is None:
-        return _records_without_motion(quantities, blank, run.outcome, run.reason)
-    motion = ObservedMotion(model, run.history)
-    compared = {quantity.name: _compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities}
-    return run_record(
-        blank,
-        [record for record, _ in compared.values()],
-        checks(case, motion, replace(blank, origin=CONTROL if adapter.is_control else "")) if with_invariants else (),
-        {name: deviation.curve for name, (_, deviation) in compared.items() if deviation is not None},
-        run.details,
+    if made.outcome is not Outcome.FINISHED or made.history is None:
+        return _without_motion(run, quantities, made.outcome, made.reason)
+    motion = ObservedMotion(model, made.history)
+    blank = run.blank._replace(origin=CONTROL if adapter.is_control else "")
+    compared = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
+    return replace(
+        run,
+        errors=tuple(error for error, _ in compared),
+        invariants=checks(case, motion, blank) if with_invariants else (),
+        details=dict(made.details),
+        curves={error.quantity: deviation.curve for error, deviation in compared if deviation is not None},
     )
 
 
-def _records_without_motion(
-    quantities: Iterable[Quantity], blank: Record, outcome: Outcome | Failure, reason: str
-) -> RunRecord:
-    """The records of a run that gave no motion."""
-    blank = replace(blank, outcome=Verdict(outcome.value).value, detail=reason)
-    return run_record(blank, (replace(blank, quantity=q.name, unit=q.unit) for q in quantities))
+def _without_motion(run: Run, quantities: Iterable[Quantity], outcome: Outcome | Failure, reason: str) -> Run:
+    """A run that gave no motion, with a row for each quantity to say so."""
+    blank = run.blank._replace(outcome=Verdict(outcome.value).value, detail=reason)
+    return replace(run, errors=tuple(blank._replace(quantity=q.name, unit=q.unit) for q in quantities))
 
 
 def _compare_quantity(
-    case: Case, quantity: Quantity, motion: ObservedMotion, blank: Record, adapter: Engine
-) -> tuple[Record, Deviation | None]:
-    """The record of one quantity, and the deviation behind it; None where the run has no sample to judge."""
-    blank = replace(blank, quantity=quantity.name, unit=quantity.unit)
+    case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error, adapter: Engine
+) -> tuple[Error, Deviation | None]:
+    """The error of one quantity, and the deviation behind it; None where the run has no sample to judge."""
+    blank = blank._replace(quantity=quantity.name, unit=quantity.unit)
     lacking = quantity.lacking(motion)
     if lacking:
         if quantity.clock not in adapter.abilities.readouts or quantity.name.startswith(JOINT_FORCE):
-            return replace(
-                blank, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} offers no {lacking}"
-            ), None
+            detail = f"{blank.engine} offers no {lacking}"
+            return blank._replace(outcome=Verdict.NOT_PROVIDED.value, origin="", detail=detail), None
         detail = f"its adapter offers {lacking} but did not record it"
-        return replace(blank, outcome=Verdict.ADAPTER_ERROR.value, detail=detail), None
-    return judged_deviation(case, quantity, motion, replace(blank, origin=CONTROL if adapter.is_control else ""))
+        return blank._replace(outcome=Verdict.ADAPTER_ERROR.value, origin="", detail=detail), None
+    return judged_deviation(case, quantity, motion, blank)
 
 
 # The data sheets of a campaign's linkages, made in worker processes.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, NotRequired
@@ -28,7 +28,7 @@ from comparisons.datasheet.saved import (
 )
 from comparisons.judging.changes import Change, Row, error_row
 from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
-from comparisons.judging.records import Record, RunRecord
+from comparisons.judging.records import Error, Run
 from comparisons.runs.environment import environment
 from comparisons.runs.store import Curve, has_study, load_study, save_study
 from engines.contract import ReadOut
@@ -74,17 +74,17 @@ class Results:
     """A finished campaign: its document and its runs."""
 
     document: Mapping[str, Any]
-    runs: tuple[RunRecord, ...]
+    runs: tuple[Run, ...]
 
     @cached_property
-    def records(self) -> tuple[Record, ...]:
+    def records(self) -> tuple[Error, ...]:
         """One record per run and quantity."""
-        return tuple(record for run in self.runs for record in run.records)
+        return tuple(error for run in self.runs for error in run.errors)
 
     @cached_property
-    def invariants(self) -> tuple[Record, ...]:
+    def invariants(self) -> tuple[Error, ...]:
         """One record per run and invariant."""
-        return tuple(record for run in self.runs for record in run.checks)
+        return tuple(error for run in self.runs for error in run.invariants)
 
     @cached_property
     def limits(self) -> LimitTable:
@@ -152,18 +152,18 @@ def checksum(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:
+def with_runs(table: Mapping[str, Any], runs: Iterable[Run]) -> dict[str, Any]:
     """A campaign's document with its runs, flat: a row for each quantity and invariant."""
     records = list(runs)
     return {
         **table,
-        "records": [asdict(record) for run in records for record in run.records],
-        "invariants": [asdict(record) for run in records for record in run.checks],
+        "records": [row for run in records for row in run.rows(run.errors)],
+        "invariants": [row for run in records for row in run.rows(run.invariants)],
         "details": {run.key: dict(run.details) for run in records},
     }
 
 
-def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> None:
+def save(folder: Path, table: Mapping[str, Any], runs: Iterable[Run]) -> None:
     """Write a campaign, or a judgement, into a folder, in the place of another there and of a designer's results."""
     kind = kind_of(table)
     save_study(folder, kind, table, ((run.key, *run.written()) for run in runs), {*KINDS, RESULTS} - {kind})
@@ -185,7 +185,7 @@ def load(folder: Path) -> Results:
     Raises LinkproofError if it is missing or damaged.
     """
     kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
-    return Results(*load_study(folder, kind, FORM, RunRecord.from_row))
+    return Results(*load_study(folder, kind, FORM, Run.from_row))
 
 
 # The curves of a campaign as CSV: a row per run, quantity and sample.
@@ -194,7 +194,7 @@ SAMPLE: Final = ("time", "angle", "observed", "reference")
 CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", *SAMPLE)
 
 
-def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
+def write_curves(runs: Iterable[Run], file: Path) -> None:
     """Fill a CSV file with the curves of all runs, with every digit of their few samples.
 
     Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
@@ -206,7 +206,7 @@ def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
         writer.writerows(_curve_rows(runs))
 
 
-def _curve_rows(runs: Iterable[RunRecord]) -> Iterator[tuple[str | float, ...]]:
+def _curve_rows(runs: Iterable[Run]) -> Iterator[tuple[str | float, ...]]:
     for run in runs:
         for error in run.errors:
             if error.quantity in run.curves:

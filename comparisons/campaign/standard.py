@@ -20,7 +20,7 @@ from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import MechanismFigure, case_figures, figure_unit, figures_by_name
 from comparisons.judging.changes import CLOSED_FORM, Change, Place, Row, changes, error_row
 from comparisons.judging.limits import Standard
-from comparisons.judging.records import Record, RunRecord
+from comparisons.judging.records import Error, Run
 from engines.contract import Setting
 
 USUAL_FIGURES: Final = (
@@ -98,13 +98,13 @@ def _figure_unit(name: str, linkage: Linkage) -> str:
 
 
 @dataclass(frozen=True)
-class JudgedRuns(Iterable[RunRecord]):
+class JudgedRuns(Iterable[Run]):
     """Runs judged by a standard, one by one in every pass over them; runs read from a file do not stay in memory."""
 
-    runs: Iterable[RunRecord]
+    runs: Iterable[Run]
     standard: Standard
 
-    def __iter__(self) -> Iterator[RunRecord]:
+    def __iter__(self) -> Iterator[Run]:
         return (run.judged(self.standard.judge) for run in self.runs)
 
 
@@ -117,12 +117,12 @@ class JudgedCampaign:
 
     request: CampaignRequest
     standard: Standard
-    runs: Iterable[RunRecord]
+    runs: Iterable[Run]
     before: Sequence[Row] | None = None
     every_variant: bool = False
 
     @property
-    def records(self) -> Iterator[Record]:
+    def records(self) -> Iterator[Error]:
         """Every record and invariant, run by run."""
         return (record for run in self.runs for record in run.every)
 

@@ -23,7 +23,7 @@ from comparisons.case import Case, case_of_file_regime
 from comparisons.invariants.checks import each_check
 from comparisons.judging.limits import judged_deviation
 from comparisons.judging.quantities import chosen_quantities
-from comparisons.judging.records import Verdict, blank_record
+from comparisons.judging.records import Verdict, run_of
 from comparisons.observed_motion import ObservedMotion
 from comparisons.runs.run_engine import AdapterError, blamed_on, run_engine
 from engines.contract import Engine, History, Outcome, Run, Setting
@@ -241,7 +241,7 @@ class EngineTrial:
 def judged_rows(sample: str, setting: Setting, engine: str, history: History) -> Iterator[tuple[str, bool]]:
     """The judged rows of an engine's run of a sample one by one, and whether each failed."""
     of = case(sample)
-    blank = blank_record(of, setting, engine)
+    blank = run_of(of, setting, engine).blank
     motion = ObservedMotion(scene_of(sample), history)
     own = [each for each in chosen_quantities(of, ()) if not (each.lacking(motion) or each.shared(of, motion))]
     rows = (judged_deviation(of, quantity, motion, blank)[0] for quantity in own)

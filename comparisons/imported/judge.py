@@ -29,7 +29,7 @@ from comparisons.imported.crank_column import (
     unwrap_angles,
 )
 from comparisons.judging.quantities import Deviation, near_jump, near_jumps
-from comparisons.judging.records import IMPORTED, Record, Verdict
+from comparisons.judging.records import IMPORTED, Error, Verdict
 
 Array = NDArray[np.float64]
 
@@ -187,11 +187,10 @@ class SignalVerdict:
             self.worst_time, int(np.sum(self.counted)), self.left_out,
         )  # fmt: skip
 
-    def record(self, blank: Record) -> Record:
+    def record(self, blank: Error) -> Error:
         """The signal's record in a campaign's tables; ``blank`` has what all signals share."""
         judged = self.outcome is not Verdict.UNDEFINED
-        return replace(
-            blank,
+        return blank._replace(
             quantity=self.name,
             unit=self.unit,
             error_max=self.error_max if judged else None,
@@ -204,7 +203,6 @@ class SignalVerdict:
             samples=int(np.sum(self.counted)),
             left_out=self.left_out,
             origin=IMPORTED,
-            runs=1,
         )
 
 

@@ -39,7 +39,7 @@ from comparisons.invariants.corrections import LEVELS, speed_errors, undissipate
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import judge
 from comparisons.judging.quantities import UNBOUNDED, near_jumps
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Error, Verdict
 from comparisons.observed_motion import (
     DENSE,
     ObservedMotion,
@@ -280,7 +280,7 @@ BALANCES = frozenset(("energy_balance", "torque_two_routes", "force_balance"))
 LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
-def checks(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Record, ...]:
+def checks(case: Case, motion: ObservedMotion, blank: Error) -> tuple[Error, ...]:
     """One record per invariant; one that needs a channel the engine has not recorded says so."""
     return tuple(each_check(case, motion, blank))
 
@@ -299,7 +299,7 @@ NEEDED_CHANNELS: Mapping[str, tuple[Channel, ...]] = {
 OF_FORCES = frozenset(("force_balance", "weight_on_frame"))
 
 
-def each_check(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
+def each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Error]:
     """The records of ``checks`` one by one."""
     inspection = Inspection(motion, change_points(case))
     weighs = steady_turn(motion) is not None and total_weight(motion) > 0.0
@@ -310,16 +310,16 @@ def each_check(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Re
             continue
         lacking = _missing_channels(motion, name, needed)
         unit = UNITS[name] if not motion.is_linear else LINEAR_UNITS.get(name, UNITS[name])
-        record = replace(blank, quantity=name, unit=unit)
+        record = blank._replace(quantity=name, unit=unit)
         if lacking:
-            yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
+            yield record._replace(outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
         elif name in OF_FORCES and case.unbounded_at is not None:
             yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
         elif name in BALANCES and case.mechanism.linkage.is_idle:
             yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
         else:
             yield _invariant_record(
-                case, inspection, replace(record, origin=blank.origin or motion.origin(needed).value)
+                case, inspection, record._replace(origin=blank.origin or motion.origin(needed).value)
             )
 
 
@@ -343,12 +343,12 @@ def _missing_channels(motion: ObservedMotion, name: str, needed: Sequence[Channe
     return ", ".join(lacking)
 
 
-def _invariant_record(case: Case, inspection: Inspection, record: Record) -> Record:
+def _invariant_record(case: Case, inspection: Inspection, record: Error) -> Error:
     """The record of one invariant whose channels are there."""
     motion, samples = inspection.motion, len(inspection.motion.signal(Channel.POSITION).time)
     if record.quantity in SUMS:
         scale, balance = SUMS[record.quantity]
-        return _judge_balance(case, replace(record, peak=scale(motion)), balance(inspection))
+        return _judge_balance(case, record._replace(peak=scale(motion)), balance(inspection))
     if record.quantity == "closure":
         signal, count = _closure_signal(case, inspection)
         return _judge_signal(record, signal, 1.0, count)
@@ -399,20 +399,19 @@ def _without_change_points(inspection: Inspection, signal: Signal) -> Signal:
     return Signal(signal.time[smooth], signal.values[smooth])
 
 
-def _judge_signal(blank: Record, signal: Signal, scale: float, total: int) -> Record:
+def _judge_signal(blank: Error, signal: Signal, scale: float, total: int) -> Error:
     """A record of a signal that should be zero everywhere, relative to a scale; samples without a value are left out.
 
     Without a single value nothing is judged, and nothing has passed.
     """
     defined = ~np.isnan(signal.values)
     time, relative = signal.time[defined], np.minimum(np.abs(signal.values[defined]) / (scale or 1.0), LARGEST)
-    record = replace(blank, peak=scale, samples=len(relative), left_out=total - len(relative))
+    record = blank._replace(peak=scale, samples=len(relative), left_out=total - len(relative))
     if not len(relative):
         return _undefined(record, "no sample has a value to judge, as in a linkage that starts at a dead position")
     worst = int(np.argmax(relative))
     return judge(
-        replace(
-            record,
+        record._replace(
             error_max=float(relative[worst]),
             error_rms=float(np.sqrt(np.mean(relative**2))),
             worst_time=float(time[worst]),
@@ -420,13 +419,13 @@ def _judge_signal(blank: Record, signal: Signal, scale: float, total: int) -> Re
     )
 
 
-def _judge_balance(case: Case, blank: Record, balance: Balance) -> Record:
+def _judge_balance(case: Case, blank: Error, balance: Balance) -> Error:
     """The record of a balance over its scale, the ``blank`` record's peak: what is gained, or its error estimate.
 
     A gain over the limit by more than its error bound fails; one over the limit by less is undefined.
     """
 
-    def check(values: Array) -> Record:
+    def check(values: Array) -> Error:
         return _judge_signal(
             blank, _without_jumps(case, Signal(balance.time, values)), blank.peak or 1.0, len(balance.time)
         )
@@ -434,7 +433,7 @@ def _judge_balance(case: Case, blank: Record, balance: Balance) -> Record:
     certain = check(balance.excess)
     if certain.outcome != Verdict.PASSED or not np.all(np.isfinite(balance.error_estimate)):
         reason = "too few samples for an error estimate of the balance"
-        return certain if certain.outcome != Verdict.PASSED else _undefined(replace(certain, error_max=None), reason)
+        return certain if certain.outcome != Verdict.PASSED else _undefined(certain._replace(error_max=None), reason)
     possible = check(np.maximum(np.abs(balance.gained), balance.error_estimate))
     error, bound = possible.error_max, possible.limit
     if error is None or bound is None or error <= bound:
@@ -444,5 +443,5 @@ def _judge_balance(case: Case, blank: Record, balance: Balance) -> Record:
     return _undefined(possible, reason)
 
 
-def _undefined(record: Record, reason: str) -> Record:
-    return replace(record, outcome=Verdict.UNDEFINED.value, detail=reason)
+def _undefined(record: Error, reason: str) -> Error:
+    return record._replace(outcome=Verdict.UNDEFINED.value, detail=reason)

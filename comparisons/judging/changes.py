@@ -20,7 +20,7 @@ import numpy as np
 from analytic.description.written import change
 from analytic.errors import LinkproofError, shortened
 from analytic.files import read_file
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Error, Verdict
 from comparisons.runs.files import write_text
 
 CLOSED_FORM: Final = "closed form"
@@ -63,7 +63,7 @@ class Row:
         return self.place.engine == CLOSED_FORM
 
 
-def error_row(record: Record) -> Row:
+def error_row(record: Error) -> Row:
     """The row of a record."""
     place = Place(*(getattr(record, name) for name in Place._fields))
     return Row(place, record.outcome, record.error_max, record.limit)

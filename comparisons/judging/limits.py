@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Final, TypeVar
@@ -17,7 +17,7 @@ from analytic.description.schema import Positive, Tables, TomlTable
 from analytic.errors import UnknownNameError
 from comparisons.case import Case
 from comparisons.judging.quantities import Deviation, NoSampleError, Quantity, deviation
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Error, Verdict
 from comparisons.observed_motion import ObservedMotion
 from engines.contract import Origin, Setting
 from engines.registry import engine_names
@@ -155,7 +155,7 @@ class Standard:
 
     limits: LimitTable
 
-    def judge(self, record: Record) -> Record:
+    def judge(self, record: Error) -> Error:
         """Compare a record's error with its limit.
 
         ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit. A figure
@@ -165,10 +165,10 @@ class Standard:
         if error is None or not (record.outcome == Verdict.COMPUTED or Verdict(record.outcome).judged):
             return record
         bound = self.limits.limit(record.quantity, record.setting, record.regime, record.mechanism, record.engine).value
-        record = replace(record, limit=bound, outcome=Verdict.PASSED.value, detail="")
+        record = record._replace(limit=bound, outcome=Verdict.PASSED.value, detail="")
         if record.origin == Origin.COMPUTED:
             detail = "computed by the adapter from the linkage's data, not read from the engine"
-            return replace(record, outcome=Verdict.COMPUTED.value, detail=detail)
+            return record._replace(outcome=Verdict.COMPUTED.value, detail=detail)
         if not error <= bound:
             detail = f"error {error:.2g} of peak is over its limit {bound:.2g}"
         elif not record.error_at_jumps <= bound:
@@ -176,10 +176,10 @@ class Standard:
                 f"error {record.error_at_jumps:.2g} of peak at an acceleration jump, besides the jump itself, is over "
                 f"its limit {bound:.2g}"
             )
-            record = replace(record, error_max=record.error_at_jumps)
+            record = record._replace(error_max=record.error_at_jumps)
         else:
             return record
-        return replace(record, outcome=Verdict.OVER_LIMIT.value, detail=detail)
+        return record._replace(outcome=Verdict.OVER_LIMIT.value, detail=detail)
 
 
 @cache
@@ -188,26 +188,25 @@ def shipped_standard() -> Standard:
     return Standard(shipped_limits())
 
 
-def judge(record: Record) -> Record:
+def judge(record: Error) -> Error:
     """A record by the suite's own limits."""
     return shipped_standard().judge(record)
 
 
 def judged_deviation(
-    case: Case, quantity: Quantity, motion: ObservedMotion, blank: Record
-) -> tuple[Record, Deviation | None]:
+    case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error
+) -> tuple[Error, Deviation | None]:
     """The judged record of a quantity that a motion has, and the deviation behind it; None without a sample to judge.
 
     The origin is that of the ``blank`` record, if it has one, or the engine's own.
     """
     origin = blank.origin or quantity.origin(motion).value
-    blank = replace(blank, quantity=quantity.name, unit=quantity.unit, origin=origin)
+    blank = blank._replace(quantity=quantity.name, unit=quantity.unit, origin=origin)
     try:
         result = deviation(case, quantity, motion)
     except NoSampleError as error:
-        return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error)), None
-    record = replace(
-        blank,
+        return blank._replace(outcome=Verdict.UNDEFINED.value, detail=str(error)), None
+    record = blank._replace(
         shared=quantity.shared(case, motion),
         error_max=result.error_max,
         error_rms=result.error_rms,
@@ -220,7 +219,7 @@ def judged_deviation(
     return judge(record), result
 
 
-def deciding(records: Sequence[Record]) -> Sequence[Record]:
+def deciding(records: Sequence[Error]) -> Sequence[Error]:
     """The records that decide whether a campaign has passed: naive ones only where nothing else ran."""
     return [record for record in records if record.setting != Setting.NAIVE] or records
 

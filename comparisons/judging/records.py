@@ -1,13 +1,13 @@
-"""The record of a run: its identity, cost and errors; and a flat record for each of its quantities."""
+"""What was run, and what was found: a ``Run`` is a row of the one table, an ``Error`` a row of the other."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from functools import cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 from pydantic import InstanceOf, TypeAdapter
 
@@ -51,12 +51,15 @@ OUTCOMES: Final = frozenset(verdict.value for verdict in Verdict)
 FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED, Verdict.ADAPTER_ERROR))
 
 
-@dataclass(frozen=True)
-class RunFacts:
-    """The identity and cost of a run.
+class Error(NamedTuple):
+    """What was found of a run: the error of a quantity or of a check, beside its limit.
 
-    ``setup_seconds`` is the building of the model, ``seconds`` the stepping alone, ``steps`` all its time steps;
-    ``runs`` of the engine make its figures.
+    The first six columns tell the run, and with ``quantity`` the row, from all others. Errors are relative to ``peak``,
+    the reference's largest magnitude in ``unit``. ``left_out`` counts the samples not compared (acceleration jumps,
+    standstill); ``error_at_jumps`` is the error at acceleration jumps, beyond the jumps themselves. ``detail`` says
+    why, wherever it did not pass. ``origin`` says where the engine's figure comes from (``engines.contract.Origin``,
+    the weakest of all that it is made of, or ``CONTROL``), ``shared`` what of it the reference and the engine have in
+    common.
     """
 
     mechanism: str
@@ -64,39 +67,7 @@ class RunFacts:
     regime: str
     conditions: str
     engine: str
-    engine_version: str
     setting: str
-    seconds: float = 0.0
-    setup_seconds: float = 0.0
-    steps: int = 0
-    runs: int = 0
-
-    @property
-    def total_seconds(self) -> float:
-        """Set-up and stepping, s."""
-        return self.setup_seconds + self.seconds
-
-    @property
-    def run(self) -> tuple[str, str, str, str, str]:
-        """The key of the run within its study."""
-        return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
-
-    @property
-    def key(self) -> str:
-        """The key of the run as one text."""
-        return "/".join(self.run)
-
-
-@dataclass(frozen=True)
-class QuantityRecord:
-    """A quantity's error beside its limit, relative to ``peak``, the reference's largest magnitude in ``unit``.
-
-    ``left_out`` counts the samples not compared (acceleration jumps, standstill); ``error_at_jumps`` is the error at
-    acceleration jumps, beyond the jumps themselves. ``detail`` says why, wherever it did not pass.
-    ``origin`` says where the engine's figure comes from (``engines.contract.Origin``, the weakest of all that it is
-    made of, or ``CONTROL``), ``shared`` what of it the reference and the engine have in common.
-    """
-
     quantity: str = ""
     unit: str = ""
     error_max: float | None = None
@@ -112,61 +83,87 @@ class QuantityRecord:
     origin: str = ""
     shared: str = ""
 
+    @property
+    def run(self) -> RunName:
+        """The name of its run."""
+        return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
+
+
+RunName = tuple[str, str, str, str, str]  # mechanism, variant, regime, engine and setting
+NAMES: Final = Error._fields[:6]  # the columns that errors share with their run
+PARTS: Final = ("errors", "invariants")
+
 
 @dataclass(frozen=True)
-class Record(QuantityRecord, RunFacts):
-    """A run seen in one of its quantities: flat, for tables."""
+class Run:
+    """What was run, what it cost, and what was found: its errors by quantity, its invariants, and its curves.
 
-
-FACTS: Final = tuple(field.name for field in fields(RunFacts))
-ERRORS: Final = tuple(field.name for field in fields(QuantityRecord))
-
-
-@dataclass(frozen=True)
-class RunRecord(RunFacts):
-    """One run: its errors by quantity, its invariants, what its adapter says of it, and the curves behind the errors.
-
-    A curve, by its quantity, has ``CURVE`` of the store in its rows, (4, samples). A study whose runs have more to them
-    has a class of its own below this one.
+    ``setup_seconds`` is the building of the model, ``seconds`` the stepping alone, ``steps`` all its time steps;
+    ``runs`` of the engine make its figures. ``details`` are what its adapter says of it. A curve, by its quantity, has
+    ``CURVE`` of the store in its rows, (4, samples). A study whose runs have more columns has a class below this one.
     """
 
-    errors: tuple[QuantityRecord, ...] = ()
-    invariants: tuple[QuantityRecord, ...] = ()
+    mechanism: str
+    variant: str
+    regime: str
+    conditions: str
+    engine: str
+    engine_version: str
+    setting: str
+    seconds: float = 0.0
+    setup_seconds: float = 0.0
+    steps: int = 0
+    runs: int = 0
+    errors: tuple[Error, ...] = ()
+    invariants: tuple[Error, ...] = ()
     details: Mapping[str, str | int | float] = field(default_factory=dict)
     curves: Mapping[str, InstanceOf[Curve]] = field(default_factory=dict, compare=False, repr=False)
 
     @property
-    def records(self) -> tuple[Record, ...]:
-        """The run in each of its quantities."""
-        return self._flat_records(self.errors)
+    def run(self) -> RunName:
+        """The name of the run within its study."""
+        return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
 
     @property
-    def checks(self) -> tuple[Record, ...]:
-        """A record of each of the run's invariants."""
-        return self._flat_records(self.invariants)
+    def key(self) -> str:
+        """The name of the run as one text."""
+        return "/".join(self.run)
 
     @property
-    def every(self) -> tuple[Record, ...]:
-        """A record of each of the run's quantities, then of each of its invariants."""
-        return (*self.records, *self.checks)
+    def total_seconds(self) -> float:
+        """Set-up and stepping, s."""
+        return self.setup_seconds + self.seconds
 
-    def _flat_records(self, errors: Iterable[QuantityRecord]) -> tuple[Record, ...]:
-        facts = {name: getattr(self, name) for name in FACTS}
-        return tuple(Record(**facts, **vars(error)) for error in errors)
+    @property
+    def blank(self) -> Error:
+        """An error of the run before anything is found."""
+        return Error(*(getattr(self, name) for name in NAMES))
 
-    def judged(self, judge: Callable[[Record], Record]) -> RunRecord:
-        """The run with a new verdict of every error and invariant: ``judge`` returns each record with its verdict."""
-        errors, checks = (
-            tuple(_quantity_record(judge(record)) for record in part) for part in (self.records, self.checks)
-        )
-        return replace(self, errors=errors, invariants=checks)
+    def own(self, errors: Iterable[Sequence[Any]]) -> tuple[Error, ...]:
+        """The last columns of errors, ``ERRORS``, as errors of this run."""
+        names = self.blank[: len(NAMES)]
+        return tuple([Error._make((*names, *error[-len(ERRORS) :])) for error in errors])
+
+    @property
+    def every(self) -> tuple[Error, ...]:
+        """Its errors, then its invariants."""
+        return (*self.errors, *self.invariants)
+
+    def judged(self, judge: Callable[[Error], Error]) -> Self:
+        """The run with a new verdict of every error and invariant."""
+        return replace(self, errors=tuple(map(judge, self.errors)), invariants=tuple(map(judge, self.invariants)))
+
+    def rows(self, errors: Iterable[Error]) -> list[dict[str, Any]]:
+        """Errors of the run as rows with the columns of both, JSON-ready."""
+        own = {name: getattr(self, name) for name in FACTS}
+        return [{**own, **error._asdict()} for error in errors]
 
     @property
     def data(self) -> dict[str, Any]:
-        """All but the curves, JSON-ready."""
+        """All but the curves, JSON-ready; of the errors the columns that are not the run's."""
         own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "curves"}
-        errors, invariants = ([vars(record) for record in part] for part in (self.errors, self.invariants))
-        return {**own, "errors": errors, "invariants": invariants, "details": dict(self.details)}
+        parts = {part: [dict(zip(ERRORS, row[len(NAMES) :], strict=True)) for row in own[part]] for part in PARTS}
+        return {**own, **parts, "details": dict(self.details)}
 
     def written(self) -> tuple[Mapping[str, Any], Mapping[str, Curve]]:
         """The run for a file: ``data`` and curves."""
@@ -180,33 +177,19 @@ class RunRecord(RunFacts):
     @classmethod
     def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Curve] = MappingProxyType({})) -> Self:
         """A run back from what was ``written``; raises ValueError for anything else."""
-        parts = ("errors", "invariants")
-        errors, checks = (tuple(QuantityRecord(*values) for values in row[part]) for part in parts)
+        run = cls._adapter().validate_python({name: row[name] for name in row if name not in PARTS})
+        errors, checks = (run.own(row[part]) for part in PARTS)
         if not {error.outcome for error in (*errors, *checks)} <= OUTCOMES:
             raise ValueError("it has an outcome that no run can have")
-        facts = cls._adapter().validate_python({name: row[name] for name in row if name not in parts})
-        return replace(facts, errors=errors, invariants=checks, curves=curves)
+        return replace(run, errors=errors, invariants=checks, curves=curves)
 
 
-def run_record(
-    facts: RunFacts,
-    records: Iterable[Record],
-    checks: Iterable[Record] = (),
-    curves: Mapping[str, Curve] = MappingProxyType({}),
-    details: Mapping[str, str | int | float] = MappingProxyType({}),
-) -> RunRecord:
-    """A run of its facts and of flat records."""
-    own = {name: getattr(facts, name) for name in FACTS}
-    errors, invariants = (tuple(map(_quantity_record, part)) for part in (records, checks))
-    return RunRecord(**own, errors=errors, invariants=invariants, details=dict(details), curves=dict(curves))
+ERRORS: Final = Error._fields[len(NAMES) :]
+FACTS: Final = tuple(field.name for field in fields(Run) if field.name not in (*PARTS, "details", "curves"))
 
 
-def _quantity_record(record: Record) -> QuantityRecord:
-    return QuantityRecord(**{name: getattr(record, name) for name in ERRORS})
-
-
-def blank_record(case: Case, setting: str, engine: str = "", version: str = "") -> Record:
-    """A record with the fields that all records of one run of a case share."""
+def run_of(case: Case, setting: str, engine: str = "", version: str = "") -> Run:
+    """The run of a case before it is made."""
     linkage = case.mechanism.linkage
     names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
-    return Record(*names, engine, version, setting)
+    return Run(*names, engine, version, setting)

@@ -23,9 +23,10 @@ from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.inspection import FAINT_FORCE
 from comparisons.judging.limits import OWN, limit
 from comparisons.judging.quantities import NoSampleError, all_quantities, deviation, near_jumps
-from comparisons.judging.records import QuantityRecord, Record, RunRecord, Verdict, blank_record, run_record
+from comparisons.judging.records import Error, Run, Verdict, run_of
 from comparisons.observed_motion import ObservedMotion
-from engines.contract import Origin, Outcome, Run, Signal
+from engines.contract import Origin, Outcome, Signal
+from engines.contract import Run as EngineRun
 from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Scene
 
@@ -86,7 +87,7 @@ class Cell:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellResult(RunRecord):
+class CellResult(Run):
     """The run of a cell: the quantity nearest to its limit, and the invariants that failed, or else the nearest.
 
     ``wrong`` and ``reason`` are in the words of a reader; ``differing`` is what differs from a plain run-up of the
@@ -114,12 +115,12 @@ class CellResult(RunRecord):
         return self.cell.key
 
     @property
-    def nearest(self) -> QuantityRecord | None:
+    def nearest(self) -> Error | None:
         """The quantity nearest to its limit, or furthest over it."""
         return next(iter(self.errors), None)
 
     @property
-    def worst_check(self) -> QuantityRecord | None:
+    def worst_check(self) -> Error | None:
         """The invariant nearest to its limit, or furthest over it."""
         return next(iter(self.invariants), None)
 
@@ -243,7 +244,7 @@ ALARMS: Mapping[str, str] = {
 }
 
 
-def judged(blank: CellResult, case: Case, scene: Scene, run: Run, setting: str) -> CellResult:
+def judged(blank: CellResult, case: Case, scene: Scene, run: EngineRun, setting: str) -> CellResult:
     """Compare a cell's run with the closed form and check its invariants, by the limits of a setting.
 
     Where the closed form itself has no motion, no motion is right, and the invariants have to flag it.
@@ -263,14 +264,18 @@ def judged(blank: CellResult, case: Case, scene: Scene, run: Run, setting: str) 
         except LinkproofError as error:
             nearest, wrong = None, [f"there is no one motion to find ({error})"]
     verdict, reason = _verdict_and_reason(nearest, wrong, failed, alarms)
-    judged_run = run_record(blank, [nearest] if nearest else [], failed or checked[:1])
-    words = "; ".join(wrong)
-    errors, invariants = judged_run.errors, judged_run.invariants
-    return replace(blank, errors=errors, invariants=invariants, verdict=verdict, reason=reason, wrong=words)
+    return replace(
+        blank,
+        errors=blank.own([nearest] if nearest else ()),
+        invariants=blank.own(failed or checked[:1]),
+        verdict=verdict,
+        reason=reason,
+        wrong="; ".join(wrong),
+    )
 
 
 def _verdict_and_reason(
-    nearest: Record | None, wrong: Sequence[str], failed: Sequence[Record], alarms: str
+    nearest: Error | None, wrong: Sequence[str], failed: Sequence[Error], alarms: str
 ) -> tuple[StressVerdict, str]:
     over = nearest is not None and nearest.outcome != Verdict.PASSED
     inferred = [record for record in failed if record.quantity not in MEASURED]
@@ -285,12 +290,12 @@ def _verdict_and_reason(
     return (StressVerdict.OVER, alarms) if failed else (StressVerdict.WITHIN, "")
 
 
-def _alarm_words(record: Record, motion: ObservedMotion) -> str:
+def _alarm_words(record: Error, motion: ObservedMotion) -> str:
     words = ALARMS[record.quantity].format(error=_share_words(record.error_max), joint=_open_joint(record, motion))
     return words if record.worst_time is None else f"{words} at {record.worst_time:.3g} s"
 
 
-def _open_joint(record: Record, motion: ObservedMotion) -> str:
+def _open_joint(record: Error, motion: ObservedMotion) -> str:
     """The joint that is furthest open at a record's worst time."""
     at = np.array([record.worst_time or 0.0])
     gaps = motion.joint_gaps(at)
@@ -301,21 +306,22 @@ def _share_words(error: float | None) -> str:
     return f"{error:.2g}"
 
 
-def _record_to_judge(case: Case, setting: str) -> Record:
+def _record_to_judge(case: Case, setting: str) -> Error:
     """A record by the limits of the regime that the motion is most like."""
     regime = case.motion.regime
     if case.is_prescribed and regime not in REGIMES:
         regime = "run-up" if case.motion.jumps else "run-up-quintic"
-    return replace(blank_record(case, setting), regime=regime if case.is_prescribed else OWN, conditions="stress")
+    blank = run_of(case, setting).blank
+    return blank._replace(regime=regime if case.is_prescribed else OWN, conditions="stress")
 
 
-def _judged_invariants(case: Case, motion: ObservedMotion, blank: Record) -> list[Record]:
+def _judged_invariants(case: Case, motion: ObservedMotion, blank: Error) -> list[Error]:
     """The judged records, with the furthest over its limit, or the nearest to it, first."""
     records = [record for record in checks(case, motion, blank) if Verdict(record.outcome).judged]
     return sorted(records, key=_error_over_limit, reverse=True)
 
 
-def _nearest_deviation(case: Case, motion: ObservedMotion, blank: Record) -> Record | None:
+def _nearest_deviation(case: Case, motion: ObservedMotion, blank: Error) -> Error | None:
     """The quantity nearest to its limit, or furthest over it."""
     records = []
     for quantity in all_quantities(case).values():
@@ -328,12 +334,12 @@ def _nearest_deviation(case: Case, motion: ObservedMotion, blank: Record) -> Rec
         bound = limit(quantity.name, blank.setting, blank.regime, blank.engine).value
         error = worst.error_max if worst.error_at_jumps <= bound else max(worst.error_max, worst.error_at_jumps)
         outcome = Verdict.PASSED if error <= bound else Verdict.OVER_LIMIT
-        records.append(replace(blank, quantity=quantity.name, error_max=_finite_number(error), limit=bound,
-                             worst_time=worst.worst_time, outcome=outcome.value))  # fmt: skip
+        records.append(blank._replace(quantity=quantity.name, error_max=_finite_number(error), limit=bound,
+                                      worst_time=worst.worst_time, outcome=outcome.value))  # fmt: skip
     return max(records, key=_error_over_limit, default=None)
 
 
-def _error_over_limit(record: Record) -> float:
+def _error_over_limit(record: Error) -> float:
     """Error over limit."""
     assert record.error_max is not None
     assert record.limit is not None

@@ -15,7 +15,7 @@ import numpy as np
 
 from comparisons.case import Case, unpickle_case
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, NoSampleError, Quantity, all_quantities, deviation
-from comparisons.judging.records import QuantityRecord, Verdict
+from comparisons.judging.records import Error, Verdict
 from comparisons.observed_motion import ObservedMotion
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, blamed_on, checked, started
@@ -268,7 +268,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return measured
     try:
-        errors = tuple(_family_errors(case, families, ObservedMotion(scene, run.history)))
+        errors = tuple(_family_errors(case, families, ObservedMotion(scene, run.history), blank.blank))
     except NoSampleError as error:
         return replace(measured, outcome=Verdict.UNDEFINED.value, detail=str(error))
     endless = [record.quantity for record in errors if not math.isfinite(record.error_max or 0.0)]
@@ -300,8 +300,8 @@ def _number_words(value: str | int | float) -> str:
 
 
 def _family_errors(
-    case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion
-) -> Iterator[QuantityRecord]:
+    case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion, blank: Error
+) -> Iterator[Error]:
     """Errors of a motion, of a family of quantities the worst member's, with what the engine does not tell of each."""
     alone = replace(case)  # the closed form on this clock goes when the point is done
     for name, family in families.items():
@@ -311,12 +311,17 @@ def _family_errors(
             (deviation(alone, quantity, motion), quantity.unit) for quantity in family if quantity.name not in reasons
         ]
         if not deviations:
-            yield QuantityRecord(name, outcome=Verdict.NOT_PROVIDED.value, detail=detail)
+            yield blank._replace(quantity=name, outcome=Verdict.NOT_PROVIDED.value, detail=detail)
             continue
         worst, unit = max(deviations, key=lambda pair: pair[0].error_max)
-        rms = max(each.error_rms for each, _ in deviations)
-        yield QuantityRecord(
-            name, unit, worst.error_max, rms, peak=worst.peak, outcome=Verdict.MEASURED.value, detail=detail
+        yield blank._replace(
+            quantity=name,
+            unit=unit,
+            error_max=worst.error_max,
+            error_rms=max(each.error_rms for each, _ in deviations),
+            peak=worst.peak,
+            outcome=Verdict.MEASURED.value,
+            detail=detail,
         )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import NonNegativeFloat, TypeAdapter
 from typing_extensions import TypedDict
 
-from comparisons.judging.records import QuantityRecord, RunRecord, Verdict
+from comparisons.judging.records import Error, Run, Verdict
 from comparisons.runs.store import load_study, save_study
 from engines.contract import Outcome
 
@@ -24,7 +24,7 @@ FIRST_USE: Final = "first_use"
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointRecord(RunRecord):
+class PointRecord(Run):
     """The run of a point, and what came of it; ``errors`` are empty where it did not finish.
 
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
@@ -100,7 +100,7 @@ class BenchRecord(PointRecord):
         return (*self.place, self.engine, self.kind, self.setting, self.quantity)
 
     @property
-    def error(self) -> QuantityRecord | None:
+    def error(self) -> Error | None:
         """The errors in this quantity; None if the run did not finish."""
         return next(
             (record for record in self.errors if record.quantity == self.quantity and record.error_max is not None),

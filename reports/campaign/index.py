@@ -168,7 +168,7 @@ def _error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[Ta
     if own.worst is None:
         reason = _first_reason(own)
         return TableCell(numbers.ABSENT, _failure_style(own), tooltip=reason, note=reason), ""
-    seconds = trust.seconds(engine, setting)
+    seconds, runs = trust.seconds(engine, setting), max(run.runs for run in trust.runs(engine, setting))
     place = f"{family_title(own.worst.quantity)}, {own.worst.mechanism}"
     largest = TableCell(
         ratio(own.worst),
@@ -177,7 +177,7 @@ def _error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[Ta
         tooltip=sentence("index_worst", record=own.worst),
     )
     computed = [words for words in computed_or_shared(records).split("; ") if not words.startswith("shared")]
-    origin = "; ".join(filter(None, (origin_words(records), *computed)))
+    origin = "; ".join(filter(None, (origin_words(records, runs), *computed)))
     return largest, TableCell(" + ".join(map(numbers.seconds, seconds or ())) or numbers.ABSENT, note=origin)
 
 
@@ -264,7 +264,7 @@ def _run_section(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ..
 
 def _facts(results: Results) -> tuple[tuple[str, str | Mono], ...]:
     """Everything that decides a figure or a time of the report."""
-    engines = {record.engine: record.engine_version for record in results.records}
+    engines = {run.engine: run.engine_version for run in results.runs}
     regimes = dict.fromkeys((record.regime, record.conditions) for record in every_record(results))
     imported = "judgement" in results.document
     absent = "" if imported else "not installed"

@@ -6,14 +6,14 @@ Same rows, same order, same digits; no date, machine or time. Those stand on the
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import Final
 from xml.etree import ElementTree
 
 from comparisons.campaign.results import Results
 from comparisons.judging.changes import Change
-from comparisons.judging.limits import deciding
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.limits import deciding, grouped
+from comparisons.judging.records import Error, Run, Verdict
 from reports.campaign.index import families_table
 from reports.campaign.verdict import EngineRanking, verdict
 from reports.document.markdown import written
@@ -59,30 +59,33 @@ ILLEGAL: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ff
 CHANGES: Final = "changes"  # the suite of what is not as it was recorded
 
 
-def junit(records: Sequence[Record], changes: Sequence[Change] = ()) -> str:
+def junit(runs: Iterable[Run], changes: Sequence[Change] = ()) -> str:
     """The document: a suite per mechanism, variant and regime; the classes are engine and setting.
 
     Skipped are records that are not judged, naive records beside other settings, and what was not recorded before.
     """
-    decides = {id(record) for record in deciding(records)}
-    suites: dict[tuple[str, str, str], list[ElementTree.Element]] = {}
-    for record in records:
-        suites.setdefault(record.run[:3], []).append(_record_case(record, decides=id(record) in decides))
+    by_motion = grouped((run.run[:3], run) for run in runs)
+    records = [record for part in by_motion.values() for run in part for record in run.every]
+    decisive = {record.setting for record in deciding(records)}
+    suites = {
+        "/".join(motion): [_record_case(record, decisive) for run in part for record in run.every]
+        for motion, part in by_motion.items()
+    }
+    seconds = {"/".join(motion): sum(run.total_seconds for run in part) for motion, part in by_motion.items()}
     if changes:
-        suites[CHANGES, "", ""] = list(map(_change_case, changes))
+        suites[CHANGES] = list(map(_change_case, changes))
     counts = _outcome_counts([case for cases in suites.values() for case in cases])
     root = ElementTree.Element("testsuites", {"name": "linkproof"} | counts)
-    for place, cases in suites.items():
-        seconds = {record.run: record.total_seconds for record in records if record.run[:3] == place}
-        name = {"name": _legal("/".join(filter(None, place))), "time": f"{sum(seconds.values()):.6f}"}
+    for suite, cases in suites.items():
+        name = {"name": _legal(suite), "time": f"{seconds.get(suite, 0.0):.6f}"}
         ElementTree.SubElement(root, "testsuite", name | _outcome_counts(cases)).extend(cases)
     ElementTree.indent(root, " ")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
 
 
-def _record_case(record: Record, *, decides: bool) -> ElementTree.Element:
-    case = _test_case(record.key, record.quantity)
-    verdict = Verdict(record.outcome)
+def _record_case(record: Error, decisive: Container[str]) -> ElementTree.Element:
+    case = _test_case("/".join(record.run), record.quantity)
+    verdict, decides = Verdict(record.outcome), record.setting in decisive
     if verdict is Verdict.PASSED:
         return case
     kind = "error" if verdict is Verdict.SUITE_ERROR else "failure" if verdict.failed and decides else "skipped"
@@ -94,7 +97,7 @@ def _record_case(record: Record, *, decides: bool) -> ElementTree.Element:
     return case
 
 
-def _number_lines(record: Record) -> Iterator[str]:
+def _number_lines(record: Error) -> Iterator[str]:
     if record.error_max is not None:
         yield f"error {record.error_max:.3e} of the peak, {record.peak or 0.0:.6g} {record.unit}".rstrip()
     if record.limit is not None:

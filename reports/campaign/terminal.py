@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from comparisons.judging.changes import Change
 from comparisons.judging.limits import grouped
-from comparisons.judging.records import CONTROL, Record, RunRecord, Verdict
+from comparisons.judging.records import CONTROL, Error, Run, Verdict
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
@@ -32,7 +32,7 @@ DETAILS = (
 
 
 def printout(
-    runs: Iterable[RunRecord],
+    runs: Iterable[Run],
     changes: Sequence[Change] = (),
     environment: Mapping[str, str] = MappingProxyType({}),
 ) -> Printout:
@@ -50,7 +50,7 @@ def printout(
     return Printout(_motion_tables(runs, changes, concurrency_note(environment)), closing, _detail_tables(runs))
 
 
-def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
+def _motion_tables(runs: Iterable[Run], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         for start in range(0, len(together), ACROSS):
@@ -63,14 +63,14 @@ def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_o
         yield ""
 
 
-def _detail_tables(runs: Iterable[RunRecord]) -> Iterator[Printed]:
+def _detail_tables(runs: Iterable[Run]) -> Iterator[Printed]:
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         yield Table("", DETAILS, [_detail_row(record) for run in together for record in run.every], "l")
         yield ""
 
 
-def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
+def _by_motion(runs: Iterable[Run]) -> Iterator[list[Run]]:
     """The runs of each mechanism and regime, those of the reference's control last."""
     for _, part in groupby((run for run in runs if run.errors), key=lambda run: run.run[:3]):
         yield sorted(part, key=lambda run: run.errors[0].origin == CONTROL)
@@ -82,17 +82,17 @@ def _counts(changes: Sequence[Change]) -> list[str]:
     return [f"not as recorded: {', '.join(f'{count} {kind}' for kind, count in counts.items())}"] if counts else []
 
 
-def _motion_heading(run: RunRecord) -> Paragraph:
+def _motion_heading(run: Run) -> Paragraph:
     return Paragraph(f"{run.mechanism} ({run.variant}), {run.regime}: {run.conditions}", colour="bold")
 
 
-def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
+def _mechanism_table(runs: Sequence[Run], while_others: str) -> Table:
     every = [run.every for run in runs]
     rows: list[Sequence[TableCell | Words]] = []
     for name in dict.fromkeys(family(record.quantity) for records in every for record in records):
         worst = [_worst(records, name) for records in every]
         rows.append((name, _limits_text(worst), *map(_error_cell, worst)))
-    rows.append(("figures of", "", *map(origin_words, every)))
+    rows.append(("figures of", "", *(origin_words(run.every, run.runs) for run in runs)))
     rows.append(("seconds, set-up", while_others, *(f"{run.setup_seconds:.3f}" for run in runs)))
     rows.append(("seconds, stepping", while_others, *(f"{run.seconds:.3f}" for run in runs)))
     rows.append(("steps", "", *(f"{run.steps}" for run in runs)))
@@ -100,25 +100,25 @@ def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
     return Table("", head, rows)
 
 
-def _computed_or_shared(runs: Sequence[RunRecord]) -> list[str]:
+def _computed_or_shared(runs: Sequence[Run]) -> list[str]:
     """The values that adapters compute themselves, a line for each run with such values."""
     names = {f"{run.engine} {run.setting}": computed_or_shared(run.every) for run in runs}
     return [f"{name}: {words}" for name, words in names.items() if words]
 
 
-def _worst(records: Iterable[Record], row: str) -> Record | None:
+def _worst(records: Iterable[Error], row: str) -> Error | None:
     """The record of a run that stands in a row; of several the one with the largest error."""
     candidates = [record for record in records if family(record.quantity) == row]
     return max(candidates, key=lambda record: record.error_max or 0.0, default=None)
 
 
-def _limits_text(records: Sequence[Record | None]) -> str:
+def _limits_text(records: Sequence[Error | None]) -> str:
     """The different limits of records, largest first: "1e-04, 1e-05"."""
     limits = sorted({r.limit for r in records if r is not None and r.limit is not None}, reverse=True)
     return ", ".join(f"{limit:.0e}" if float(f"{limit:.0e}") == limit else f"{limit:.3g}" for limit in limits)
 
 
-def _error_cell(record: Record | None) -> TableCell | str:
+def _error_cell(record: Error | None) -> TableCell | str:
     if record is None:
         return ""
     sign = RUNS[record.outcome]
@@ -126,7 +126,7 @@ def _error_cell(record: Record | None) -> TableCell | str:
     return TableCell(words, colour=sign.colour)
 
 
-def _detail_row(record: Record) -> tuple[TableCell | str, ...]:
+def _detail_row(record: Error) -> tuple[TableCell | str, ...]:
     time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
     return (
         record.engine, record.setting, record.quantity, record.origin,
@@ -136,7 +136,7 @@ def _detail_row(record: Record) -> tuple[TableCell | str, ...]:
     )  # fmt: skip
 
 
-def _reasons(runs: Iterable[RunRecord]) -> list[str]:
+def _reasons(runs: Iterable[Run]) -> list[str]:
     """Why runs gave nothing, or nothing that is judged; each reason once, with where."""
     records = (
         record
@@ -148,11 +148,11 @@ def _reasons(runs: Iterable[RunRecord]) -> list[str]:
     return [f"{run}, {', '.join(dict.fromkeys(where))}: {detail}" for (run, detail), where in reasons.items()]
 
 
-def _is_within(record: Record) -> bool:
+def _is_within(record: Error) -> bool:
     return record.error_max is not None and record.limit is not None and record.error_max <= record.limit
 
 
-def _remedies(runs: Iterable[RunRecord]) -> list[str]:
+def _remedies(runs: Iterable[Run]) -> list[str]:
     """What to do about runs over their limits, each sentence once, with its places."""
     where = grouped(
         ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := remedy(run.every))
@@ -160,7 +160,7 @@ def _remedies(runs: Iterable[RunRecord]) -> list[str]:
     return [f"{run}, {', '.join(dict.fromkeys(names))}: {words}" for (run, words), names in where.items()]
 
 
-def _closing_line(runs: Iterable[RunRecord]) -> str:
+def _closing_line(runs: Iterable[Run]) -> str:
     counts, left_out = Counter[str](), 0
     for record in (quantity_record for run in runs for quantity_record in (*run.errors, *run.invariants)):
         counts[record.outcome] += 1

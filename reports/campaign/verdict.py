@@ -11,7 +11,7 @@ from typing import Final
 from analytic.description.linkage import ReleasedRegime
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import deciding, grouped
-from comparisons.judging.records import CONTROL, Record, Verdict
+from comparisons.judging.records import CONTROL, Error, Run, Verdict
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
@@ -36,15 +36,15 @@ DECISIVE: Final = (Setting.TUNED.value, Setting.BEST.value, Setting.NAIVE.value)
 class EngineRecords:
     """The records of one engine at one setting in one family of quantities, judged or not."""
 
-    records: tuple[Record, ...]
+    records: tuple[Error, ...]
 
     @cached_property
-    def judged(self) -> tuple[Record, ...]:
+    def judged(self) -> tuple[Error, ...]:
         """The records that count for or against the engine."""
         return tuple(record for record in self.records if Verdict(record.outcome).judged)
 
     @property
-    def worst(self) -> Record | None:
+    def worst(self) -> Error | None:
         """The record with the largest error over its limit; None if no record has an error."""
         return max((r for r in self.judged if r.error_max is not None), key=share, default=None)
 
@@ -98,9 +98,13 @@ class EngineRanking:
         """Names of the engines, sorted, those of controls last."""
         return tuple(sorted({engine for engine, _, _ in self.cells}, key=lambda name: (name in self.controls, name)))
 
-    def records(self, engine: str, setting: str) -> tuple[Record, ...]:
+    def records(self, engine: str, setting: str) -> tuple[Error, ...]:
         """All records of an engine at a setting."""
         return tuple(r for key, cell in self.cells.items() if key[:2] == (engine, setting) for r in cell.records)
+
+    def runs(self, engine: str, setting: str) -> list[Run]:
+        """All runs of an engine at a setting."""
+        return [run for run in self.results.runs if (run.engine, run.setting) == (engine, setting)]
 
     def cell(self, engine: str, setting: str, family_name: str) -> EngineRecords:
         """The records of an engine at a setting in a family of quantities; empty without any."""
@@ -124,13 +128,12 @@ class EngineRanking:
 
     def seconds(self, engine: str, setting: str) -> tuple[float, float] | None:
         """Wall time of the set-up and of the stepping of a run, s, each the median of all runs; None without runs."""
-        runs = {r.run: (r.setup_seconds, r.seconds) for r in self.records(engine, setting) if r.steps}
+        runs = [run for run in self.runs(engine, setting) if run.steps]
         if not runs:
             return None
-        setup, stepping = (statistics.median(times) for times in zip(*runs.values(), strict=True))
-        return setup, stepping
+        return statistics.median(run.setup_seconds for run in runs), statistics.median(run.seconds for run in runs)
 
-    def _family_of_record(self, record: Record) -> str:
+    def _family_of_record(self, record: Error) -> str:
         if record.quantity in self.checks:
             return CHECKS
         if (record.mechanism, record.variant, record.regime) in self._released_regimes:
@@ -152,7 +155,7 @@ class EngineRanking:
         )
 
 
-def ratio(record: Record) -> str:
+def ratio(record: Error) -> str:
     """An error over its limit for a reader."""
     value = share(record)
     return "< 0.001" if value < 1e-3 else figure(value, 2)

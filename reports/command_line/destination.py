@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from comparisons.judging.changes import Change
-    from comparisons.judging.records import Record
+    from comparisons.judging.records import Run
 
 
 # What a command writes by the suffix of a file: a text, bytes, or a function that fills the file at a path.
@@ -142,12 +142,12 @@ class Destination(OutputOptions):
         if self.json:
             write_to_stdout(to_json(document))
 
-    def write_junit(self, records: Iterable[Record], changes: Sequence[Change]) -> None:
-        """Write records, and what has changed, as test cases, if requested."""
+    def write_junit(self, runs: Iterable[Run], changes: Sequence[Change]) -> None:
+        """Write the errors of runs, and what has changed, as test cases, if requested."""
         if self.junit is not None:
             from reports.campaign.summary import junit  # noqa: PLC0415
 
-            write_text(self.junit, junit(list(records), changes))
+            write_text(self.junit, junit(runs, changes))
 
     def warn(self, linkages: Iterable[Linkage], *sentences: str) -> None:
         """Print likely mistakes in the files of linkages, and further warnings, on stderr, be the run quiet or not."""

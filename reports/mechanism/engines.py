@@ -13,7 +13,7 @@ import numpy as np
 
 from comparisons.judging.limits import grouped
 from comparisons.judging.quantities import JOINT_FORCE
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Error, Verdict
 from comparisons.judging.thinning import extreme_samples
 from reports.document import numbers
 from reports.document.chart import Array, Chart, Curve, Ink, Mark, Panel
@@ -84,7 +84,7 @@ def errors_section(view: View, regime: Regime) -> Fold:
     return Fold(f"Every error{under} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
 
 
-def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Table:
+def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Error]]) -> Table:
     """Quantities, then invariants, down; engines and settings across."""
     groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
     result = [{record.quantity: record for record in run} for run in runs]
@@ -99,7 +99,7 @@ def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) 
     return Table(caption, head, rows, note=note, groups=(("", 2), *groups), style="matrix")
 
 
-def _row_head(view: View, records: Sequence[Record]) -> tuple[TableCell, str]:
+def _row_head(view: View, records: Sequence[Error]) -> tuple[TableCell, str]:
     """The quantity with its peak, and the limits in the order of the settings."""
     quantity = records[0].quantity
     measured = records if quantity not in view.invariants else ()
@@ -109,7 +109,7 @@ def _row_head(view: View, records: Sequence[Record]) -> tuple[TableCell, str]:
     return TableCell(view.title(quantity), note=peak), ", ".join(words)
 
 
-def _cell(record: Record | None) -> TableCell | str:
+def _cell(record: Error | None) -> TableCell | str:
     """An error, with a sign where it is over its limit; a failed one has its reason as a tooltip."""
     if record is None:
         return numbers.ABSENT
@@ -120,7 +120,7 @@ def _cell(record: Record | None) -> TableCell | str:
     return TableCell(words, style=sign.style, tooltip=record.detail or sign.word)
 
 
-def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
+def _reasons(runs: Sequence[Sequence[Error]]) -> tuple[str, ...]:
     """Why there is no error of a run or of a quantity of it, each reason once."""
     rows = []
     for run in runs:
@@ -135,18 +135,18 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
 
 def _runs_table(view: View, regime: Regime) -> Table:
     """How every run was made, what it cost and where its figures come from."""
-    details = {run.run: run.details for run in view.results.runs}
+    made = {run.run: run for run in view.results.runs}
     rows = tuple(
         (
-            f"{run[0].engine} {run[0].setting}",
-            str(run[0].steps),
-            numbers.seconds(run[0].seconds),
-            numbers.seconds(run[0].setup_seconds),
-            "; ".join(filter(None, (origin_words(run), computed_or_shared(run)))),
-            settings_words(details.get(run[0].run, {})),
+            f"{run.engine} {run.setting}",
+            str(run.steps),
+            numbers.seconds(run.seconds),
+            numbers.seconds(run.setup_seconds),
+            "; ".join(filter(None, (origin_words(errors, run.runs), computed_or_shared(errors)))),
+            settings_words(run.details),
         )
-        for run in view.runs(regime)
-        if run[0].steps
+        for errors in view.runs(regime)
+        if (run := made[errors[0].run]).steps
     )
     head = ("run", "steps", "stepping", "set-up", "figures of", "as its adapter states it")
     beside = concurrency_note(view.results.document["environment"])
@@ -241,7 +241,7 @@ def errors_chart(view: View, regime: Regime) -> Chart:
     rows, lanes = [*quantities, *invariants], sorted({record.engine for record in records})
     names, shown_setting = engines(view.results), view.shown_setting(regime)
 
-    def dots(places: Sequence[tuple[float, Record]], name: str, ink: Ink, marker: str) -> Curve:
+    def dots(places: Sequence[tuple[float, Error]], name: str, ink: Ink, marker: str) -> Curve:
         lane = [0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5) for _, record in places]
         y = [rows.index(family(record.quantity)) + shift for (_, record), shift in zip(places, lane, strict=True)]
         return Curve(np.array([place for place, _ in places]), np.array(y), name, ink, line="", marker=marker)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -16,7 +16,7 @@ from comparisons.campaign.results import Results
 from comparisons.campaign.standard import JudgedCampaign
 from comparisons.judging.changes import Change, write_rows
 from comparisons.judging.limits import deciding
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Error, Verdict
 from reports.campaign.terminal import printout
 from reports.document.terminal import Printed, Printout, rendered
 from reports.python.keywords import with_keywords
@@ -42,8 +42,8 @@ class PrintedResult(ABC):
         """The output of the command."""
 
     @abstractmethod
-    def _rows(self) -> Sequence[Any]:
-        """Dataclasses, one for each row of the table."""
+    def _rows(self) -> Sequence[Mapping[str, Any]]:
+        """The rows of the table, by the names of its columns."""
 
     def _sentence(self) -> Printed:
         """The outcome in a sentence."""
@@ -65,10 +65,10 @@ class PrintedResult(ABC):
         """A row for every record, verdict or finding, a column for each of its fields."""
         import pandas  # noqa: PLC0415  half a second that results alone do not pay
 
-        return pandas.DataFrame([asdict(row) for row in self._rows()])
+        return pandas.DataFrame(self._rows())
 
 
-def failed_rows(records: Iterable[Record]) -> list[str]:
+def failed_rows(records: Iterable[Error]) -> list[str]:
     """A line for each record, with its outcome and the reason: what ``check`` of a result raises."""
     return [
         f"{record.mechanism} ({record.variant}), {record.regime}, {record.engine} {record.setting}, {record.quantity}: "
@@ -88,7 +88,7 @@ class Comparison(PrintedResult):
     campaign: Campaign
 
     @property
-    def records(self) -> tuple[Record, ...]:
+    def records(self) -> tuple[Error, ...]:
         """Errors beside their limits, and invariants."""
         return tuple(self.judged.records)
 
@@ -121,8 +121,8 @@ class Comparison(PrintedResult):
     def _printout(self) -> Printout:
         return printout(self.judged.runs, self.changes, self.campaign.environment)
 
-    def _rows(self) -> Sequence[Record]:
-        return self.records
+    def _rows(self) -> Sequence[Mapping[str, Any]]:
+        return [row for run in self.judged.runs for row in run.rows(run.every)]
 
     @property
     def passed(self) -> bool:
@@ -154,7 +154,7 @@ class Comparison(PrintedResult):
         """
         import xarray  # noqa: PLC0415  half a second that records alone save
 
-        runs = {record.run: record for record in self.records}
+        runs = {run.run: run for run in self.judged.runs}
         quantities = list(dict.fromkeys(record.quantity for record in self.records))
         places = {(record.run, record.quantity): record for record in self.records}
 
@@ -168,10 +168,10 @@ class Comparison(PrintedResult):
                 **{name: (*cells(name, math.nan), {"units": "1"}) for name in ("error_max", "error_rms", "limit")},
                 "outcome": cells("outcome", ""),
                 **{
-                    name: ("run", [getattr(record, name) for record in runs.values()], {"units": "s"})
+                    name: ("run", [getattr(run, name) for run in runs.values()], {"units": "s"})
                     for name in ("setup_seconds", "seconds")
                 },
-                "steps": ("run", [record.steps for record in runs.values()]),
+                "steps": ("run", [run.steps for run in runs.values()]),
             },
             coords={"quantity": quantities, **labels},
         )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,13 @@ from analytic.errors import LinkproofError, shortened
 from comparisons.conformance.trial import CheckResult
 from comparisons.datasheet.linkage_check import check as linkage_facts
 from comparisons.imported.judge import ImportedJudgement
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Run, Verdict
 from comparisons.runs.plugins import engine as registered
 from comparisons.runs.run_engine import AdapterError
 from engines.contract import Engine
 from reports.document.terminal import Printed, Printout, rendered
-from reports.imported import add_cause, blank_record_of, sentence
 from reports.imported import printout as judgement_printout
+from reports.imported import run_of_judgement, sentence
 from reports.python.campaign import PrintedResult, failed_rows
 from reports.python.keywords import load_linkage, resolve_linkage, with_keywords
 from reports.records import printout
@@ -46,8 +46,8 @@ class EngineFindings(PrintedResult, list[CheckResult]):
     def _printout(self) -> Printout:
         return printout(self.engine, self)
 
-    def _rows(self) -> Sequence[CheckResult]:
-        return self
+    def _rows(self) -> Sequence[Mapping[str, Any]]:
+        return [asdict(result) for result in self]
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -60,10 +60,13 @@ class JudgedResults(PrintedResult, ImportedJudgement):
         linkage = self.model.linkage
         return judgement_printout(self, f"{linkage.name} ({linkage.variant}) against {self.files}")
 
-    def _rows(self) -> Sequence[Record]:
-        """A record of every verdict, with the likeliest cause of its error."""
-        blank = blank_record_of(self, self.files)
-        return [add_cause(verdict.record(blank), self) for verdict in self.verdicts]
+    @property
+    def _run(self) -> Run:
+        """The judgement as a run: an error of every verdict, with its likeliest cause."""
+        return run_of_judgement(self, self.files)
+
+    def _rows(self) -> Sequence[Mapping[str, Any]]:
+        return self._run.rows(self._run.errors)
 
     def _sentence(self) -> Printed:
         return sentence(self)
@@ -73,7 +76,7 @@ class JudgedResults(PrintedResult, ImportedJudgement):
         __tracebackhide__ = True  # pytest shows the line of the test
         if self.passed:
             return self
-        rows = failed_rows(record for record in self._rows() if record.outcome != Verdict.PASSED)
+        rows = failed_rows(record for record in self._run.errors if record.outcome != Verdict.PASSED)
         raise AssertionError("\n".join((rendered(self._sentence()).strip(), *rows)))
 
 

@@ -18,7 +18,7 @@ from analytic.machine_code import OperationList, Result
 from comparisons.campaign.campaign import compare
 from comparisons.conformance.conformance import INSTALLED, check_engine
 from comparisons.conformance.trial import CheckResult, Finding
-from comparisons.judging.records import Record
+from comparisons.judging.records import Run
 from comparisons.runs.plugins import engines
 from comparisons.runs.run_engine import blamed_on
 from engines.contract import Engine
@@ -43,17 +43,18 @@ class SelfTest:
 def engine_trials() -> list[SelfTest]:
     """A short run of every engine, the run-up of one of the catalogue's linkages, in worker processes."""
     trial = request(CompareOptions(mechanisms=tuple(catalogue()[:1]), quantity=("Mkr",)))
-    tried = {record.engine: _trial_of_record(record) for run in compare(trial) for record in run.records}
+    tried = {run.engine: _trial_of_run(run) for run in compare(trial)}
     reasons = {adapter.name: why_unavailable(adapter) for adapter in engines(engine_names())}
     absent = {name: SelfTest(name, "", None, reason) for name, reason in reasons.items() if reason is not None}
     return [(absent | tried)[name] for name in engine_names()]
 
 
-def _trial_of_record(record: Record) -> SelfTest:
-    if record.error_max is None:
-        return SelfTest(record.engine, record.engine_version, False, f"{record.outcome}: {record.detail}")
-    detail = f"simulates; error of the torque {record.error_max:.1e} of its peak, {record.total_seconds:.2g} s"
-    return SelfTest(record.engine, record.engine_version, True, detail)
+def _trial_of_run(run: Run) -> SelfTest:
+    (torque,) = run.errors
+    if torque.error_max is None:
+        return SelfTest(run.engine, run.engine_version, False, f"{torque.outcome}: {torque.detail}")
+    detail = f"simulates; error of the torque {torque.error_max:.1e} of its peak, {run.total_seconds:.2g} s"
+    return SelfTest(run.engine, run.engine_version, True, detail)
 
 
 def machine_code_trial() -> SelfTest:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from analytic.errors import LinkproofError
 from comparisons.judging.changes import Change
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Error, Verdict
 from comparisons.runs.run_engine import Failure
 from comparisons.stress.verdict import CellResult, StressVerdict
 from comparisons.work_precision.measure import OUT_OF_TIME
@@ -17,7 +17,7 @@ from reports.requests import FAILED, PASSED, SUITE_ERROR
 
 
 def campaign_exit_code(
-    records: Iterable[Record],
+    records: Iterable[Error],
     changes: Iterable[Change] = (),
 ) -> int:
     """The exit code of records; naive ones count only without other settings.

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from comparisons.judging.records import QuantityRecord
+from comparisons.judging.records import NAMES, Error
 from comparisons.work_precision.records import METHOD, SETTING, BenchRecord, PointRecord
 
 
@@ -41,8 +41,9 @@ def row(*, error_max=1e-3, lacking=(), detail_of="", **changes):
     }
     values |= changes
     known = {"unit": "N m", "error_rms": None if error_max is None else 0.5 * error_max, "peak": 0.2}
-    error = QuantityRecord(values["quantity"], error_max=error_max, outcome="measured", detail=detail_of, **known)
-    others = [QuantityRecord(name, outcome="not-provided", detail=why) for name, why in dict(lacking).items()]
+    names = [values[name] for name in NAMES]
+    error = Error(*names, values["quantity"], error_max=error_max, outcome="measured", detail=detail_of, **known)
+    others = [Error(*names, name, outcome="not-provided", detail=why) for name, why in dict(lacking).items()]
     return BenchRecord(**values, errors=(*(() if error_max is None else (error,)), *others))
 
 

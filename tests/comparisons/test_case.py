@@ -17,7 +17,7 @@ from comparisons.case import Case, channel_truth, zero_of_output
 from comparisons.datasheet.building import usual_case
 from comparisons.invariants.checks import checks
 from comparisons.judging.quantities import all_quantities
-from comparisons.judging.records import Record
+from comparisons.judging.records import Error
 from comparisons.observed_motion import ObservedMotion
 from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
@@ -34,7 +34,7 @@ MOTIONS = {
 }
 LINEAR = [name for name in MOTIONS if driven(name).linkage.is_linear]
 LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
-BLANK = Record("sample", "base", "there", "", "direct", "", "tuned", "")
+BLANK = Error("sample", "base", "there", "", "direct", "tuned")
 
 
 CROSSED = """

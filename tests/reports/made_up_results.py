@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from comparisons.campaign.results import Results, document
 from comparisons.case import Case
 from comparisons.judging.limits import judge
 from comparisons.judging.quantities import QUANTITIES, Deviation, near_jumps
-from comparisons.judging.records import Record, RunRecord, Verdict, run_record
+from comparisons.judging.records import Error, Run, Verdict, run_of
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import ReadOut, Setting
 
@@ -54,14 +55,15 @@ def made_up_results(
     return Results(saved, tuple(runs))
 
 
-def changed_results(results: Results, change: Callable[[Record], Record | None]) -> Results:
+def changed_results(results: Results, change: Callable[[Error], Error | None]) -> Results:
     """The same results, each record as ``change`` makes it, those without that it makes None of."""
     runs = []
     for run in results.runs:
         records, checks = (
-            [new for record in part if (new := change(record)) is not None] for part in (run.records, run.checks)
+            tuple(new for record in part if (new := change(record)) is not None)
+            for part in (run.errors, run.invariants)
         )
-        runs += [run_record([*records, *checks][0], records, checks, run.curves, run.details)] if records else []
+        runs += [replace(run, setting=records[0].setting, errors=records, invariants=checks)] if records else []
     return Results(results.document, tuple(runs))
 
 
@@ -74,25 +76,33 @@ class Maker:
     samples: int
 
 
-def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, Verdict]) -> RunRecord:
+def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, Verdict]) -> Run:
     engine, setting, samples = maker.engine, maker.setting, maker.samples
-    blank = _blank(case, engine, setting, request.conditions)
+    run = replace(
+        run_of(case, setting.value, engine, "1.0"),
+        conditions=request.conditions,
+        seconds=0.0123,
+        setup_seconds=0.004,
+        steps=7000,
+        runs=4 if setting is Setting.BEST else 1,
+    )
+    blank = run.blank._replace(origin="extrapolated" if setting is Setting.BEST else "read")
     if engine in broken:
         facts = {"origin": "", "outcome": broken[engine].value, "detail": f"{engine} <cannot> hold this scene"}
-        records = [_named(blank, name, **facts) for name in request.quantities]
-        return run_record(records[0], records)
+        return replace(run, errors=tuple(_named(blank, name, **facts) for name in request.quantities))
     size = SIZES[setting] * (1.0 + 0.7 * request.engines.index(engine))
     deviations = {name: _deviation(case, name, size, samples) for name in request.quantities}
-    records = [
+    errors = tuple(
         judge(_named(blank, name, **{field: getattr(found, field) for field in ERRORS}))
         for name, found in deviations.items()
-    ]
-    invariants = [
+    )
+    invariants = tuple(
         judge(_named(blank, name, error_max=0.3 * size, error_rms=0.1 * size, peak=1.0, samples=samples))
         for name in INVARIANTS
-    ]
+    )
     curves = {name: found.curve for name, found in deviations.items()}
-    return run_record(records[0], records, invariants, curves, {"step": 1e-4, "scheme": "made up", "passes": 2})
+    details = {"step": 1e-4, "scheme": "made up", "passes": 2}
+    return replace(run, errors=errors, invariants=invariants, details=details, curves=curves)
 
 
 def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
@@ -120,24 +130,6 @@ def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
     )
 
 
-def _blank(case: Case, engine: str, setting: Setting, conditions: str) -> dict[str, object]:
-    linkage = case.mechanism.linkage
-    return {
-        "mechanism": linkage.name,
-        "variant": linkage.variant,
-        "regime": case.motion.regime,
-        "conditions": conditions,
-        "engine": engine,
-        "engine_version": "1.0",
-        "setting": setting.value,
-        "seconds": 0.0123,
-        "setup_seconds": 0.004,
-        "steps": 7000,
-        "origin": "extrapolated" if setting is Setting.BEST else "read",
-        "runs": 4 if setting is Setting.BEST else 1,
-    }
-
-
-def _named(blank: dict[str, object], name: str, **values: object) -> Record:
+def _named(blank: Error, name: str, **values: Any) -> Error:
     unit = QUANTITIES[name].unit if name in QUANTITIES else "m"
-    return Record(**{**blank, "quantity": name, "unit": unit, **values})  # type: ignore[arg-type]
+    return blank._replace(quantity=name, unit=unit, **values)

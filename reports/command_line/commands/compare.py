@@ -54,7 +54,7 @@ def compare(
             save(out, saved, judged.runs)
     if standard.record:
         write_rows(judged.rows, standard.record)
-    destination.write_junit(judged.records, judged.changes)
+    destination.write_junit(judged.runs, judged.changes)
     destination.print_out(printout(judged.runs, judged.changes, wanted.environment))
     code = campaign_exit_code(judged.records, judged.changes)
     if finished:
@@ -74,10 +74,9 @@ def write_again(destination: Destination, record: Path | None = None) -> int:
     if destination.json:
         destination.write_json(with_runs(document, results.runs))
     destination.write_saves(WRITERS, document, results.runs)
-    every = [record for run in results.runs for record in run.every]
     if record:
         write_rows(results.rows, record)
-    destination.write_junit(every, results.changes)
+    destination.write_junit(results.runs, results.changes)
     destination.print_out(printout(results.runs, results.changes, document["environment"]))
     destination.write_pages()
-    return campaign_exit_code(every, results.changes)
+    return campaign_exit_code((error for run in results.runs for error in run.every), results.changes)

@@ -16,16 +16,15 @@ from comparisons.campaign.results import save
 from comparisons.imported.columns import MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.reading import with_proposals
-from comparisons.judging.records import Verdict, run_record
+from comparisons.judging.records import Verdict
 from comparisons.runs.store import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.imported import (
-    add_cause,
-    blank_record_of,
     document,
     judged_curves,
     judged_figure,
     printout,
+    run_of_judgement,
     sentence,
     sentences,
 )
@@ -64,7 +63,7 @@ def judge(options: JudgeOptions, destination: Destination) -> int:
         _write_page(options, judgement, command, destination.out)
     files = ", ".join(str(path) for path in options.results)
     title = f"{linkage.name} ({linkage.variant}) against {files}"
-    facts = document(judgement, blank_record_of(judgement, files), command, sentence(judgement))
+    facts = document(judgement, run_of_judgement(judgement, files), command, sentence(judgement))
     destination.write_saves(WRITERS, judgement, title, facts)
     destination.write_json(facts)
     if destination.quiet:
@@ -105,17 +104,15 @@ def _check_is_new(destination: Destination, mapping: Path | None) -> None:
 def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: str, folder: Path) -> None:
     """The records, curves and page of a campaign, with the files in an engine's place."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
-    blank = blank_record_of(judgement, ", ".join(path.name for path in options.results))
-    blank = replace(blank, steps=max(len(verdict.truth) for verdict in judgement.verdicts))
-    run = run_record(
-        blank,
-        (add_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
-        (),
-        {verdict.name: verdict.deviation(motion).curve for verdict in judgement.verdicts},
-        {f"cause {n}": finding.likeliest.words for n, finding in enumerate(judgement.explanation.findings, start=1)},
+    findings = enumerate(judgement.explanation.findings, start=1)
+    run = replace(
+        run_of_judgement(judgement, ", ".join(path.name for path in options.results)),
+        steps=max(len(verdict.truth) for verdict in judgement.verdicts),
+        details={f"cause {number}": finding.likeliest.words for number, finding in findings},
+        curves={verdict.name: verdict.deviation(motion).curve for verdict in judgement.verdicts},
     )
     motions = (motion,) if isinstance(motion, CrankMotion) else ()
-    request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
+    request = CampaignRequest((linkage,), motions, run.conditions, (run.engine,))
 
     lines = [*sentences(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
     lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]

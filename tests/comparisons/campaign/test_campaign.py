@@ -86,7 +86,7 @@ def _finished(**changes):
 
 
 def _outcomes(result):
-    return {record.quantity: record.outcome for record in (*result.records, *result.invariants)}
+    return {record.quantity: record.outcome for record in (*result.errors, *result.invariants)}
 
 
 def test_a_perfect_engine_passes_everything(with_engine):
@@ -94,7 +94,8 @@ def test_a_perfect_engine_passes_everything(with_engine):
     (result,) = compare(_request())
     assert set(_outcomes(result).values()) == {"passed"}
     assert {"Jeq", "Teq", "Mkr", "Peq", "S", "v", "a", "joint_force:A"} <= set(_outcomes(result))
-    assert all(r.limit is not None and r.seconds == 0.5 and r.steps == 1400 for r in result.records)
+    assert all(error.limit is not None for error in result.errors)
+    assert (result.seconds, result.steps) == (0.5, 1400)
 
 
 def test_a_wrong_motion_that_claims_success_is_over_its_limit(with_engine):
@@ -103,13 +104,13 @@ def test_a_wrong_motion_that_claims_success_is_over_its_limit(with_engine):
     outcomes = _outcomes(result)
     assert outcomes["Teq"] == outcomes["v"] == outcomes["energy_balance"] == Verdict.OVER_LIMIT
     assert outcomes["S"] == Verdict.PASSED
-    assert "over its limit" in next(r.detail for r in result.records if r.quantity == "Teq")
+    assert "over its limit" in next(r.detail for r in result.errors if r.quantity == "Teq")
 
 
 def test_part_of_a_motion_is_divergence_whichever_quantity_is_compared(with_engine):
     with_engine(Scripted(lambda scene: Run(Outcome.FINISHED, history=cut(HISTORY, lambda t: t > 0.005))))
     (result,) = compare(_request(quantities=("Mkr",), with_invariants=False))
-    ((outcome, detail),) = {(r.outcome, r.detail) for r in result.records}
+    ((outcome, detail),) = {(r.outcome, r.detail) for r in result.errors}
     assert outcome == "diverged"
     assert detail.endswith("has no samples from 0 to 0.0051 s, where its own step is 0.0001 s")
 
@@ -125,7 +126,7 @@ def test_a_channel_without_a_record_costs_its_own_rows(with_engine, offered, out
     for name in ("closure", "torque_two_routes", "force_balance"):
         assert outcomes.pop(name) == "not-provided"
     assert set(outcomes.values()) == {"passed"}
-    assert "acceleration" in next(r.detail for r in result.records if r.quantity == "a")
+    assert "acceleration" in next(r.detail for r in result.errors if r.quantity == "a")
 
 
 def test_a_joint_force_that_is_a_magnitude_is_judged_as_one(with_engine):
@@ -145,13 +146,13 @@ def test_a_torque_that_the_adapter_computes_is_compared_and_not_judged(with_engi
     computed = {"Mkr", "Peq", "energy_balance", "torque_two_routes"}
     assert {name for name, outcome in outcomes.items() if outcome == "computed"} == computed
     assert {outcome for name, outcome in outcomes.items() if name not in computed} == {"passed"}
-    assert next(r.error_max for r in result.records if r.quantity == "Mkr") == pytest.approx(1.0, abs=1e-9)
+    assert next(r.error_max for r in result.errors if r.quantity == "Mkr") == pytest.approx(1.0, abs=1e-9)
 
 
 def test_a_derived_quantity_has_the_weakest_origin_of_its_parts(with_engine):
     with_engine(_finished(velocity=dataclasses.replace(HISTORY.velocity, origin=Origin.EXTRAPOLATED)))
     (result,) = compare(_request())
-    origins = {r.quantity: r.origin for r in result.records}
+    origins = {r.quantity: r.origin for r in result.errors}
     assert {name for name, origin in origins.items() if origin == "extrapolated"} == {"Jeq", "Teq", "Peq", "v", "a"}
     assert {origins["Mkr"], origins["S"], origins["joint_force:A"]} == {"read"}
 
@@ -165,11 +166,9 @@ def test_an_exception_of_the_suite_is_not_blamed_on_the_engine(with_engine, monk
     with_engine(_finished())
     monkeypatch.setattr(campaign, function, _raise_type_error)
     (result,) = compare(_request(), pool=LocalPool(0))
-    assert {r.outcome for r in result.records} == {"suite-error"}
-    assert result.records[0].detail.startswith(
-        "this is a fault of linkproof: TypeError: of our own making (comparisons"
-    )
-    assert "report it with" in result.records[0].detail
+    assert {r.outcome for r in result.errors} == {"suite-error"}
+    assert result.errors[0].detail.startswith("this is a fault of linkproof: TypeError: of our own making (comparisons")
+    assert "report it with" in result.errors[0].detail
 
 
 @pytest.mark.parametrize("processes", [0, 1])
@@ -180,8 +179,8 @@ def test_an_adapters_exception_costs_its_own_row_and_its_traceback_can_be_shown(
     monkeypatch.setenv("LINKPROOF_WORKER_START", "fork")
     monkeypatch.setenv("LINKPROOF_WORKER_OUTPUT", "1")
     (result,) = compare(_request(), pool=LocalPool(processes))
-    assert {r.outcome for r in result.records} == {"adapter-error"}
-    assert "the adapter of scripted raised TypeError: of our own making (tests/" in result.records[0].detail
+    assert {r.outcome for r in result.errors} == {"adapter-error"}
+    assert "the adapter of scripted raised TypeError: of our own making (tests/" in result.errors[0].detail
     assert "in _raise_type_error" in capfd.readouterr().err
 
 
@@ -190,7 +189,7 @@ def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
     monkeypatch.setattr(quantities, "near_jumps", lambda time, motion: np.ones(len(time), dtype=bool))
     (result,) = compare(_request(quantities=("Mkr", "S"), with_invariants=False))
     assert _outcomes(result) == {"Mkr": "undefined", "S": "passed"}
-    assert "every sample of Mkr" in result.records[0].detail
+    assert "every sample of Mkr" in result.errors[0].detail
     assert list(result.curves) == ["S"]
 
 
@@ -209,9 +208,9 @@ def _swell(scene):
 def test_an_engine_without_a_motion_has_records_with_the_reason(with_engine, engine, outcome, words):
     with_engine(engine)
     (result,) = compare(_request())
-    assert {r.outcome for r in result.records} == {outcome}
-    assert words in result.records[0].detail
-    assert all(r.error_max is None for r in result.records)
+    assert {r.outcome for r in result.errors} == {outcome}
+    assert words in result.errors[0].detail
+    assert all(r.error_max is None for r in result.errors)
 
 
 AT_REST = {"linkages": (PARALLELOGRAM,), "motions": (crank_motion("run-up", start_angle=0.0),)}
@@ -242,23 +241,23 @@ def test_joint_forces_are_undefined_where_a_change_point_is_passed(with_engine):
     with_engine(_finished())
     motions = (crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02, start_angle=1.5),)
     (result,) = compare(_request(linkages=(PARALLELOGRAM,), motions=motions, quantities=("joint_force",)))
-    details = {record.outcome: record.detail for record in result.records}
+    details = {record.outcome: record.detail for record in result.errors}
     assert "no bound where the linkage passes its change point" in details[Verdict.UNDEFINED.value]
 
 
 def test_only_angles_that_the_crank_passes_matter():
     request = _request(linkages=(PARALLELOGRAM,), motions=(PART,), engines=("direct",), quantities=("Mkr", "v", "Jeq"))
     (result,) = compare(request)
-    assert {record.outcome for record in result.records} == {"passed"}
+    assert {record.outcome for record in result.errors} == {"passed"}
 
 
 def test_the_output_is_compared_where_the_crank_cannot_turn_fully():
     linkage = dataclasses.replace(SHORT, regimes=(SWING,))
     request = _request(linkages=(linkage,), motions=(PART,), engines=("direct",), own_regimes=("swing",))
     results = list(compare(request, pool=LocalPool(0)))
-    assert [result.records[0].regime for result in results] == ["constant-speed", "swing"]
+    assert [result.regime for result in results] == ["constant-speed", "swing"]
     for result in results:
-        assert {r.outcome for r in result.records if r.quantity in ("S", "v", "a")} == {"passed"}
+        assert {r.outcome for r in result.errors if r.quantity in ("S", "v", "a")} == {"passed"}
 
 
 def _brief(**changes):
@@ -308,7 +307,7 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
             clock.put_forward()
 
     results = list(compare(request, begun, bounds=Bounds(memory=GIB // 4), pool=LocalPool(1)))
-    found = {result.records[0].engine: {(r.outcome, r.detail) for r in result.records} for result in results}
+    found = {result.engine: {(r.outcome, r.detail) for r in result.errors} for result in results}
     assert list(found) == list(request.engines)
     assert found == {
         "direct": {("passed", "")},
@@ -319,8 +318,8 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
         "swelling": {("crashed", "needed more than 0.25 GiB of memory")},
         "writing": {("diverged", "did nothing")},
     }
-    assert {record.engine_version for result in results[1:] for record in result.records} == {"1.0"}
-    assert len({len(result.records) for result in results}) == 1
+    assert {result.engine_version for result in results[1:]} == {"1.0"}
+    assert len({len(result.errors) for result in results}) == 1
     assert capfd.readouterr() == ("", "")
 
 

@@ -50,7 +50,7 @@ def test_records_curves_linkages_and_motions_come_back_to_the_last_bit(saved):
     folder, result = saved
     results = load_results(folder)
     assert results.runs == (result,)
-    assert (results.records, results.invariants) == (result.records, result.checks)
+    assert (results.records, results.invariants) == (result.errors, result.invariants)
     assert len(result.curves) > 8
     for name, curve in result.curves.items():
         np.testing.assert_array_equal(results.curve(result.run, name), curve)
@@ -98,7 +98,7 @@ def test_a_document_of_another_form_is_refused_by_its_key(saved, tmp_path, damag
 def test_a_campaign_of_failures_can_be_saved(tmp_path):
     failed = _compared(Run(Outcome.DIVERGED, "ran away"))
     save(tmp_path, document(REQUEST, "linkproof compare"), [failed])
-    assert load_results(tmp_path).records == failed.records
+    assert load_results(tmp_path).records == failed.errors
 
 
 def test_a_saved_text_with_a_byte_order_mark_is_read_again():

@@ -43,12 +43,12 @@ def rocker(tmp_path):
 def test_a_rocker_that_cannot_turn_swings_within_the_limits(rocker, name):
     choice = CompareOptions(mechanisms=(rocker,), engine=(name,), regime=("rocking", "servo"))
     results = list(compare(request(choice), pool=LocalPool(0)))
-    assert [result.records[0].regime for result in results] == ["rocking", "servo"]
+    assert [result.regime for result in results] == ["rocking", "servo"]
     for result in results:
-        verdicts = {record.quantity: record.outcome for record in (*result.records, *result.invariants)}
+        verdicts = {record.quantity: record.outcome for record in (*result.errors, *result.invariants)}
         assert {verdicts[quantity] for quantity in ("S", "v", "a", "Mkr", "Jeq")} == {Verdict.PASSED}
         assert not set(verdicts.values()) & {Outcome.DIVERGED, Verdict.OVER_LIMIT}
-        shared = {record.quantity: record.shared for record in result.records}
+        shared = {record.quantity: record.shared for record in result.errors}
         assert shared["S"] == ""
 
 
@@ -75,9 +75,9 @@ def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, 
         mechanisms=(str(path),), engine=(name,), regime=("own",), quantity=("phi", "omega", "S", "a")
     )
     for result in compare(request(choice), pool=LocalPool(0)):
-        outcomes = {record.outcome for record in result.records}
+        outcomes = {record.outcome for record in result.errors}
         if outcomes == {Verdict.UNSUPPORTED}:
-            assert result.records[0].regime == "angled" or not engine(name).abilities.timed_torque
+            assert result.regime == "angled" or not engine(name).abilities.timed_torque
         else:
             assert outcomes == {Verdict.PASSED}
 
@@ -102,10 +102,8 @@ def test_a_cylinder_follows_a_law_in_millimetres(tmp_path):
     path.write_text((LINKAGES / "drives" / "boom.toml").read_text() + LINEAR)
     choice = CompareOptions(mechanisms=(str(path),), engine=("direct",), regime=("lift",))
     (lift,) = compare(request(choice), pool=LocalPool(0))
-    assert lift.records[0].conditions.startswith(
-        "modified-sine from 260 mm to 500 mm and back, at most 800 mm/s, gravity on"
-    )
-    assert {record.outcome for record in (*lift.records, *lift.invariants)} == {Verdict.PASSED}
+    assert lift.conditions.startswith("modified-sine from 260 mm to 500 mm and back, at most 800 mm/s, gravity on")
+    assert {record.outcome for record in (*lift.errors, *lift.invariants)} == {Verdict.PASSED}
     too_far = CompareOptions(mechanisms=(str(path),), engine=("direct",), regime=("too-far",))
     with pytest.raises(AssemblyError, match="its drive reaches 232 mm to 572 mm"):
         list(compare(request(too_far), pool=LocalPool(0)))

@@ -18,7 +18,7 @@ from comparisons.case import Case, case_of_file_regime
 from comparisons.invariants.checks import _judge_signal, checks, closure, crank_phase, energy_balance, joint_gaps
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.limits import limit
-from comparisons.judging.records import Verdict, blank_record
+from comparisons.judging.records import Verdict, run_of
 from comparisons.observed_motion import ObservedMotion
 from comparisons.stress.cells import Conditions, case, reversal
 from comparisons.stress.verdict import StressVerdict
@@ -55,7 +55,7 @@ def released(name, turns=5.0, *, speed=100.0, damping=0.0, torque=0.0, start_ang
 
 
 def records(one, history):
-    found = checks(one, ObservedMotion(one.scene(EVERYTHING), history), blank_record(one, "tuned"))
+    found = checks(one, ObservedMotion(one.scene(EVERYTHING), history), run_of(one, "tuned").blank)
     return {record.quantity: record for record in found}
 
 
@@ -273,7 +273,7 @@ def test_an_energy_balance_shows_its_error_estimate_where_that_is_larger():
 
 
 def test_an_invariant_without_a_sample_is_undefined():
-    blank = dataclasses.replace(blank_record(driven(JUKI), "tuned"), quantity="closure")
+    blank = run_of(driven(JUKI), "tuned").blank._replace(quantity="closure")
     nowhere = Signal(np.linspace(0.0, 1.0, 30), np.full(30, np.nan))
     record = _judge_signal(blank, nowhere, 1.0, 30)
     assert (record.outcome, record.error_max, record.left_out) == (Verdict.UNDEFINED, None, 30)
@@ -407,7 +407,7 @@ def test_two_groups_in_their_other_modes_do_not_hide_each_other():
 def test_the_force_balance_is_undefined_where_a_change_point_is_passed():
     one = _unequal(0.0)
     motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one))
-    records = {record.quantity: record for record in checks(one, motion, blank_record(one, "tuned"))}
+    records = {record.quantity: record for record in checks(one, motion, run_of(one, "tuned").blank)}
     assert records["force_balance"].outcome == Verdict.UNDEFINED
     assert "no bound where the linkage passes its change point at" in records["force_balance"].detail
     assert records["assembly_mode"].outcome == Verdict.PASSED
@@ -418,7 +418,7 @@ def test_the_smooth_way_through_change_points_raises_no_alarm(beside):
     motion = CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0 + beside, 60.0)),))
     one = Case(sample("parallelogram"), motion)
     motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one, 1401))
-    records = checks(one, motion, blank_record(one, "tuned"))
+    records = checks(one, motion, run_of(one, "tuned").blank)
     assert {record.quantity for record in records if record.outcome != Verdict.PASSED} == {"force_balance"}
 
 
@@ -429,7 +429,7 @@ def test_a_wrong_torque_at_a_change_point_is_caught_by_the_smooth_curve_over_it(
     peak = np.max(np.abs(history.torque.values))
     wrong = with_signal(history, "torque", lambda values, _: values + np.where(beside, 0.01 * peak, 0.0))
     records = {
-        r.quantity: r for r in checks(one, ObservedMotion(one.scene(EVERYTHING), wrong), blank_record(one, "tuned"))
+        r.quantity: r for r in checks(one, ObservedMotion(one.scene(EVERYTHING), wrong), run_of(one, "tuned").blank)
     }
     assert records["torque_two_routes"].error_max == pytest.approx(0.01, rel=0.02)
     assert abs(one.motion.angle(records["torque_two_routes"].worst_time) - math.pi) < 0.02

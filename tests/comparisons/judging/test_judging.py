@@ -27,7 +27,7 @@ from comparisons.judging.limits import (
     with_rows,
 )
 from comparisons.judging.quantities import QUANTITIES, NoSampleError, all_quantities, chosen_quantities, deviation
-from comparisons.judging.records import Record, Verdict, blank_record
+from comparisons.judging.records import Error, Verdict, run_of
 from comparisons.observed_motion import ObservedMotion
 from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Origin, Setting, Signal
@@ -87,12 +87,12 @@ def test_a_wrong_table_is_refused_in_one_sentence(tmp_path, text, words):
         read_limits(tmp_path / "limits.toml")
 
 
-RECORD = Record(
-    mechanism="m", variant="v", regime="r", conditions="c", engine="e", engine_version="1", setting="tuned",
+RECORD = Error(
+    mechanism="m", variant="v", regime="r", conditions="c", engine="e", setting="tuned",
     quantity="Mkr", unit="N m", error_max=1.23456e-5, limit=1e-4, peak=1.0,
 )  # fmt: skip
 
-JUDGED = Record("m", "v", "run-up", "c", "e", "1", "tuned", quantity="Mkr", error_max=1e-5)
+JUDGED = Error("m", "v", "run-up", "c", "e", "tuned", quantity="Mkr", error_max=1e-5)
 LIMIT = shipped_limits().limit("Mkr", "tuned", "run-up").value
 
 
@@ -113,14 +113,14 @@ def _loose(value: float) -> LimitTable:
     ],
 )
 def test_a_record_is_judged_by_its_limit(change, outcome, words):
-    found = judge(replace(JUDGED, **change))
+    found = judge(JUDGED._replace(**change))
     assert found.outcome == outcome
     assert words in found.detail
     assert judge(found).outcome == outcome
 
 
 def test_another_standard_gives_another_verdict_of_the_same_error():
-    failed = judge(replace(JUDGED, error_max=2.0 * LIMIT))
+    failed = judge(JUDGED._replace(error_max=2.0 * LIMIT))
     passed = Standard(_loose(3.0 * LIMIT)).judge(failed)
     assert (passed.outcome, passed.detail, passed.limit) == (Verdict.PASSED, "", pytest.approx(3.0 * LIMIT))
     assert shipped_standard().judge(passed) == failed
@@ -241,9 +241,9 @@ def test_a_torque_three_times_too_large_at_a_jump_is_over_the_limit(abrupt_case,
     )
     assert found.error_max < 1e-12
     assert found.error_at_jumps > 0.1
-    record = replace(blank_record(abrupt_case, "tuned"), quantity="Mkr", error_max=found.error_max)
+    record = run_of(abrupt_case, "tuned").blank._replace(quantity="Mkr", error_max=found.error_max)
     assert judge(record).outcome == Verdict.PASSED
-    judged = judge(replace(record, error_at_jumps=found.error_at_jumps))
+    judged = judge(record._replace(error_at_jumps=found.error_at_jumps))
     assert (judged.outcome, judged.error_max) == (Verdict.OVER_LIMIT, found.error_at_jumps)
 
 
@@ -275,6 +275,6 @@ def test_what_is_zero_for_want_of_any_mass_is_not_judged(abrupt_case, abrupt_mot
         with pytest.raises(NoSampleError, match="is zero throughout, as no link has a mass"):
             deviation(bare, QUANTITIES[name], still)
     assert deviation(bare, QUANTITIES["S"], still).error_max < 1e-9
-    records = {record.quantity: record for record in checks(bare, still, blank_record(bare, "tuned"))}
+    records = {record.quantity: record for record in checks(bare, still, run_of(bare, "tuned").blank)}
     undefined = {name for name, record in records.items() if record.outcome == Verdict.UNDEFINED}
     assert undefined == {"energy_balance", "torque_two_routes", "force_balance"}

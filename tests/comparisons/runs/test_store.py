@@ -19,7 +19,7 @@ from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
 from analytic.errors import LinkproofError
-from comparisons.judging.records import QuantityRecord
+from comparisons.judging.records import ERRORS, NAMES, Error
 from comparisons.runs.files import STORE
 from comparisons.runs.store import (
     begin,
@@ -41,7 +41,8 @@ class Form(TypedDict):
 FORM = TypeAdapter[Any](Form)
 TOLD = {"command": "linkproof bench", "sizes": [1, 2]}
 CURVES = {"Mkr": np.linspace(0.0, 1.0, 20, dtype=np.float32).reshape(4, 5)}
-ERROR = vars(QuantityRecord("Mkr", "N m", 1e-7, 1e-8, limit=1e-4, peak=0.3, samples=5, origin="read"))
+FOUND = Error(*["?"] * len(NAMES), "Mkr", "N m", 1e-7, 1e-8, limit=1e-4, peak=0.3, samples=5, origin="read")
+ERROR = dict(zip(ERRORS, FOUND[len(NAMES) :], strict=True))
 RUNS = [(f"run {n}", {"number": n / 7.0, "errors": [ERROR], "invariants": [ERROR] * n}, CURVES) for n in range(4)]
 
 

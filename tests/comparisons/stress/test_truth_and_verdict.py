@@ -130,9 +130,7 @@ def test_what_no_invariant_sees_is_missed(monkeypatch):
     true_checks = verdict.checks
 
     def blind(*arguments):
-        return tuple(
-            verdict.replace(record, outcome=Verdict.PASSED.value, error_max=0.0) for record in true_checks(*arguments)
-        )
+        return tuple(record._replace(outcome=Verdict.PASSED.value, error_max=0.0) for record in true_checks(*arguments))
 
     monkeypatch.setattr(verdict, "checks", blind)
     found = judgement(case(), scaled("torque", 1.5))
@@ -145,7 +143,7 @@ def test_an_invariant_that_fails_the_truth_is_an_alarm(monkeypatch):
 
     def nervous(*arguments):
         return tuple(
-            verdict.replace(record, outcome=Verdict.OVER_LIMIT.value, error_max=1.0)
+            record._replace(outcome=Verdict.OVER_LIMIT.value, error_max=1.0)
             if record.quantity == "energy_balance"
             else record
             for record in true_checks(*arguments)

@@ -13,7 +13,6 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case
-from comparisons.judging.records import QuantityRecord
 from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import measure as point
 from comparisons.work_precision.measure import (
@@ -44,7 +43,7 @@ def _sweep(budget=math.inf):
 
 def _made(error, seconds=1e-3, also=None, setup=0.0):
     found = {"Mkr": error} | ({"Jeq": also} if also else {})
-    errors = tuple(QuantityRecord(name, error_max=one) for name, one in found.items())
+    errors = tuple(row().blank._replace(quantity=name, error_max=one) for name, one in found.items())
     return dataclasses.replace(row(seconds=seconds, setup_seconds=setup), errors=errors)
 
 

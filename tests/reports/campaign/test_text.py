@@ -1,13 +1,12 @@
 """A campaign in the terminal, in the summary and as JUnit's XML."""
 
 import re
-from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
 
 from comparisons.judging.changes import Change, ChangeKind, Place
-from comparisons.judging.records import run_record
+from comparisons.judging.records import Run
 from reports.campaign.summary import junit
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
@@ -18,9 +17,13 @@ def _text(printout):
     return rendered(*printout.tables, *printout.closing, width=80)
 
 
-def _result(**changes):
-    records = [replace(RECORD, quantity=q, **changes) for q in ("Jeq", "joint_force:A", "joint_force:B")]
-    return run_record(records[0], records)
+def _result(origin="", runs=1):
+    records = [RECORD._replace(quantity=q, origin=origin) for q in ("Jeq", "joint_force:A", "joint_force:B")]
+    return _run(*records, runs=runs)
+
+
+def _run(*errors, **costs):
+    return Run(*errors[0][:5], "1", errors[0].setting, errors=errors, **costs)
 
 
 @pytest.mark.parametrize(
@@ -48,8 +51,8 @@ VANISHED = [
 APPEARED = Change(ChangeKind.APPEARED, PLACE, None, 1e-6, "passed")
 
 
-def _cases(records, changes=()):
-    root = ElementTree.fromstring(junit(records, changes))
+def _cases(run, changes=()):
+    root = ElementTree.fromstring(junit([run], changes))
     return {(case.get("classname"), case.get("name")): case for case in root.iter("testcase")}
 
 
@@ -64,7 +67,9 @@ def test_what_has_changed_is_a_table_and_a_line_and_test_cases():
     ]
     assert "not recorded, which is no failure: 1 result of m (v), r, e tuned" in text
     assert "not as recorded: 1 changed, 1 grown threefold, 2 vanished" in text
-    found = {name: case for (place, name), case in _cases([RECORD], every).items() if place.startswith("changes/m/v/r")}
+    found = {
+        name: case for (place, name), case in _cases(_run(RECORD), every).items() if place.startswith("changes/m/v/r")
+    }
     assert {name: case[0].tag for name, case in found.items()} == {
         **dict.fromkeys(("Jeq.mean", "Mkr", "S", "v"), "failure"), "Teq": "skipped",
     }  # fmt: skip
@@ -80,17 +85,17 @@ def test_what_has_changed_is_a_table_and_a_line_and_test_cases():
     ],
 )
 def test_what_did_not_pass_says_why(outcome, tag):
-    record = replace(RECORD, outcome=outcome, detail="because <it> is\x07 so")
-    ((told,),) = _cases([record]).values()
+    record = RECORD._replace(outcome=outcome, detail="because <it> is\x07 so")
+    ((told,),) = _cases(_run(record)).values()
     assert (told.tag, told.get("type")) == (tag, outcome)
     assert told.get("message") == "because <it> is� so"
     assert told.text.splitlines()[1:] == ["error 1.235e-05 of the peak, 1 N m", "limit 1.000e-04"]
 
 
 def test_suites_count_their_cases_and_the_time_of_every_run_once():
-    first = [replace(RECORD, seconds=1.5), replace(RECORD, seconds=1.5, quantity="Jeq", outcome="diverged", detail="x")]
-    other = replace(RECORD, mechanism="n", seconds=0.25, outcome="unsupported", detail="y")
-    root = ElementTree.fromstring(junit([*first, other]))
+    first = _run(RECORD, RECORD._replace(quantity="Jeq", outcome="diverged", detail="x"), seconds=1.5)
+    other = _run(RECORD._replace(mechanism="n", outcome="unsupported", detail="y"), seconds=0.25)
+    root = ElementTree.fromstring(junit([first, other]))
     suites = {one.get("name"): one for one in root}
     counts = ("tests", "failures", "errors", "skipped", "time")
     assert [suites["m/v/r"].get(name) for name in counts] == ["2", "1", "0", "0", "1.500000"]

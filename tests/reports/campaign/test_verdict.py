@@ -1,7 +1,5 @@
 """The verdict names the engines to trust for each quantity; naive settings do not change it."""
 
-from dataclasses import replace
-
 import pytest
 
 from comparisons.campaign.results import Results
@@ -34,7 +32,7 @@ def test_who_is_within_every_limit_is_trusted_in_everything(results):
 
 def test_what_the_defaults_do_never_decides(results):
     better = changed_results(
-        results, lambda r: replace(r, outcome="passed", error_max=1e-9) if r.setting == "naive" else r
+        results, lambda r: r._replace(outcome="passed", error_max=1e-9) if r.setting == "naive" else r
     )
     assert verdict(EngineRanking(better))[:2] == verdict(EngineRanking(results))[:2]
     assert (
@@ -46,7 +44,7 @@ def test_what_the_defaults_do_never_decides(results):
 def test_an_error_over_its_limit_costs_its_own_family_alone(results):
     def worse(record):
         is_it = (record.engine, record.setting, record.quantity) == ("beta", "tuned", "Mkr")
-        return replace(record, outcome=Verdict.OVER_LIMIT.value) if is_it else record
+        return record._replace(outcome=Verdict.OVER_LIMIT.value) if is_it else record
 
     trust = EngineRanking(changed_results(results, worse))
     first = verdict(trust)[0]
@@ -56,7 +54,7 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
 
 
 def test_the_control_is_shown_last_and_never_named(results):
-    trust = EngineRanking(changed_results(results, lambda r: replace(r, origin=CONTROL) if r.engine == "alpha" else r))
+    trust = EngineRanking(changed_results(results, lambda r: r._replace(origin=CONTROL) if r.engine == "alpha" else r))
     assert trust.engines == ("beta", "alpha")
     assert "alpha" not in " ".join(verdict(trust))
 
@@ -76,6 +74,6 @@ def test_nobody_is_trusted_where_another_setting_failed(results, outcome):
     """What decides the exit code decides here, though the table is that of tuned runs."""
 
     def worse(record):
-        return replace(record, setting="best", outcome=outcome) if record.setting == "naive" else record
+        return record._replace(setting="best", outcome=outcome) if record.setting == "naive" else record
 
     assert not any("Trust" in line for line in verdict(EngineRanking(changed_results(results, worse))))

@@ -2,7 +2,6 @@
 
 import base64
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -76,7 +75,7 @@ def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
 def test_a_run_over_its_limits_has_a_remedy(results, setting, cure):
     def fail(record):
         is_over = (record.engine, record.setting, record.quantity) == ("beta", setting, "Mkr")
-        return replace(record, outcome=Verdict.OVER_LIMIT.value if is_over else "passed")
+        return record._replace(outcome=Verdict.OVER_LIMIT.value if is_over else "passed")
 
     (view,) = views(changed_results(results, fail))
     _, reasons = errors_section(view, view.regimes[0]).parts

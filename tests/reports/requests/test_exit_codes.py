@@ -6,7 +6,7 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.judging.changes import Change, ChangeKind, Place
-from comparisons.judging.records import Record
+from comparisons.judging.records import Error
 from comparisons.stress.cells import find_cell
 from comparisons.stress.verdict import StressVerdict, blank_result
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
@@ -14,7 +14,7 @@ from tests.comparisons.bench_rows import row
 
 
 def _record(outcome, setting="tuned"):
-    return Record("m", "v", "run-up", "", "direct", "1", setting, "Mkr", outcome=outcome, detail=f"it is {outcome}")
+    return Error("m", "v", "run-up", "", "direct", setting, "Mkr", outcome=outcome, detail=f"it is {outcome}")
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ import re
 
 import pytest
 
-from comparisons.judging.records import QuantityRecord
 from comparisons.stress.verdict import Cell, StressVerdict
 from reports.document import html
 from reports.document.terminal import rendered
@@ -47,8 +46,8 @@ def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
     known = dataclasses.replace(
         blank,
         reason="why",
-        errors=(QuantityRecord("Jeq:needle_bar", error_max=2e-3, limit=1e-3),),
-        invariants=(QuantityRecord("force_balance", error_max=3e-4, limit=1e-2),),
+        errors=(blank.blank._replace(quantity="Jeq:needle_bar", error_max=2e-3, limit=1e-3),),
+        invariants=(blank.blank._replace(quantity="force_balance", error_max=3e-4, limit=1e-2),),
         differing={"mass_factor": 1e4, "link": "crank"},
     )
     found = cell_facts(known)

@@ -4,6 +4,7 @@ import ast
 import json
 import re
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from analytic import machine_code
 from analytic.errors import LinkproofError
 from comparisons.conformance import conformance
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Run, Verdict
 from engines.registry import own_names
 from reports.command_line.commands import engines
 from reports.command_line.destination import Destination
@@ -99,11 +100,9 @@ def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(
 
 
 def test_an_engine_that_crashes_or_is_absent_does_not_work(monkeypatch):
-    facts = {"mechanism": "m", "variant": "base", "regime": "run-up", "conditions": "", "setting": "tuned"}
-    record = Record(
-        **facts, engine="barwork", engine_version="3", quantity="Mkr", outcome=Verdict.CRASHED, detail="-11"
-    )
-    monkeypatch.setattr(engine_trials, "compare", lambda _: [SimpleNamespace(records=[record])])
+    run = Run("m", "base", "run-up", "", "barwork", "3", "tuned")
+    crashed = run.blank._replace(quantity="Mkr", outcome=Verdict.CRASHED, detail="-11")
+    monkeypatch.setattr(engine_trials, "compare", lambda _: [replace(run, errors=(crashed,))])
     monkeypatch.setattr(engine_trials, "engine_names", lambda: ("barwork", "direct"))
     lacking = [SimpleNamespace(name=name, why_unavailable=lambda: "not installed") for name in ("barwork", "direct")]
     monkeypatch.setattr(engine_trials, "engines", lambda _: lacking)
