@@ -10,21 +10,18 @@ from functools import partial
 from typing import Final, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from comparisons.case import Case
 from comparisons.conformance.trial import PLAIN, SAMPLES, Check, EngineTrial, NotTestedError, case, scene_of
 from comparisons.conformance.trial import case as sample_case
-from comparisons.faults.misreadings import Reading, likeliest_misreading, readings, true_history
+from comparisons.faults.misreadings import likeliest_misreading
 from comparisons.judging.limits import limit
+from comparisons.judging.signal_errors import SignalError, readings, signal_errors
 from comparisons.observed_motion import DENSE
 from comparisons.runs.run_engine import AdapterError, blamed_on, run_engine
-from engines.contract import History, Origin, Outcome, Run, Setting
+from engines.contract import Origin, Outcome, Run, Setting
 from engines.registry import check_adapter, silenced
 from engines.scene import GUIDES, LOADS, Channel, Drive, Prescribed, Scene
-
-Array = NDArray[np.float64]
 
 # Whose limit a channel of every body and joint has: that of the quantity read from it.
 LIMIT_QUANTITIES = {
@@ -47,28 +44,29 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
     for sample, scene, history in trial.histories():
         if channel is Channel.TORQUE and not isinstance(scene.drive, Prescribed):
             continue
-        errors = list(_channel_errors(channel, sample_case(sample), scene, history))
+        errors = [
+            error for error in signal_errors(sample_case(sample), scene, history) if error.read.channel is channel
+        ]
         assert errors, f"expected a {channel.value} in sample '{sample}', got none: record it, its abilities offer it"
         is_compared = True
         regime = sample_case(sample).motion.regime
         bound = limit(LIMIT_QUANTITIES[channel], Setting.TUNED, regime, trial.engine.name).value
-        error, reading, right = max(errors, key=lambda each: float(np.max(each[0])))
-        if not np.max(error) <= bound:
+        worst = max(errors, key=lambda error: error.largest)
+        if not worst.largest <= bound:
             raise AssertionError(
-                f"{reading.words}, sample '{sample}': expected the closed form within {bound:.0e} of the peak, got "
-                f"{_error_words(error, bound, reading, right)}"
+                f"{worst.read.words}, sample '{sample}': expected the closed form within {bound:.0e} "
+                f"{worst.scale_words}, got {_error_words(worst, bound)}"
             )
     if not is_compared:
         raise NotTestedError(f"no sample of the conformance test has a {channel.value} for {trial.engine.name}")
 
 
-def _error_words(error: Array, bound: float, reading: Reading, right: Reading) -> str:
-    """The largest of a signal's errors (n,), when it is, how many are over the bound, and the likeliest cause."""
-    time, over = reading.time, np.flatnonzero(~(error <= bound))
-    worst = int(np.argmax(error))
-    words = f"{error[worst]:.2g} off at t = {time[worst]:.4g} s"
+def _error_words(worst: SignalError, bound: float) -> str:
+    """The largest error of a signal, when it is, how many are over the bound, and the likeliest cause."""
+    reading, time, over = worst.read, worst.read.time, np.flatnonzero(~(worst.sizes <= bound))
+    words = f"{worst.largest:.2g} off at t = {worst.worst_time:.4g} s"
     if len(over) > FEW * len(time):
-        cause = likeliest_misreading(right, reading.values) or "a mass, a load, a geometry, or too long a step"
+        cause = likeliest_misreading(worst.true, reading.values) or "a mass, a load, a geometry, or too long a step"
         return f"{words}, {len(over)} of {len(time)} samples over it; {cause}"
     drive, first, last = reading.scene.drive, time[over[0]], time[over[-1]]
     starts = [segment.start for segment in drive.motion.segments[1:]] if isinstance(drive, Prescribed) else []
@@ -79,25 +77,6 @@ def _error_words(error: Array, bound: float, reading: Reading, right: Reading) -
     else:
         cause = "look at these instants: parts may meet there, or a solver give up"
     return f"{words}, {len(over)} of {len(time)} samples over it; the rest is within; {cause}"
-
-
-def _channel_errors(
-    channel: Channel, case: Case, scene: Scene, history: History
-) -> Iterator[tuple[Array, Reading, Reading]]:
-    """Errors (n,) of a channel's signals, each with the engine's reading and the true one.
-
-    An error is over the peak of all bodies; of a joint force it is over the peak of that force.
-    """
-    pairs = zip(readings(scene, history), readings(scene, true_history(case, scene, history)), strict=True)
-    signals = [(read, true, _peak(true.values)) for read, true in pairs if read.channel is channel]
-    for read, true, size in signals:
-        peak = max(peak for other, _, peak in signals if other.columns == read.columns)
-        scale = size if channel is Channel.JOINT_FORCE else peak
-        yield np.hypot.reduce(read.values - true.values, axis=1) / (scale or 1.0), read, true
-
-
-def _peak(values: Array) -> float:
-    return float(np.max(np.hypot.reduce(values, axis=1)))
 
 
 def check_samples(trial: EngineTrial) -> None:

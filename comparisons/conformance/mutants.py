@@ -31,9 +31,10 @@ from comparisons.conformance.trial import (
     scene_of,
 )
 from comparisons.faults.fault import ChangedMotion, Simulation
-from comparisons.faults.misreadings import MISREADINGS, Misreading, Reading, plant_misreading
+from comparisons.faults.misreadings import MISREADINGS, Misreading, plant_misreading
 from comparisons.faults.ranking import model_faults
 from comparisons.faults.settings import motion_settings
+from comparisons.judging.signal_errors import Reading
 from comparisons.runs.run_engine import run_engine
 from engines.contract import History, Origin, Run, Setting
 from engines.scene import Body, Channel, Free, Scene

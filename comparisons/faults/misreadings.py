@@ -15,16 +15,13 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND, DriverKind
-from comparisons.case import Case, channel_truth
-from comparisons.observed_motion import resample
-from engines.contract import History, Signal
+from comparisons.judging.signal_errors import ANGLE, LEVELS, PLACE, Reading, readings
+from engines.contract import History
 from engines.mechanics.states import point_acceleration, point_velocity
 from engines.scene import Channel, Scene
 
 Array = NDArray[np.float64]
 
-PLACE, ANGLE, NUMBER = slice(0, 2), slice(2, 3), slice(0, 1)  # columns of a body; of a force; of a scalar
-LEVELS: Final = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 VECTORS: Final = (*LEVELS, Channel.JOINT_FORCE)
 EXPLAINED: Final = 0.1  # of an error: what a cause may leave of it
 ENDS: Final = 4  # samples at either end by which nothing is explained: shifted in time they have no values
@@ -38,84 +35,6 @@ FACTORS: Final = {
     360.0 / FULL_TURN: "it is in degrees",
     FULL_TURN / 360.0: "it is turned from degrees to rad twice",
 }
-
-
-@dataclass(frozen=True)
-class Reading:
-    """A signal of a history: place or angle of a body (``name``), force of a joint, torque of the drive.
-
-    ``time`` (n,), s, are its samples, ``columns`` those that it has of its body's or its joint's.
-    """
-
-    scene: Scene
-    history: History
-    channel: Channel
-    name: str
-    columns: slice
-    time: Array
-
-    @property
-    def values(self) -> Array:
-        """Samples of the signal, (n, k)."""
-        return self.values_at(self.time)
-
-    def values_at(self, time: Array) -> Array:
-        """Values of the signal at times, s, (n, k); outside of its own clock the first or the last."""
-        return self.channel_values(self.channel, self.name, time)[:, self.columns]
-
-    def channel_values(self, channel: Channel, name: str, time: Array) -> Array:
-        """All columns of a channel of the body or joint ``name`` at times, s, (n, columns)."""
-        if channel is Channel.JOINT_FORCE:
-            signal = self.history.joint_force[name]
-        else:
-            signal = getattr(self.history, channel.value)
-        values = resample(signal, np.clip(time, signal.time[0], signal.time[-1]))
-        return np.asarray(values[:, self.body_number(name)] if channel in LEVELS else values.reshape(len(time), -1))
-
-    def body_number(self, body: str) -> int:
-        """The place of a body in the scene."""
-        return [each.name for each in self.scene.bodies].index(body)
-
-    @property
-    def words(self) -> str:
-        """The name of the signal for a reader."""
-        if self.channel not in LEVELS:
-            return "drive torque" if self.channel is Channel.TORQUE else f"force in joint '{self.name}'"
-        kind = "" if self.channel is Channel.POSITION else self.channel.value
-        turning = f"angular {kind}" if kind else "angle"
-        return f"{turning if self.columns == ANGLE else kind or 'place'} of body '{self.name}'"
-
-
-def readings(scene: Scene, history: History) -> Iterator[Reading]:
-    """Every signal of a history."""
-    for channel in (*LEVELS, Channel.TORQUE):
-        signal = getattr(history, channel.value)
-        bodies = [body.name for body in scene.bodies for _ in (PLACE, ANGLE)] if channel in LEVELS else [""]
-        for number, name in enumerate(bodies if signal is not None else []):
-            columns = NUMBER if channel is Channel.TORQUE else (PLACE, ANGLE)[number % 2]
-            yield Reading(scene, history, channel, name, columns, signal.time)
-    for joint, signal in history.joint_force.items():
-        columns = PLACE if signal.values.ndim > 1 else NUMBER
-        yield Reading(scene, history, Channel.JOINT_FORCE, joint, columns, signal.time)
-
-
-def true_history(case: Case, scene: Scene, history: History) -> History:
-    """The closed form of all signals of a history, of magnitudes alone where it has no more."""
-
-    def right(channel: Channel, names: Iterable[str], signal: Signal) -> Signal:
-        values = np.stack([channel_truth(case, channel, name, signal.time) for name in names], axis=1)
-        return Signal(signal.time, values if channel in LEVELS else values[:, 0])
-
-    bodies = [body.name for body in scene.bodies]
-    signals = {channel.value: getattr(history, channel.value) for channel in (*LEVELS, Channel.TORQUE)}
-    forces = {name: right(Channel.JOINT_FORCE, [name], signal) for name, signal in history.joint_force.items()}
-    for name, signal in history.joint_force.items():
-        if signal.values.ndim == 1:
-            forces[name] = Signal(signal.time, np.hypot(*forces[name].values.T))
-    return History(
-        **{name: signal and right(Channel(name), bodies, signal) for name, signal in signals.items()},
-        joint_force=forces,
-    )
 
 
 @dataclass(frozen=True)

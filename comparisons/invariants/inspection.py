@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from comparisons.invariants.corrections import LEVELS, AssurGroups, Findings, findings
+from comparisons.judging.signal_errors import FAINT_FORCE
 from comparisons.observed_motion import POINTS, ObservedMotion, resample
 from engines.contract import Signal
 from engines.mechanics.joints import JointEquations, scene_size
@@ -21,8 +22,6 @@ from engines.scene import Channel, Prescribed
 
 Array = NDArray[np.float64]
 
-# A joint's peak force below this share of the largest is nothing to measure its own error by.
-FAINT_FORCE = 1e-9
 # A determinant that changes by this share of itself from sample to sample leaves a peak between them unseen; so many
 # samples on either side are as uncertain.
 SHARP, REACH = 0.3, 2.0

@@ -7,27 +7,24 @@ closed form, have either caught or missed it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
-from comparisons.case import Case, channel_truth
+from comparisons.case import Case
 from comparisons.invariants.checks import HALF_TURN, checks
-from comparisons.invariants.corrections import LEVELS
-from comparisons.invariants.inspection import FAINT_FORCE
-from comparisons.judging.limits import OWN, limit
-from comparisons.judging.quantities import NoSampleError, all_quantities, deviation, near_jumps
+from comparisons.judging.limits import OWN, grouped, limit
+from comparisons.judging.quantities import NoSampleError, all_quantities, deviation
 from comparisons.judging.records import Error, Run, Verdict, run_of
+from comparisons.judging.signal_errors import LEVELS, signal_errors
 from comparisons.observed_motion import ObservedMotion
-from engines.contract import Origin, Outcome, Signal
+from engines.contract import Origin, Outcome
 from engines.contract import Run as EngineRun
-from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Scene
 
 # Faults of a motion, by comparison with the closed form.
@@ -37,10 +34,9 @@ from engines.scene import Channel, Scene
 # motion.
 
 
-Array = NDArray[np.float64]
-
 # Of the linkage's size (or rad), of the peak velocity, of the peak torque, of the duration.
 WRONG = 1e-2
+JUDGED = (Channel.POSITION, Channel.VELOCITY, Channel.TORQUE, Channel.JOINT_FORCE)
 
 
 class StressVerdict(StrEnum):
@@ -153,40 +149,20 @@ def blank_result(cell: Cell, mechanism: str, motion: str = "") -> CellResult:
 
 
 def wrong_signals(case: Case, motion: ObservedMotion) -> list[str]:
-    """A sentence for every signal further from the closed form than ``WRONG`` of its scale; empty if none is."""
-    return [words for size, words in _motion_errors(case, motion) if not size <= WRONG]
+    """A sentence for everything that is further from the closed form than ``WRONG``; empty where nothing is.
 
-
-def _motion_errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
-    """The largest error of every signal over its scale, each in words."""
-    for order, name in enumerate(("position", "velocity")):
-        body, share, time = _state_error(case, motion, order)
-        yield (
-            share,
-            f"{name} of {body} off by {share:.2g} of {('the size (or rad)', 'the peak')[order]} at {time:.3g} s",
-        )
-    if case.is_prescribed and motion.has(Channel.TORQUE):
-        torque = motion.signal(Channel.TORQUE)
-        yield from _peak_error("torque", case, torque, case.at(torque.time).torque)
-    forces = motion.history.joint_force if case.unbounded_at is None else {}
-    truths = {joint: case.at(signal.time).joint_forces[joint].T for joint, signal in forces.items()}
-    sizes = {joint: np.hypot(*true.T) for joint, true in truths.items()}
-    truths = {joint: true if forces[joint].values.ndim > 1 else sizes[joint] for joint, true in truths.items()}
-    faint = FAINT_FORCE * max((float(np.max(size)) for size in sizes.values()), default=0.0)
-    for joint, true in truths.items():
-        yield from _peak_error(f"force in {joint}", case, forces[joint], true, faint)
+    Of all positions, and of all velocities, the worst one is named.
+    """
+    errors = signal_errors(case, motion.scene, motion.history, JUDGED)
+    kinds = grouped(((e.read.channel, "" if e.read.channel in LEVELS else e.read.name), e) for e in errors).values()
+    worst = [max(kind, key=lambda error: error.largest) for kind in kinds]
+    words = [
+        f"{error.read.words} off by {error.largest:.2g} {error.scale_words} at {error.worst_time:.3g} s"
+        for error in worst
+        if error.largest > WRONG
+    ]
     missing = _unsampled_share(case, motion)
-    yield missing, f"{missing:.2g} of the duration has no samples"
-
-
-def _peak_error(name: str, case: Case, signal: Signal, true: Array, least: float = 0.0) -> Iterator[tuple[float, str]]:
-    """Largest error of a torque or a force over its peak, ``least`` at least, away from jumps of the acceleration."""
-    smooth = ~near_jumps(signal.time, case.motion)
-    if smooth.any():
-        away, size = (np.linalg.norm(v.reshape(len(v), -1)[smooth], axis=1) for v in (signal.values - true, true))
-        error = away / (max(float(np.max(size)), least) or 1.0)
-        worst = int(np.argmax(error))
-        yield float(error[worst]), f"{name} off by {error[worst]:.2g} of its peak at {signal.time[smooth][worst]:.3g} s"
+    return [*words, f"{missing:.2g} of the duration has no samples"] if missing > WRONG else words
 
 
 def _unsampled_share(case: Case, motion: ObservedMotion) -> float:
@@ -194,35 +170,6 @@ def _unsampled_share(case: Case, motion: ObservedMotion) -> float:
     time = motion.signal(Channel.POSITION).time
     blind = np.abs(np.diff(case.motion.angle(time))) > HALF_TURN
     return float(np.sum(np.diff(time)[blind])) / case.motion.duration
-
-
-def _state_error(case: Case, motion: ObservedMotion, order: int) -> tuple[str, float, float]:
-    """The body that is furthest off in position (0) or velocity (1), by what share of the scale, and when."""
-    signal = motion.signal(LEVELS[order])
-    true = true_states(case, motion.scene, signal.time, order)
-    unit = np.array([scene_size(motion.scene)] * 2 + [1.0])
-    difference = (signal.values - true) / unit
-    if order == 0:  # whole turns apart is the same place
-        difference[:, :, 2] = np.angle(np.exp(1j * difference[:, :, 2]))
-    difference[:, _point_bodies(motion.scene), 2] = 0.0
-    sizes = np.maximum(np.hypot(difference[..., 0], difference[..., 1]), np.abs(difference[..., 2]))
-    scale = 1.0
-    if order:
-        peak = true / unit
-        scale = float(np.max(np.maximum(np.hypot(peak[..., 0], peak[..., 1]), np.abs(peak[..., 2])))) or 1.0
-    worst = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
-    return motion.scene.bodies[worst[1]].name, float(sizes[worst]) / scale, float(signal.time[worst[0]])
-
-
-def _point_bodies(scene: Scene) -> list[int]:
-    """Bodies that are points: masses at a pin, whose angle means nothing."""
-    guided = {slider.body for slider in scene.sliders}
-    return [n for n, body in enumerate(scene.bodies) if body.inertia is None and body.name not in guided]
-
-
-def true_states(case: Case, scene: Scene, time: Array, order: int) -> Array:
-    """Positions or velocities of a scene's bodies by the closed form, (instants, bodies, 3)."""
-    return np.stack([channel_truth(case, LEVELS[order], body.name, time) for body in scene.bodies], axis=1)
 
 
 # The verdict of one cell of a stress map: is the motion right, and if not, did a check flag it?
