@@ -6,6 +6,8 @@ import dartpy as dart
 import numpy as np
 from numpy.typing import NDArray
 
+from engines.shared_loop import signals
+
 Array = NDArray[np.float64]
 Data = dict[str, Any]
 
@@ -123,11 +125,11 @@ def follow(given: Data, course: Data) -> Data:
 
     A step ends with the velocities of its middle; its forces are those of the state before it.
     """
-    (part,), ratio, samples = course["parts"], course["ratio"], Data()
+    (part,), ratio = course["parts"], course["ratio"]
     steps, ahead = ratio * part["samples"], int(given["centred"])
     step = part["end"] / steps
     world, times = World(given, step), step * np.arange(steps + ahead + 1)
-    rows, angles = [{"position": world.start, "velocity": world.rates}], np.empty_like(times)
+    rows, angles = [(0.0, {"position": world.start, "velocity": world.rates})], np.empty_like(times)
     for start, coefficients in given["motion"]:  # the last goes on beyond the end
         later = times >= start
         angles[later] = np.polynomial.Polynomial(coefficients)(times[later] - start)
@@ -136,12 +138,5 @@ def follow(given: Data, course: Data) -> Data:
         place = world.state("Positions") if sampled else world.start
         world.advance(speed)
         if sampled:
-            rows.append(world.read(place if ahead else world.state("Positions")))
-    for name in course["channels"]:
-        first = 0 if name in ("position", "velocity") else 1
-        instants = times[first * ratio : steps + 1 : ratio]
-        samples[name] = instants, np.array([row[name] for row in rows[first:]])
-    if "joint_force" in samples:
-        instants, forces = samples["joint_force"]
-        samples["joint_force"] = {joint: (instants, forces[:, n]) for n, joint in enumerate(world.forces)}
-    return samples
+            rows.append((times[number + 1 - ahead], world.read(place if ahead else world.state("Positions"))))
+    return signals(rows, course["channels"], world.forces)

@@ -6,6 +6,8 @@ import numpy as np
 import pydrake.all as drake
 from pydrake.polynomial import Polynomial
 
+from engines.shared_loop import signals
+
 Data = dict[str, Any]
 Point = tuple[float, float]
 X, Y, Z = np.eye(3)
@@ -135,19 +137,13 @@ def follow(given: Data, course: Data) -> Data:
 
     The joints, closed at first, open within some ten steps as far as the steps allow.
     """
-    (part,), ratio, samples = course["parts"], course["ratio"], Data()
+    (part,), ratio = course["parts"], course["ratio"]
     step = part["end"] / (ratio * part["samples"])
     times = step * (ratio * np.arange(part["samples"] + 1))
     try:
         world = World(given, step, part["end"])
-        rows = [world.read(time) for time in times]
+        rows = [(0.0, {"position": world.start, "velocity": world.rates})]  # a step to 0 s would leave it behind
+        rows += [(time, world.read(time)) for time in times[1:]]
     except RuntimeError as error:
         raise ArithmeticError(f"Drake gives up: {error}") from error
-    rows[0]["velocity"] = world.rates
-    for name in course["channels"]:
-        first = 0 if name in ("position", "velocity") else 1
-        samples[name] = times[first:], np.array([row[name] for row in rows[first:]])
-    if "joint_force" in samples:
-        instants, forces = samples["joint_force"]
-        samples["joint_force"] = {joint: (instants, forces[:, n]) for n, joint in enumerate(world.forces)}
-    return samples
+    return signals(rows, course["channels"], world.forces)

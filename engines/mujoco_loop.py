@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.law_loop import law_values
+from engines.shared_loop import law_values, signals
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
@@ -170,14 +170,8 @@ def follow(world: MujocoWorld, course: Data) -> Data:
     mujoco.set_mju_user_warning(warnings.append)  # or they go to the terminal and into a file
     try:
         for part in course["parts"]:
-            states = list(world.states(part, course, warnings))
-            rows += states if part is course["parts"][-1] else states[:-1]
+            rows[-1:] = world.states(part, course, warnings)
     finally:
         mujoco.set_mjcb_control(None)
         mujoco.set_mju_user_warning(None)
-    time = np.array([instant for instant, _ in rows])
-    samples: Data = {name: (time, np.array([row[name] for _, row in rows])) for name in course["channels"]}
-    if "joint_force" in samples:
-        forces = samples["joint_force"][1]
-        samples["joint_force"] = {joint: (time, forces[:, n]) for n, joint in enumerate(world.given["joints"])}
-    return samples
+    return signals(rows, course["channels"], world.given["joints"])

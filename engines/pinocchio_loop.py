@@ -2,17 +2,17 @@
 
 import cmath
 from collections.abc import Iterator
-from math import tau
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from engines.shared_loop import law_values, signals
+
 Array = NDArray[np.float64]
 Data = dict[str, Any]
 
-CHANNELS = "position", "velocity", "acceleration", "torque"
 # The states of a step after its first, position and velocity each, as shares of those of the first and of the
 # accelerations of all before, apart from a power of the step. The last is the step's end.
 POWERS = np.array([[0, 1, 2, 2, 2, 2], [0, 0, 1, 1, 1, 1]])
@@ -50,6 +50,7 @@ class World:
         self.desired = self.drive.contact_acceleration_desired.angular
         self.is_loaded = any(given[kind] for kind in ("forces", "torques", "dampers"))
         self.forces = [(each.oMc1.rotation, each.contact_force.linear) for each in self.solved]
+        self.signs = np.array([[sign] for _, _, sign, *_ in given["ties"]])
         # Two iterations with a proximal term, 1e-8: without such a term empty rows make every number NaN.
         self.system, self.settings = (model, model.createData()), pin.ProximalSettings(0.0, 1e-8, 2)
         pin.initConstraintDynamics(*self.system, self.ties, self.solved)
@@ -72,12 +73,18 @@ class World:
                 efforts[turn] += (couple * cmath.rect(1.0, -position[turn])).imag
         return pin.constraintDynamics(*self.system, position, velocity, efforts, self.ties, self.solved, self.settings)
 
-    def read(self, time: float, changes: Array) -> tuple[Any, ...]:
-        """The instant, and what Pinocchio has of the state that was solved last, by coordinate and tie."""
-        forces = [axes @ force for axes, force in self.forces]
-        return time, *self.state, changes.copy(), -self.drive.contact_force.angular[2], forces
+    def read(self, changes: Array) -> Data:
+        """What Pinocchio has of the state that was solved last."""
+        position, velocity, acceleration = (values[self.columns] for values in (*self.state, changes))
+        return {
+            "position": position,
+            "velocity": velocity,
+            "acceleration": acceleration,
+            "torque": -self.drive.contact_force.angular[2],
+            "joint_force": self.signs * [(axes @ force)[:2] for axes, force in self.forces],
+        }
 
-    def part_states(self, part: Data, ratio: int) -> Iterator[tuple[Any, ...]]:
+    def part_states(self, part: Data, ratio: int) -> Iterator[tuple[float, Data]]:
         """What is read at the samples of a part."""
         steps, settle, (start, coefficients) = part["samples"] * ratio, self.given["settle"], part["segment"]
         times, step = np.linspace(part["start"], part["end"], steps + 1, retstep=True)
@@ -93,31 +100,21 @@ class World:
         efforts = np.zeros((*clock.shape, len(self.damping)))
         couples = np.zeros((*clock.shape, len(self.pushed)), complex)
         for number, (body, anchor, law) in enumerate(self.given["forces"]):
-            force = law_values(law, angles)
+            force = np.array([law_values(law, each) for each in angles.flat]).reshape(*angles.shape, 2)
             efforts[..., self.columns[self.rows[body], :2]] += force
             couples[..., number] = force @ [1.0, 1j] * complex(*anchor).conjugate()  # of the body at its angle 0
         for body, law in self.given["torques"]:
-            efforts[..., self.columns[self.rows[body], 2:]] += law_values(law, angles)
+            moment = np.array([law_values(law, each) for each in angles.flat])
+            efforts[..., self.columns[self.rows[body], 2]] += moment.reshape(angles.shape)
         known = np.zeros((rule.shape[2], len(self.damping)))
         for count, (time, *targets) in enumerate(zip(times, turned, -wanted, efforts, couples, strict=True)):
             known[:2] = state = self.state
             for number, (shares, *target) in enumerate(zip(rule, *targets, strict=True), start=2):
                 known[number] = self.solve(target, *state)
                 if number == 2 and count % ratio == 0:
-                    yield self.read(time, known[2])
+                    yield time, self.read(known[2])
                 state = np.dot(shares, known)
             self.state = state if count < steps else self.state
-
-
-def law_values(law: Any, angles: Array) -> Any:  # noqa: ANN401
-    """A load's components, last, at angles: constants, or cubics that repeat."""
-    if isinstance(law, list):
-        return np.array(law)
-    knots, pieces, _ = law
-    angles = knots[0] + (angles - knots[0]) % tau
-    piece = np.searchsorted(knots, angles, side="right") - 1
-    x, (a, b, c, d) = (angles - np.array(knots)[piece])[..., None], np.moveaxis(np.array(pieces)[piece], -1, 0)
-    return a + x * (b + x * (c + x * d))
 
 
 def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
@@ -131,13 +128,7 @@ def build(model: Data) -> World:
 
 def follow(world: World, course: Data) -> Data:
     """The samples of a course; of the two between parts the later part's counts."""
-    rows: list[tuple[Any, ...]] = []
+    rows: list[tuple[float, Data]] = []
     for part in course["parts"]:
         rows[-1:] = world.part_states(part, course["ratio"])
-    time, *motion, torque, forces = (np.array(values) for values in zip(*rows, strict=True))
-    values = dict(zip(CHANNELS, (*(each[:, world.columns] for each in motion), torque), strict=True))
-    samples: Data = {name: (time, values[name]) for name in course["channels"] if name in values}
-    if "joint_force" in course["channels"]:
-        joints = enumerate(world.given["ties"])
-        samples["joint_force"] = {name: (time, sign * forces[:, tie, :2]) for tie, (name, _, sign, *_) in joints}
-    return samples
+    return signals(rows, course["channels"], [name for name, *_ in world.given["ties"]])

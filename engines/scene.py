@@ -224,11 +224,7 @@ class Scene:
 
     def can_turn(self, body: Body) -> bool:
         """Whether a body can turn: it has an inertia and does not slide on something that cannot."""
-        hosts = {slider.body: slider.host for slider in self.sliders}
-        name = body.name
-        while name in hosts:
-            name = hosts[name]
-        return body.inertia is not None and name != GROUND
+        return body.inertia is not None and turns(body.name, {each.body: each.host for each in self.sliders})
 
     @property
     def crank_angle(self) -> float:
@@ -328,16 +324,16 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
 
 def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
     """A body of the scene: without inertia where it cannot turn, with those of the pin masses in its slots."""
-    if start.inertia is None or start.name in merged or not _can_turn(linkage, start.name):
+    hosts = {slider.link: slider.guide.host for slider in linkage.sliders}
+    if start.inertia is None or start.name in merged or not turns(start.name, hosts):
         # A pin mass in a turning slot cannot turn, so its initial angular velocity is zero.
         return replace(start, inertia=None, angular_velocity=0.0, angular_acceleration=0.0)
     pinned = [linkage.links[name].inertia or 0.0 for name, s in merged.items() if s.guide.host == start.name]
     return replace(start, inertia=sum(pinned, start.inertia))
 
 
-def _can_turn(linkage: Linkage, name: str) -> bool:
-    """Whether a link turns: a slider does where its host does."""
-    hosts = {slider.link: slider.guide.host for slider in linkage.sliders}
+def turns(name: str, hosts: Mapping[str, str]) -> bool:
+    """Whether a body turns: a slider does where its host, by its name, does."""
     while name in hosts:
         name = hosts[name]
     return name != GROUND

@@ -7,7 +7,7 @@ import numpy as np
 import opensim
 from numpy.typing import NDArray
 
-from engines.law_loop import law_values
+from engines.shared_loop import law_values, signals
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
@@ -170,14 +170,8 @@ def follow(world: SimbodyWorld, course: Data) -> Data:
     """The samples of a course; of the two between parts the later part's counts."""
     rows: list[tuple[float, Data]] = []
     for part in course["parts"]:
-        states = list(part_states(world, part, course))
-        rows += states if part is course["parts"][-1] else states[:-1]
-    time = np.array([instant for instant, _ in rows])
-    samples: Data = {name: (time, np.array([row[name] for _, row in rows])) for name in course["channels"]}
-    if "joint_force" in samples:
-        forces = samples["joint_force"][1]
-        samples["joint_force"] = {joint: (time, forces[:, n]) for n, joint in enumerate(world.given["joints"])}
-    return samples
+        rows[-1:] = part_states(world, part, course)
+    return signals(rows, course["channels"], world.given["joints"])
 
 
 def part_states(world: SimbodyWorld, part: Data, course: Data) -> Iterator[tuple[float, Data]]:

@@ -312,13 +312,13 @@ def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
     turns = scene.driver_kind is DriverKind.CRANK
     if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
         raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
-    with cost.building():
+    with cost.timing("setup_seconds"):
         reason = data_obstacle(scene, massless=True)
         if reason is not None:
             raise DivergedError(reason)
         equations = _checked_equations(scene)
     try:
-        with cost.stepping(), np.errstate(all="ignore"):  # numbers that are not finite are named later
+        with cost.timing("seconds"), np.errstate(all="ignore"):  # numbers that are not finite are named later
             history, cost.steps = integrate_motion(equations, spacing)
     finally:
         cost.solver_work = equations.solves

@@ -20,7 +20,7 @@ from exudyn import itemInterface
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
 from numpy.typing import NDArray
 
-from engines.law_loop import law_values
+from engines.shared_loop import law_values
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]

@@ -21,7 +21,7 @@ import pymunk
 from numpy.typing import NDArray
 from pymunk import batch
 
-from engines.law_loop import law_values
+from engines.shared_loop import law_values
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]

@@ -46,36 +46,17 @@ class Cost:
     details: dict[str, str | int | float] = field(default_factory=dict)
 
     @contextmanager
-    def building(self) -> Iterator[None]:
-        """Count the wall time of the block as set-up."""
+    def timing(self, name: str) -> Iterator[None]:
+        """Count the wall time of the block as ``seconds`` of stepping or as ``setup_seconds``."""
         begun = perf_counter()
         try:
             yield
         finally:
-            self.setup_seconds += perf_counter() - begun
-
-    @contextmanager
-    def stepping(self) -> Iterator[None]:
-        """Count the wall time of the block as stepping."""
-        begun = perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds += perf_counter() - begun
+            setattr(self, name, getattr(self, name) + perf_counter() - begun)
 
     def run(self, outcome: Outcome, reason: str = "", history: History | None = None) -> Run:
         """The run with this outcome and cost."""
-        return Run(
-            outcome,
-            reason,
-            history,
-            self.seconds,
-            self.setup_seconds,
-            self.steps,
-            self.solver_work,
-            self.passes,
-            self.details,
-        )
+        return Run(outcome, reason, history, **vars(self))
 
 
 def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:

@@ -39,7 +39,7 @@ from engines.stepping.intervals import (
     whole_interval,
 )
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
-from engines.stepping.richardson import Pass, estimated_error, extrapolate, weights
+from engines.stepping.richardson import Pass, extrapolate, weights
 
 LARGEST_EFFORT = 2.0**31  # of an iteration count
 
@@ -227,8 +227,6 @@ class SteppedEngine(ABC, Generic[World, R]):
         cost.details["longest_step"] = longest / max(recipe.ratios)
         if len(parts) > 1:
             cost.details["parts"] = len(parts)
-        if len(passes) > 1:
-            cost.details["estimated_error"] = estimated_error(passes, recipe.orders)
         history = extrapolate(passes, recipe.orders, self.weights)
         return restored(history, units, scene.driver_kind) if units else history
 
@@ -243,9 +241,9 @@ class SteppedEngine(ABC, Generic[World, R]):
         return given, units, [Course(recipe, parts, ratio, channels, cost) for ratio in recipe.ratios]
 
     def _pass(self, scene: Scene, course: Course[R]) -> Pass:
-        with course.cost.building():
+        with course.cost.timing("setup_seconds"):
             world = self.build(scene, course.recipe)
-        with course.cost.stepping():
+        with course.cost.timing("seconds"):
             history = self.follow(world, course)
         course.cost.steps += course.ratio * sum(part.samples for part in course.parts)
         return Pass(1.0 / course.ratio, history)

@@ -1,12 +1,10 @@
-"""Extrapolation over the step: which error terms go, what it refuses, and the estimate of the error that is left."""
-
-from itertools import pairwise
+"""Extrapolation over the step: which error terms go, and what it refuses."""
 
 import numpy as np
 import pytest
 
 from engines.contract import History, Signal
-from engines.stepping.richardson import Pass, extrapolate, remaining_error, weights
+from engines.stepping.richardson import Pass, extrapolate, weights
 
 ROUNDING = 1e-12
 TIME = np.linspace(0.0, 1.0, 11)
@@ -82,27 +80,3 @@ def test_clocks_that_differ_are_refused():
 def test_too_few_orders_are_refused():
     with pytest.raises(ValueError, match="at least 2 orders"):
         weights([1.0, 0.5, 0.25], (2,))
-
-
-# -- the estimate, on errors that are known ----------------------------------------------------------------------------
-
-DIVISIONS = (1, 3, 5, 7)
-ORDERS = (2, 4, 6, 8)
-HALF, TWICE = 0.5, 4.0  # of the true error that the estimate may be
-
-
-def _left(count, decay):
-    """Error of the extrapolation of the first passes, whose terms are decay, decay², ... times hᵏ."""
-    terms = [decay ** (1 + number) for number in range(12)]
-    steps = 1.0 / np.array(DIVISIONS[:count])
-    errors = sum(term * steps ** (2 * number + 2) for number, term in enumerate(terms))
-    return float(weights(steps, ORDERS) @ errors)
-
-
-@pytest.mark.parametrize("decay", [0.02, 0.1, 0.3])
-@pytest.mark.parametrize("count", [3, 4])
-def test_the_estimate_is_near_the_error_of_terms_that_shrink_evenly(decay, count):
-    left = [_left(passes, decay) for passes in range(1, count + 1)]
-    changes = [abs(later - former) for former, later in pairwise(left)]
-    error = abs(left[-1])
-    assert HALF * error <= remaining_error(changes, DIVISIONS[count - 2] / DIVISIONS[count - 1]) <= TWICE * error
