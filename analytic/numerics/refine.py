@@ -26,7 +26,7 @@ SomeCurves = Callable[[Integers, Array], Array]
 
 ROUNDING: Final = 1e-12  # of a curve's largest value: of tops that differ by less the first is taken, on every machine
 
-MOST: Final = 3  # tops of a curve that are looked at: of more, the highest
+MOST: Final = 8  # tops of a curve that are looked at: of more, those that may be highest between the samples
 # Three places about the top of a parabola, a share NEAR of the bracket apart. Where that leaves a wide bracket, as the
 # curve is no parabola yet, the next three divide it evenly. Brackets FINE of the first ones leave a parabola through
 # them with an error below rounding: the third power of what is left of the distance of two samples.
@@ -102,7 +102,7 @@ def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
     for row in many:  # a curve that is flat but for rounding
         places, step = np.flatnonzero(is_top[row]), ROUNDING * np.max(np.abs(heights[row]))
         is_top[row] = False
-        levels = np.round(heights[row, places] / (step or 1.0))
+        levels = np.round(reach[row, places] / (step or 1.0))
         is_top[row, places[np.argsort(-levels, kind="stable")[:MOST]]] = True
     curve, best = np.nonzero(is_top)
     return SampledTops(curve, best, np.clip(best, 1, heights.shape[1] - 2)[:, None] + np.array([-1, 0, 1]))

@@ -11,9 +11,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
-from analytic.description.changes import SPEED
 from analytic.description.json_schema import TITLE, json_schema
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature, load
@@ -23,7 +20,8 @@ from analytic.errors import LinkproofError, is_safe
 from analytic.files import read_file
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
-from comparisons.datasheet.figures import NEGLIGIBLE
+from comparisons.datasheet.curves import Curves
+from comparisons.datasheet.figures import NEGLIGIBLE, case_figures
 from comparisons.datasheet.linkage_check import check_slips
 from comparisons.datasheet.open_ends import BINDS
 from comparisons.designs.parameters import named_figures, parameters, speed_unit
@@ -156,12 +154,13 @@ def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> Non
     A number has the digits that give its value back.
     """
     from reports.requests.designs import steady_case  # noqa: PLC0415 - for this list alone
+    from reports.requests.motions import requested_case  # noqa: PLC0415
 
-    mechanism, motion, conditions = steady_case(linkage, SteadyOptions())
+    mechanism, _, conditions = steady_case(linkage, SteadyOptions())
     every = named_figures(mechanism, figure_names(mechanism))
-    speed = {SPEED: np.array([abs(motion.speed)])}
-    found = motion.figures(mechanism, speed, [figure.figure for figure in every])[:, 0].tolist()
-    values = [value / each.unit.size for each, value in zip(every, found, strict=True)]
+    curves = Curves(requested_case(SteadyOptions(), mechanism))  # of one design, all figures are found together
+    found = case_figures(curves, {each.name: each.figure for each in every})
+    values = [found[each.name] / each.unit.size for each in every]
     sizes: dict[tuple[str, str], float] = {}  # of signals of one kind, beside which a value may be rounding
     kinds = [(re.split("[:.@]", each.name)[0], each.unit.name) for each in every]
     for kind, value in zip(kinds, values, strict=True):

@@ -70,3 +70,13 @@ def test_of_equal_tops_the_first_is_taken_whatever_their_rounding():
     assert places == pytest.approx([0.0, 0.25], abs=PLACE)
     _, (place,) = highest(lambda x: np.ones((1, len(x))), GRID, 1.0 + ripple[None])
     assert place < GRID[2]
+
+
+def test_of_many_tops_one_that_the_samples_show_as_the_lowest_is_found_if_it_is_the_highest():
+    """Five broad tops on samples, and a sharp one between two samples that is a little higher."""
+    sharp = GRID[300] + 0.3 * (GRID[1] - GRID[0])
+    tops = [(GRID[place], 1.0) for place in (50, 120, 190, 420, 600)]
+    (value,), (place,) = _found(
+        lambda x: np.maximum(1.001 - 200.0 * np.abs(x - sharp), np.max([h - (x - c) ** 2 for c, h in tops], axis=0))
+    )
+    assert (value, place) == (pytest.approx(1.001, rel=1e-6), pytest.approx(sharp, abs=PLACE))
