@@ -15,6 +15,8 @@ from reports.document.templates import worded
 Row = Mapping[str, Any]  # the fields of ``PublishedRecord``
 SIGNS: Final = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
 VISIBLE: Final = 5e-4  # a deviation from which on it is shown in per cent with one decimal
+# What is below it is rounding, and differs from processor to processor: it is shown as none, and digits end above it.
+ROUNDING, DIGITS = 1e-13, 13
 
 
 def published_section(rows: Sequence[Row]) -> Section:
@@ -85,14 +87,15 @@ def _variant_cell(row: Row) -> TableCell:
     sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
     share = ""
     if deviation is not None:
-        share = f" {signed(deviation, '.1%' if abs(deviation) >= VISIBLE or not deviation else '.0e')}"
-    value = ABSENT if row["ours"] is None else _digits(row, row["ours"])
+        seen = deviation if abs(deviation) > ROUNDING else 0.0
+        share = f" {signed(seen, '.1%' if abs(seen) >= VISIBLE or not seen else '.0e')}"
+    value = ABSENT if row["ours"] is None else _digits(row, row["ours"], DIGITS)
     return TableCell(f"{value} {sign.symbol}{share}", sign.style, sign.colour)
 
 
-def _digits(row: Row, value: float) -> str:
-    """A value with as many digits as were printed, four at least."""
+def _digits(row: Row, value: float, most: int = 17) -> str:
+    """A value with as many digits as were printed, four at least and ``most`` at most."""
     shown = 0.0
     if row["published"] and row["half_digit"]:
         shown = math.log10(abs(row["published"])) - math.log10(row["half_digit"])
-    return f"{value:.{min(max(4, math.ceil(shown)), 17)}g}"
+    return f"{value:.{min(max(4, math.ceil(shown)), most)}g}"
