@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
@@ -26,6 +27,8 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, ru
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
+
+GRAVITY: Final = ", gravity "  # before "on" or "off", at the end of a motion's conditions
 
 
 @dataclass(frozen=True)
@@ -100,8 +103,7 @@ def each_case(request: CampaignRequest) -> Iterator[Case]:
         names = ", ".join(f"'{linkage.name}'" for linkage in request.linkages)
         raise LinkproofError(f"expected a regime that {names} can run in, got none of its own: ask for another regime")
     for linkage in request.linkages:
-        gravity = "gravity on" if any(linkage.gravity) else "gravity off"
-        conditions = f"{request.conditions}, {gravity}"
+        conditions = f"{request.conditions}{GRAVITY}{'on' if any(linkage.gravity) else 'off'}"
         mechanism = Mechanism(linkage)
         for motion in request.motions:
             yield _checked_case(Case(mechanism, motion, conditions=conditions))

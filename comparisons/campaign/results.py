@@ -26,7 +26,7 @@ from comparisons.datasheet.saved import (
     linkage_row,
     motion_row,
 )
-from comparisons.judging.changes import Change, Row, error_row
+from comparisons.judging.changes import Change
 from comparisons.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
 from comparisons.judging.records import Error, Run
 from comparisons.runs.environment import environment
@@ -102,10 +102,9 @@ class Results:
         return _CHANGES.validate_python(self.document.get("changes", ()))
 
     @property
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[Error]:
         """The rows of all errors and figures."""
-        records = (*self.records, *self.invariants)
-        return [*map(error_row, records), *(figure.row for figure in self.figures)]
+        return [*self.records, *self.invariants, *(figure.row for figure in self.figures)]
 
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:

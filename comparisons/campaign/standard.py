@@ -14,11 +14,11 @@ from analytic.description.loading import parse
 from analytic.designs.figures import STROKE, Figure
 from analytic.errors import LinkproofError
 from analytic.signals import contour_length, moving_points
-from comparisons.campaign.campaign import CampaignRequest, cases, each_case
+from comparisons.campaign.campaign import GRAVITY, CampaignRequest, cases, each_case
 from comparisons.case import Case
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import MechanismFigure, case_figures, figure_unit, figures_by_name
-from comparisons.judging.changes import CLOSED_FORM, Change, Place, Row, changes, error_row
+from comparisons.judging.changes import CLOSED_FORM, Change, changes
 from comparisons.judging.limits import Standard
 from comparisons.judging.records import Error, Run
 from engines.contract import Setting
@@ -45,10 +45,10 @@ class KeyFigure:
     unit: str = ""
 
     @property
-    def row(self) -> Row:
+    def row(self) -> Error:
         """Its row beside those of errors."""
         motion = (self.mechanism, self.variant, self.regime, self.conditions)
-        return Row(Place(*motion, CLOSED_FORM, "", self.figure), value=self.value, unit=self.unit)
+        return Error(*motion, CLOSED_FORM, "", self.figure, self.unit, self.value, outcome="")
 
 
 def figures_of_case(case: Case) -> list[KeyFigure]:
@@ -118,7 +118,7 @@ class JudgedCampaign:
     request: CampaignRequest
     standard: Standard
     runs: Iterable[Run]
-    before: Sequence[Row] | None = None
+    before: Sequence[Error] | None = None
     every_variant: bool = False
 
     @property
@@ -132,9 +132,9 @@ class JudgedCampaign:
         return tuple(figure for case in self._cases() for figure in figures_of_case(case))
 
     @property
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[Error]:
         """The rows of all errors and figures."""
-        return [*map(error_row, self.records), *(figure.row for figure in self.figures)]
+        return [*self.records, *(figure.row for figure in self.figures)]
 
     @cached_property
     def changes(self) -> tuple[Change, ...]:
@@ -164,30 +164,29 @@ class JudgedCampaign:
                         yield from cases(replace(self.request, linkages=(variant,)))
 
 
-def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Callable[[Row], bool]:
-    """Whether a request asks for a row: of its linkages, engines, settings, quantities and motions.
+def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Callable[[Error], bool]:
+    """Whether a request asks for a row: of its variants, engines, settings, quantities and motions.
 
-    Naive settings decide nothing beside others, and are left out there. A regime of a linkage's own file is the same
-    whatever its conditions are.
+    A linkage that it does not name is asked for, since its file may be deleted or renamed, and so is a motion with and
+    without gravity, which is the linkage's. Naive settings decide nothing beside others, and are left out there. A
+    regime of a linkage's own file is the same whatever its conditions are.
     """
-    linkages = {(linkage.name, linkage.variant) for linkage in request.linkages}
-    names = {linkage.name for linkage in request.linkages}
-    motions = {(case.motion.regime, case.conditions) for case in each_case(request)}
+    variants = {linkage.name: linkage.variant for linkage in request.linkages}
+    motions = {(case.motion.regime, _without_gravity(case.conditions)) for case in each_case(request)}
     settings = {*request.settings, *(request.own_settings if request.own_regimes else ())}
     settings = settings - {Setting.NAIVE} or settings
 
-    def is_asked(row: Row) -> bool:
-        place = row.place
-        if (place.regime, place.conditions) not in motions and place.regime not in request.own_regimes:
+    def is_asked(row: Error) -> bool:
+        if (row.regime, _without_gravity(row.conditions)) not in motions and row.regime not in request.own_regimes:
             return False
-        if row.is_figure:
-            return place.mechanism in names if every_variant else place[:2] in linkages
-        quantity = place.quantity.partition(":")[0]
-        return (
-            place[:2] in linkages
-            and place.engine in request.engines
-            and place.setting in settings
-            and (not request.quantities or quantity in request.quantities)
-        )
+        is_variant = variants.get(row.mechanism, row.variant) == row.variant
+        if row.engine == CLOSED_FORM:
+            return is_variant or every_variant
+        is_quantity = not request.quantities or row.quantity.partition(":")[0] in request.quantities
+        return is_variant and row.engine in request.engines and row.setting in settings and is_quantity
 
     return is_asked
+
+
+def _without_gravity(conditions: str) -> str:
+    return conditions.rpartition(GRAVITY)[0] or conditions

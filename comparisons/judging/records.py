@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from functools import cache
@@ -139,10 +139,10 @@ class Run:
         """An error of the run before anything is found."""
         return Error(*(getattr(self, name) for name in NAMES))
 
-    def own(self, errors: Iterable[Sequence[Any]]) -> tuple[Error, ...]:
+    def own(self, errors: Iterable[tuple[Any, ...]]) -> tuple[Error, ...]:
         """The last columns of errors, ``ERRORS``, as errors of this run."""
         names = self.blank[: len(NAMES)]
-        return tuple([Error._make((*names, *error[-len(ERRORS) :])) for error in errors])
+        return tuple([Error._make(names + error[-len(ERRORS) :]) for error in errors])
 
     @property
     def every(self) -> tuple[Error, ...]:

@@ -16,8 +16,7 @@ import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, dataclass, field, is_dataclass
-from itertools import groupby, zip_longest
-from operator import itemgetter
+from itertools import islice, zip_longest
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -137,15 +136,18 @@ class Runs:
 
     def every(self) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
         """Row and curves of every run as ``read`` has them, in one pass over the file."""
-        found = self.connection.execute(
-            f"SELECT runs.id, facts, is_check, {_COLUMNS} FROM runs LEFT JOIN errors ON run = runs.id WHERE study = ? "
-            "ORDER BY runs.id, errors.rowid",
-            (self.study,),
-        )
-        for number, rows in groupby(found, itemgetter(0)):
-            run = list(rows)
-            errors = (row[2:] for row in run if row[2] is not None)
-            yield _row(run[0][1], errors), _Curves(self.connection, number)
+        mine = "FROM errors WHERE run IN (SELECT id FROM runs WHERE study = ?)"
+        counts = {
+            number: (count - checks, checks)
+            for number, count, checks in self.connection.execute(
+                f"SELECT run, count(*), sum(is_check) {mine} GROUP BY run", (self.study,)
+            )
+        }
+        errors = self.connection.execute(f"SELECT {_COLUMNS} {mine} ORDER BY run, rowid", (self.study,))
+        facts = "SELECT id, facts FROM runs WHERE study = ? ORDER BY id"
+        for number, text in self.connection.execute(facts, (self.study,)):
+            parts = [list(islice(errors, count)) for count in counts.get(number, (0, 0))]
+            yield {**json.loads(text), "errors": parts[0], "invariants": parts[1]}, _Curves(self.connection, number)
 
     def clear(self) -> None:
         """Remove the study with its runs."""

@@ -39,7 +39,7 @@ OPTIONS: Final = {
     "--baseline": "use --against FILE",
     "--record-baseline": "use --record FILE",
     "--allow-new": "gone; what --against does not have is a note and no failure",
-    "--allow-missing": "gone; --against compares only the linkages, engines and motions that are asked for",
+    "--allow-missing": "gone; --against compares only the engines and motions that are asked for",
     "--costs": "gone; time an output or a load by two runs, with and without it",
     "sweep --regime": STEADY,
     "optimise --regime": STEADY,

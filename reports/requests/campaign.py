@@ -22,8 +22,9 @@ from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.results import document
 from comparisons.campaign.results import load as load_results
 from comparisons.campaign.standard import JudgedCampaign, JudgedRuns
-from comparisons.judging.changes import Row, read_rows
+from comparisons.judging.changes import read_rows
 from comparisons.judging.limits import Standard, check_named, read_limits, shipped_limits
+from comparisons.judging.records import Error
 from comparisons.runs.files import check_writable
 from comparisons.runs.plugins import engines
 from comparisons.runs.plugins import engines as adapters
@@ -189,7 +190,7 @@ def check_record(file: Path | None) -> None:
         check_writable(file)
 
 
-def rows_before(place: Path) -> list[Row]:
+def rows_before(place: Path) -> list[Error]:
     """The rows of a file, or of the comparison in a results folder; raises LinkproofError for anything else."""
     return load_results(place).rows if os.path.isdir(place) else read_rows(place)
 
@@ -244,7 +245,7 @@ class Campaign:
     resources: RunResources
     command: str
     saved_command: str
-    before: Sequence[Row] | None
+    before: Sequence[Error] | None
     every_variant: bool
 
     def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign

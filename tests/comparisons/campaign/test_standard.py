@@ -12,15 +12,16 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.standard import JudgedCampaign, key_figures
 from comparisons.case import Case
-from comparisons.judging.changes import CLOSED_FORM, COLUMNS, Place, Row, changes, read_rows, write_rows
+from comparisons.judging.changes import CLOSED_FORM, COLUMNS, changes, read_rows, write_rows
 from comparisons.judging.limits import shipped_standard
+from comparisons.judging.records import Error
 from engines.contract import Setting
 
 LINKAGE = load("juki-mf7923d")
 REQUEST = CampaignRequest((LINKAGE,), (crank_motion("run-up"),), "c", ("pymunk",), (Setting.NAIVE, Setting.TUNED))
 
-PLACE = Place("press", "base", "run-up", "1000 rpm", "pymunk", "tuned", "Mkr")
-FIGURE = PLACE._replace(engine=CLOSED_FORM, setting="", quantity="Mkr.peak")
+ERROR = Error("press", "base", "run-up", "1000 rpm", "pymunk", "tuned", "Mkr", limit=1e-4)
+FIGURE = Error(*ERROR[:4], CLOSED_FORM, "", "Mkr.peak", outcome="")
 FORCE = FIGURE._replace(quantity="joint_force:A.peak")
 LARGE = FIGURE._replace(quantity="Mkr.rms")
 
@@ -41,22 +42,23 @@ def test_a_mass_changed_by_a_hundred_thousandth_is_seen(every_variant):
     before = judged(every_variant=every_variant).rows
     assert judged(before=before, every_variant=every_variant).changes == ()
     found = judged(replace(REQUEST, linkages=(_heavier(1e-5),)), before, every_variant=every_variant).changes
-    assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.place.quantity for one in found}
+    assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.place[-1] for one in found}
     assert all(re.search(r" was \S+ (N|N m|W|kg m²), and is .* %$", one.sentence) for one in found)
-    assert {one.place.variant for one in found} == ({"as-built", "as-printed"} if every_variant else {"as-built"})
+    assert {one.place[1] for one in found} == ({"as-built", "as-printed"} if every_variant else {"as-built"})
 
 
-RECORDED = Place("juki-mf7923d", "as-built", "run-up", "c, gravity on", "pymunk", "tuned", "Mkr")
+RECORDED = Error("juki-mf7923d", "as-built", "run-up", "c, gravity on", "pymunk", "tuned", "Mkr", error_max=1e-6)
 
 
 @pytest.mark.parametrize(
     ("other", "is_asked"),
     [
         ({}, True),
-        ({"mechanism": "another"}, False),
+        ({"mechanism": "another"}, True),  # deleted, or renamed
         ({"variant": "as-printed"}, False),
         ({"regime": "run-up-quintic"}, False),
         ({"conditions": "2000 rpm, gravity on"}, False),
+        ({"conditions": "c, gravity off"}, True),  # the linkage's
         ({"engine": "mujoco"}, False),
         ({"setting": "best"}, False),
         ({"setting": "naive"}, False),  # decides nothing beside another setting
@@ -65,20 +67,18 @@ RECORDED = Place("juki-mf7923d", "as-built", "run-up", "c, gravity on", "pymunk"
     ],
 )
 def test_what_is_asked_for_and_not_there_any_more_has_vanished(other, is_asked):
-    row = Row(RECORDED._replace(**other), "passed", 1e-6)
-    vanished = [change.place.quantity for change in judged(before=[row]).changes if change.fails]
-    assert vanished == [row.place.quantity] * is_asked
+    row = RECORDED._replace(**other)
+    vanished = [change.place[-1] for change in judged(before=[row]).changes if change.fails]
+    assert vanished == [row.quantity] * is_asked
     narrow = replace(REQUEST, quantities=("Jeq",))
-    assert not any(change.fails for change in judged(narrow, [Row(RECORDED, "passed", 1e-6)]).changes)
+    assert not any(change.fails for change in judged(narrow, [RECORDED]).changes)
 
 
 def test_a_regime_of_a_file_is_the_same_whatever_its_conditions_are():
     linkage = load("two-crank-takeup")
     request = CampaignRequest((linkage,), (), "", ("pymunk",), own_regimes=("driven",))
-    place = Place(linkage.name, linkage.variant, "driven", "released at 7°", "pymunk", "tuned", "phi")
-    vanished = [
-        change.place.quantity for change in judged(request, [Row(place, "passed", 1e-6)]).changes if change.fails
-    ]
+    row = Error(linkage.name, linkage.variant, "driven", "released at 7°", "pymunk", "tuned", "phi", error_max=1e-6)
+    vanished = [change.place[-1] for change in judged(request, [row]).changes if change.fails]
     assert vanished == ["phi"]
 
 
@@ -91,11 +91,11 @@ def test_figures_are_the_peaks_of_the_motion():
 
 
 def error(value, outcome="passed"):
-    return Row(PLACE, outcome, value, limit=1e-4)
+    return ERROR._replace(outcome=outcome, error_max=value)
 
 
-def figure(value, place=FIGURE, unit="N m"):
-    return Row(place, value=value, unit=unit)
+def figure(value, row=FIGURE, unit="N m"):
+    return row._replace(error_max=value, unit=unit)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_a_file_has_the_rows_in_order_with_their_digits(tmp_path):
     write_rows(rows, tmp_path / "one.csv")
     write_rows(reversed(rows), tmp_path / "two.csv")
     assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
-    assert [row.value for row in read_rows(tmp_path / "one.csv")] == [1.0, 0.123456789, 1.235e-5]
+    assert [row.error_max for row in read_rows(tmp_path / "one.csv")] == [1.0, 0.123456789, 1.235e-5]
     assert list(changes(read_rows(tmp_path / "one.csv"), rows)) == []
 
 

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from comparisons.judging.changes import Change, ChangeKind, Place
+from comparisons.judging.changes import Change, ChangeKind
 from comparisons.judging.records import Run
 from reports.campaign.summary import junit
 from reports.campaign.terminal import printout
@@ -42,13 +42,11 @@ def test_computed_figures_are_not_called_read(origin, runs, words, line):
     assert f"{RECORD.engine} {RECORD.setting}: {line}" in text or not line
 
 
-PLACE = Place("m", "v", "r", "c", "e", "tuned", "Teq")
-CHANGED = Change(ChangeKind.CHANGED, Place("m", "v", "r", "c", "closed form", "", "Jeq.mean"), 2.0, 2.02, unit="kg m²")
-GROWN = Change(ChangeKind.GROWN, PLACE._replace(quantity="Mkr"), 1e-6, 4e-6, "passed")
-VANISHED = [
-    Change(ChangeKind.VANISHED, PLACE._replace(setting="best", quantity=name), 1e-6, None) for name in ("S", "v")
-]
-APPEARED = Change(ChangeKind.APPEARED, PLACE, None, 1e-6, "passed")
+PLACE = ("m", "v", "r", "c", "e", "tuned")
+CHANGED = Change(ChangeKind.CHANGED, (*PLACE[:4], "closed form", "", "Jeq.mean"), 2.0, 2.02, unit="kg m²")
+GROWN = Change(ChangeKind.GROWN, (*PLACE, "Mkr"), 1e-6, 4e-6, "passed")
+VANISHED = [Change(ChangeKind.VANISHED, (*PLACE[:5], "best", name), 1e-6, None) for name in ("S", "v")]
+APPEARED = Change(ChangeKind.APPEARED, (*PLACE, "Teq"), None, 1e-6, "passed")
 
 
 def _cases(run, changes=()):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.judging.changes import Change, ChangeKind, Place
+from comparisons.judging.changes import Change, ChangeKind
 from comparisons.judging.records import Error
 from comparisons.stress.cells import find_cell
 from comparisons.stress.verdict import StressVerdict, blank_result
@@ -40,7 +40,7 @@ def test_naive_records_count_only_where_nothing_else_ran():
     ("kind", "code"), [(ChangeKind.CHANGED, 1), (ChangeKind.VANISHED, 1), (ChangeKind.APPEARED, 0)]
 )
 def test_what_is_not_as_recorded_fails(kind, code):
-    change = Change(kind, Place("m", "v", "run-up", "c", "closed form", "", "Mkr.peak"), 1.0, 1.01)
+    change = Change(kind, ("m", "v", "run-up", "c", "closed form", "", "Mkr.peak"), 1.0, 1.01)
     assert campaign_exit_code([_record("passed")], [change]) == code
 
 
