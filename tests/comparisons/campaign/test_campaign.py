@@ -17,12 +17,11 @@ from comparisons.campaign.campaign import CampaignRequest, compare, sheets
 from comparisons.datasheet.building import usual_sheet
 from comparisons.judging import quantities
 from comparisons.judging.records import Verdict
-from comparisons.runs import workers
 from comparisons.runs.run_engine import GIB
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
-from tests.comparisons.faults import PATIENCE, Clock, announce_engines, fail
+from tests.comparisons.faults import Clock, announce_engines, fail
 from tests.comparisons.true_motions import cut, perfect_motion
 
 JUKI = load("juki-mf7923d")
@@ -295,16 +294,14 @@ def test_runs_in_workers_are_the_same_in_the_same_order_and_announced(made_here)
 def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
     announce_engines(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
-    faulty = ("aborting", "hanging", "leaving", "raising", "swelling", "writing")
+    faulty = ("aborting", "leaving", "raising", "swelling", "writing", "hanging")
     motions, settings = BRIEF[:1], (Setting.TUNED,)
     request = CampaignRequest((JUKI,), motions, "brief", ("direct", *faulty), settings)
     clock = Clock()
-    monkeypatch.setattr(workers, "time", clock)
-    monkeypatch.setattr(workers, "_EXIT_TIMEOUT", PATIENCE)
+    monkeypatch.setattr("pebble.pool.process.time", clock)
 
     def begun(label, *_):
-        if "hanging" in label and not clock.ahead:
-            clock.put_forward()
+        clock.rate = 1000.0 if "hanging" in label else clock.rate
 
     results = list(compare(request, begun, bounds=Bounds(memory=GIB // 4), pool=LocalPool(1)))
     found = {result.engine: {(r.outcome, r.detail) for r in result.errors} for result in results}

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.runs import workers
 from comparisons.runs.run_engine import GIB, SHOW_OUTPUT, Failure, Lost
-from comparisons.runs.workers import Bounds, LastingPool, WorkerPool, run_jobs
+from comparisons.runs.workers import Bounds, LastingPool, run_jobs
 from tests.comparisons.faults import PATIENCE, Clock, job, wait_for
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
@@ -33,9 +32,9 @@ FATES = [
 
 @pytest.fixture
 def clock(monkeypatch):
-    """What the time that jobs take is measured by."""
+    """The clock that the time of jobs is measured by."""
     found = Clock()
-    monkeypatch.setattr(workers, "time", found)
+    monkeypatch.setattr("pebble.pool.process.time", found)
     return found
 
 
@@ -52,8 +51,7 @@ def written(path):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory and the C++ library are Linux's")
-def test_every_fault_costs_its_own_job_and_prints_nothing(capfd, monkeypatch):
-    monkeypatch.setattr(workers, "_EXIT_TIMEOUT", PATIENCE)
+def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
     jobs = [one for kind, value, *_ in FATES for one in ((kind, value), ("fine", kind), ("write", kind))]
     results = dict(run_jobs(job, jobs, bounds=BOUNDS))
     assert sorted(results) == list(range(len(jobs)))
@@ -64,18 +62,6 @@ def test_every_fault_costs_its_own_job_and_prints_nothing(capfd, monkeypatch):
         assert lost.reason.startswith(reason)
         assert results[3 * number + 1] == results[3 * number + 2] == kind
     assert capfd.readouterr() == ("", "")
-
-
-def test_a_job_over_its_time_costs_itself_alone(clock):
-    jobs = [("fine", 1), ("spin", None), ("fine", 2)]
-    results = dict(run_jobs(job, jobs, processes=1, begun=lambda number: number == 1 and clock.put_forward()))
-    assert results == {0: 1, 1: Lost(Failure.TIMED_OUT, "took longer than 600 s"), 2: 2}
-
-
-def test_a_job_that_hangs_up_costs_itself_alone(monkeypatch):
-    monkeypatch.setattr(workers, "_EXIT_TIMEOUT", 0.1)
-    results = dict(run_jobs(job, [("fine", 1), ("hang_up", None), ("fine", 2)], processes=1))
-    assert results == {0: 1, 1: Lost(Failure.CRASHED, "closed its connection without ending"), 2: 2}
 
 
 def test_a_job_does_not_pay_for_what_another_did_to_its_worker():
@@ -104,7 +90,7 @@ def test_results_come_as_they_complete_and_jobs_begin_in_order(tmp_path):
 
 
 def test_output_is_shown_on_request(monkeypatch, capfd):
-    monkeypatch.setenv("LINKPROOF_WORKER_START", "fork")
+    monkeypatch.setenv("LINKPROOF_WORKER_START", "spawn")
     monkeypatch.setenv(SHOW_OUTPUT, "1")
     list(run_jobs(job, [("write", None)], processes=1))
     assert all("noise" in text for text in capfd.readouterr())
@@ -124,10 +110,10 @@ def test_workers_import_what_their_parent_does_and_nothing_from_the_working_fold
 
 
 def test_a_worker_that_has_ended_between_two_jobs_costs_none():
-    with closing(WorkerPool(os.getpid, (), BOUNDS, 1)) as pool:
-        ((_, first),) = pool.run_more([()], 600.0)
+    with closing(LastingPool(1)) as pool:
+        ((_, first),) = pool.run(os.getpid, [()])
         os.kill(first, signal.SIGTERM)
-        ((_, second),) = pool.run_more([()], 600.0)
+        ((_, second),) = pool.run(os.getpid, [()])
         assert isinstance(second, int)
 
 
@@ -165,24 +151,15 @@ def test_a_lasting_worker_serves_list_after_list_until_one_is_interrupted(tmp_pa
     assert not runs(third)
 
 
-def test_a_late_question_does_not_make_a_job_late(clock):
-    with closing(WorkerPool(job, [("fine", 1), ("clocked", 2)], BOUNDS, 2)) as pool:
-        results = pool.results()
-        next(results)
-        assert wait_for(lambda: all(one.channel.poll() for one in pool.workers if one.job is not None))
-        clock.put_forward()
-        assert not isinstance(next(results)[1], Lost)
-
-
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
-def test_what_a_job_has_started_dies_with_its_worker(tmp_path, clock):
+def test_a_job_over_its_time_costs_itself_alone_and_what_it_has_started_dies(tmp_path, clock):
     path = tmp_path / "child"
-    results = run_jobs(job, [("fine", None), ("fork_and_sleep", str(path))], processes=2)
-    next(results)
+    results = run_jobs(job, [("fine", 1), ("fork_and_sleep", str(path))], processes=1)
+    assert next(results) == (0, 1)
     assert wait_for(lambda: written(path))
     assert runs(int(path.read_text()))
-    clock.put_forward()
-    next(results)
+    clock.rate = 1000.0
+    assert list(results) == [(1, Lost(Failure.TIMED_OUT, "took longer than 600 s"))]
     assert wait_for(lambda: not runs(int(path.read_text())))
 
 
