@@ -19,7 +19,7 @@ from comparisons.judging.records import Error
 from comparisons.runs.files import STORE
 from comparisons.stress.campaign import Border, Line, Stress
 from comparisons.stress.cells import axes
-from comparisons.stress.verdict import CellResult, StressVerdict
+from comparisons.stress.verdict import Cell, StressVerdict
 from reports.charts.draw import drawn
 from reports.charts.scales import FULL_WIDTH, LIMIT_COLOUR
 from reports.document.numbers import ABSENT, bound, error, printed, seconds
@@ -83,7 +83,7 @@ def value_words(value: float | None) -> str:
 
 def border_words(border: Border) -> str:
     """``0.001, over limit at 7.2e-4``."""
-    return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
+    return f"{value_words(border.inside.value)}, {border.outside.verdict.value} at {value_words(border.outside.value)}"
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:
@@ -113,8 +113,8 @@ def map_data(stress: Stress, axis: str) -> dict[str, Any]:
 
 def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]:
     """The cells of one engine and usage, None without a run; a border stands left of each of ``bars``."""
-    cells = {result.cell.value: _cell(result) for result in stress.lines[line]}
-    borders = stress.line_borders.get(line, ())
+    cells = {result.value: _cell(result) for result in stress.lines[line]}
+    borders = [border for border in stress.borders if border.inside.line == line]
     return {
         "engine": line[2],
         "usage": line[3],
@@ -124,39 +124,37 @@ def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]
     }
 
 
-def _cell(result: CellResult) -> dict[str, Any]:
+def _cell(result: Cell) -> dict[str, Any]:
     """The number of its verdict, its story, and the command that repeats it."""
     sign = list(SIGNS).index(result.verdict)
-    return {"verdict": sign, "story": cell_facts(result), "command": result.cell.command}
+    return {"verdict": sign, "story": cell_facts(result), "command": result.command}
 
 
 def border_place(border: Border, values: Sequence[float]) -> int:
     """The column that a border stands left of."""
-    low, high = sorted((border.inside, border.outside))
+    low, high = border.ends
     between = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
     rising = list(values) == sorted(values)
     return sum(value < between if rising else value > between for value in values)
 
 
-def cell_facts(result: CellResult) -> dict[str, str]:
+def cell_facts(result: Cell) -> dict[str, str]:
     """The facts of a cell by heading: why it is wrong, what the checks flag, deviation, invariant, work, conditions."""
     wrong, _, flagged = result.reason.partition(FLAGGED)
     parts = {
         "Wrong" if result.wrong else "Reason": wrong.rstrip(". "),
         "Flagged by the checks": flagged,
-        "Worst deviation, over the peak": _error_and_limit(result.nearest),
-        "Worst invariant": _error_and_limit(result.worst_check),
+        "Worst deviation, over the peak": _error_and_limit(result.errors),
+        "Worst invariant": _error_and_limit(result.invariants),
         "Work": f"{result.steps} steps in {seconds(result.seconds)}" if result.steps else "",
         "Conditions": "; ".join(f"{plain(name)} {_condition_text(value)}" for name, value in result.differing.items()),
     }
     return {name: words for name, words in parts.items() if words}
 
 
-def _error_and_limit(record: Error | None) -> str:
-    """An error and its limit, both over the peak, with the name of its quantity; empty without a record."""
-    if record is None:
-        return ""
-    return f"{worded(record.quantity)} {error(record.error_max)}, limit {bound(record.limit)}"
+def _error_and_limit(errors: Sequence[Error]) -> str:
+    """The first error and its limit, both over the peak, with the name of its quantity; empty without any."""
+    return "".join(f"{worded(row.quantity)} {error(row.error_max)}, limit {bound(row.limit)}" for row in errors[:1])
 
 
 def _condition_text(value: object) -> str:
@@ -196,9 +194,9 @@ def ranking(stress: Stress) -> str:
     These are cells of the tuned setting where there are any, without those of the bisections, which all lie where an
     engine fails.
     """
-    cells = [result for result in stress.results if result.cell.value in stress.columns[result.cell.axis]]
-    tuned = [cell for cell in cells if cell.cell.usage == RANKED]
-    count = Counter((result.cell.engine, result.verdict is StressVerdict.WITHIN) for result in tuned or cells
+    cells = [result for result in stress.results if result.value in stress.columns[result.axis]]
+    tuned = [cell for cell in cells if cell.setting == RANKED]
+    count = Counter((result.engine, result.verdict is StressVerdict.WITHIN) for result in tuned or cells
                     if result.verdict not in NOT_JUDGED)  # fmt: skip
     engines = [(name, count[name, True], count[name, True] + count[name, False]) for name in stress.engines]
     ranked = sorted((engine for engine in engines if engine[2]), key=lambda row: -row[1] / row[2])
@@ -237,27 +235,24 @@ def _compact(count: Counter[StressVerdict]) -> TableCell:
 def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
     """A row to a border; what it shares with the one before is left out. ``name`` is how an axis is named."""
     rows = blank_repeats(
-        ((name(border.axis), *border.line[1:], TableCell(border_words(border), colour=SIGNS[border.verdict].terminal))
+        ((name(border.inside.axis), *border.inside.line[1:],
+          TableCell(border_words(border), colour=SIGNS[border.outside.verdict].terminal))
          for border in stress.borders), heads=4)  # fmt: skip
     return Table("", ("axis", "row", "engine", "usage", "last within, first beyond"), tuple(rows), align="l")
 
 
-def incident_table(results: Iterable[CellResult]) -> Table:
+def incident_table(results: Iterable[Cell]) -> Table:
     """A row per cell, with its reason and command; of many, the first of each axis and engine, with their number."""
-    cell_results = sorted(results, key=lambda result: result.cell.engine)
+    cell_results = sorted(results, key=lambda result: result.engine)
     is_long = len(cell_results) > MOST_ALONE
-    groups = grouped(
-        ((result.cell.engine, result.cell.axis) if is_long else result.cell, result) for result in cell_results
-    )
+    groups = grouped(((result.engine, result.axis) if is_long else result.key, result) for result in cell_results)
     rows = tuple(_incident_row(first, len(others)) for first, *others in groups.values())
     return Table("", INCIDENT, rows, align="llrl", style="incidents")
 
 
-def _incident_row(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
-    cell = result.cell
+def _incident_row(cell: Cell, others: int) -> tuple[TableCell | Words, ...]:
     place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
-    pair = (result.reason, Mono(result.cell.command))
-    return (cell.engine, place, value_words(cell.value), cell.usage, *pair)
+    return (cell.engine, place, value_words(cell.value), cell.setting, cell.reason, Mono(cell.command))
 
 
 # The stress maps for a terminal: verdicts by engine and axis, borders, and every cell that was missed or an alarm.
@@ -276,17 +271,16 @@ def printout(stress: Stress) -> Printout:
     )
 
 
-def _incident_line(result: CellResult) -> Paragraph:
-    cell = result.cell
-    place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.usage}"
-    text = f"{result.verdict.value}: {place}: {result.reason}\n  {result.cell.command}"
-    return Paragraph(text, colour=SIGNS[result.verdict].terminal)
+def _incident_line(cell: Cell) -> Paragraph:
+    place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.setting}"
+    text = f"{cell.verdict.value}: {place}: {cell.reason}\n  {cell.command}"
+    return Paragraph(text, colour=SIGNS[cell.verdict].terminal)
 
 
-def cell_details(result: CellResult) -> str:
+def cell_details(result: Cell) -> str:
     """The details of one cell, a line to a fact."""
     facts = (f"{name}: {words}" for name, words in cell_facts(result).items())
-    return "\n  ".join([f"{result.cell.key}: {result.verdict.value}", *facts])
+    return "\n  ".join([f"{result.key}: {result.verdict.value}", *facts])
 
 
 # A stability map as a static figure: a panel to each row of its axis, as its script draws it.

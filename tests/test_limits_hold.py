@@ -10,11 +10,11 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.standard import JudgedCampaign
 from comparisons.case import Case
+from comparisons.invariants.checks import NEEDED_CHANNELS as INVARIANTS
 from comparisons.invariants.checks import OF_FORCES
 from comparisons.judging.changes import CLOSED_FORM, changes, read_rows
 from comparisons.judging.limits import shipped_standard
 from comparisons.judging.quantities import all_quantities
-from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Setting
 from engines.registry import own_names
 from reports.requests.options import CompareOptions

@@ -185,15 +185,29 @@ def judged(pickled: bytes, engine_name: str, setting: Setting, names: tuple[str,
     )
     if made.outcome is not Outcome.FINISHED or made.history is None:
         return _without_motion(run, quantities, made.outcome, made.reason)
-    motion = ObservedMotion(model, made.history)
+    run = replace(run, details=dict(made.details))
+    return compared(
+        case, ObservedMotion(model, made.history), quantities, run, adapter, with_invariants=with_invariants
+    )
+
+
+def compared(
+    case: Case,
+    motion: ObservedMotion,
+    quantities: Iterable[Quantity],
+    run: Run,
+    adapter: Engine,
+    *,
+    with_invariants: bool = True,
+) -> Run:
+    """A run with the errors of its motion in these quantities, and its invariants."""
     blank = run.blank._replace(origin=CONTROL if adapter.is_control else "")
-    compared = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
+    found = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
     return replace(
         run,
-        errors=tuple(error for error, _ in compared),
+        errors=tuple(error for error, _ in found),
         invariants=checks(case, motion, blank) if with_invariants else (),
-        details=dict(made.details),
-        curves={error.quantity: deviation.curve for error, deviation in compared if deviation is not None},
+        curves={error.quantity: deviation.curve for error, deviation in found if deviation is not None},
     )
 
 

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import math
 import time
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ConfigDict, TypeAdapter
 
 from analytic.description import changes
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion
@@ -26,11 +26,11 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case, case_of_file_regime
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Lost, blamed_on, run_engine
-from comparisons.stress.verdict import Cell, CellResult, StressVerdict, blank_result, judged
+from comparisons.stress.verdict import Cell, StressVerdict, judged, tables
 from engines.contract import Engine, Run, Setting, StudiedEngine
 from engines.mechanics.joints import scene_size
 from engines.registry import why_unavailable
-from engines.scene import Body, Channel, Scene
+from engines.scene import Channel, Scene
 
 LINKAGES = Path(__file__).with_name("linkages")
 RELEASED, REVERSAL = "released", "reversal"
@@ -38,15 +38,13 @@ RELEASED, REVERSAL = "released", "reversal"
 MOST_RELAXATIONS = 1e4
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # directions that no two bodies share
 
-# The axes of the stress maps: a table that is read once and checked.
-
-
-TABLE = Path(__file__).with_name("axes.toml")
-
 
 @dataclass(frozen=True)
 class Conditions:
     """The conditions of a cell: scene and steps; the defaults are a smooth run-up of the unchanged linkage.
+
+    A row of a map, its ``label``, is all conditions but the one that varies; ``most`` is the largest value of that one
+    that makes sense, and ``quick`` rows are in a quick map too. What an engine alone is given tells no cases apart.
 
     ``linkage`` is a catalogue name, or a file's among the stress maps' own. ``speed`` is in rpm, ``start_angle`` in
     degrees; ``motion`` is a regime's name, ``reversal`` or ``released``. ``turns`` is the duration of a constant speed
@@ -56,7 +54,12 @@ class Conditions:
     ``load_factor``. ``disturbed`` says whether positions or velocities of the start are off by ``disturbance``.
     """
 
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
     linkage: str
+    label: str = field(default="", compare=False)
+    quick: bool = field(default=False, compare=False)
+    most: float = field(default=math.inf, compare=False)
     speed: float = 1000.0
     motion: str = "run-up-quintic"
     start_angle: float = 0.0
@@ -77,30 +80,21 @@ class Conditions:
     load: str = ""
     load_factor: float = 1.0
     damper_factor: float = 1.0
-    disturbed: str = ""
-    disturbance: float = 0.0
-    steps_per_turn: float = 0.0
-    effort: float = 0.0
+    disturbed: str = field(default="", compare=False)
+    disturbance: float = field(default=0.0, compare=False)
+    steps_per_turn: float = field(default=0.0, compare=False)
+    effort: float = field(default=0.0, compare=False)
 
     @property
-    def differing(self) -> dict[str, str | float | bool | list[float]]:
-        """The conditions that differ from the defaults, by name."""
-        differing = {}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name == "linkage" or value != field.default:
-                differing[field.name] = list(value) if isinstance(value, tuple) else value
-        return differing
-
-    @property
-    def time_factor(self) -> float:
-        """The factor of every time."""
-        return self.scale if self.scaled == "time" else 1.0
+    def differing(self) -> dict[str, Any]:
+        """The conditions that differ from the defaults, by name, JSON-ready."""
+        of_row = {"label", "quick", "most"}
+        return dict(TypeAdapter(Conditions).dump_python(self, mode="json", exclude_defaults=True, exclude=of_row))
 
     @property
     def rate(self) -> float:
-        """The speed, rad/s."""
-        return self.speed * RPM / self.time_factor
+        """The speed, rad/s; where times are scaled, in the scaled time."""
+        return self.speed * RPM / (self.scale if self.scaled == "time" else 1.0)
 
     @property
     def step(self) -> float:
@@ -161,8 +155,12 @@ def reversal(speed: float, start_angle: float, hold: float, change: float) -> Cr
     return CrankMotion(REVERSAL, tuple(segments))
 
 
+@lru_cache(maxsize=4)
 def case(conditions: Conditions) -> Case:
-    """The case of a cell. Raises AssemblyError, or LinkproofError, where there is no motion to hold an engine to."""
+    """The case of a cell, shared by its neighbours: a long released motion takes seconds to integrate.
+
+    Raises AssemblyError, or LinkproofError, where there is no motion to hold an engine to.
+    """
     mechanism = Mechanism(linkage(conditions))
     if conditions.motion != RELEASED:
         return Case(mechanism, motion(conditions))
@@ -185,32 +183,17 @@ def case(conditions: Conditions) -> Case:
 
 def scene(conditions: Conditions, case: Case) -> Scene:
     """The scene of a cell, with every channel and, on request, a disturbed start."""
-    undisturbed = case.scene(frozenset(Channel))
-    if not conditions.disturbed:
+    undisturbed, level = case.scene(frozenset(Channel)), conditions.disturbed
+    if not level:
         return undisturbed
-    size = conditions.disturbance * scene_size(undisturbed)
-    if conditions.disturbed == "velocity":
-        size *= abs(conditions.rate)
-    bodies = (_displaced(body, number, conditions.disturbed, size) for number, body in enumerate(undisturbed.bodies))
+    size = conditions.disturbance * scene_size(undisturbed) * (abs(conditions.rate) if level == "velocity" else 1.0)
+    bodies = []
+    for number, body in enumerate(undisturbed.bodies):
+        x, y = getattr(body, level)
+        off = (size * math.cos(number * GOLDEN_ANGLE), size * math.sin(number * GOLDEN_ANGLE))
+        place: dict[str, Any] = {level: (x + off[0], y + off[1])}
+        bodies.append(replace(body, **place))
     return replace(undisturbed, bodies=tuple(bodies))
-
-
-def _displaced(body: Body, number: int, level: str, size: float) -> Body:
-    """A body with its place or its velocity off by ``size``, m or m/s."""
-    direction = np.array([math.cos(number * GOLDEN_ANGLE), math.sin(number * GOLDEN_ANGLE)])
-    x, y = np.array(getattr(body, level)) + size * direction
-    place = (float(x), float(y))
-    return replace(body, velocity=place) if level == "velocity" else replace(body, position=place)
-
-
-@dataclass(frozen=True)
-class AxisRow:
-    """One line of a map: all conditions but the one that varies. ``most`` is the largest value that makes sense."""
-
-    label: str
-    conditions: Conditions
-    quick: bool = False
-    most: float = float("inf")
 
 
 @dataclass(frozen=True)
@@ -222,6 +205,8 @@ class Axis:
     where ``narrow`` says so: runs of ever more turns cost more than their exact number is worth.
     """
 
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
     name: str
     title: str
     about: str
@@ -229,15 +214,16 @@ class Axis:
     label: str
     values: tuple[float, ...]
     good: float
-    rows: tuple[AxisRow, ...]
+    rows: tuple[Conditions, ...]
     quick: tuple[float, ...] = ()
     settings: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
     unit: str = ""
     seconds: float = 20.0
     narrow: bool = True
+    common: Mapping[str, Any] = field(default_factory=dict)  # to all rows
 
-    def row(self, label: str) -> AxisRow:
+    def row(self, label: str) -> Conditions:
         """A row by its label."""
         rows = {row.label: row for row in self.rows}
         if label not in rows:
@@ -247,13 +233,13 @@ class Axis:
     def conditions(self, label: str, value: float) -> Conditions:
         """All conditions of a cell."""
         varied: dict[str, Any] = {self.vary: value}
-        return replace(self.row(label).conditions, **varied)
+        return replace(self.row(label), **varied)
 
-    def chosen_rows(self, *, quick: bool) -> tuple[AxisRow, ...]:
+    def chosen_rows(self, *, quick: bool) -> tuple[Conditions, ...]:
         """The rows of a full map, or of a quick one."""
         return tuple(row for row in self.rows if row.quick or not quick)
 
-    def chosen_values(self, row: AxisRow, *, quick: bool) -> tuple[float, ...]:
+    def chosen_values(self, row: Conditions, *, quick: bool) -> tuple[float, ...]:
         """The values of a row in a full map, or in a quick one."""
         return tuple(value for value in (self.quick if quick else self.values) if value <= row.most)
 
@@ -261,8 +247,8 @@ class Axis:
 @cache
 def axes() -> Mapping[str, Axis]:
     """Every axis by its name, in the table's order."""
-    tables = tomllib.loads(TABLE.read_text(encoding="utf-8"))["axis"]
-    return {table["name"]: _axis_of_table(table) for table in tables}
+    found = [{**axis, "rows": [axis.get("common", {}) | row for row in axis["rows"]]} for axis in tables()["axis"]]
+    return {axis.name: axis for axis in TypeAdapter(tuple[Axis, ...]).validate_python(found)}
 
 
 def chosen_axes(names: Iterable[str]) -> list[Axis]:
@@ -274,138 +260,86 @@ def chosen_axes(names: Iterable[str]) -> list[Axis]:
     return [axis for axis in known.values() if not chosen or axis.name in chosen]
 
 
-def _axis_of_table(table: dict[str, Any]) -> Axis:
-    common, rows = table.pop("common", {}), table.pop("rows")
-    lists = {key: tuple(value) for key, value in table.items() if isinstance(value, list)}
-    return Axis(**{**table, **lists}, rows=tuple(_row_of_table(common, row) for row in rows))
-
-
-def _row_of_table(common: Mapping[str, Any], table: Mapping[str, Any]) -> AxisRow:
-    of_row = {field.name for field in fields(AxisRow)} - {"conditions"}
-    conditions: dict[str, Any] = {
-        key: _tuple_for_list(value) for key, value in {**common, **table}.items() if key not in of_row
-    }
-    return AxisRow(conditions=Conditions(**conditions), **{key: table[key] for key in of_row & table.keys()})
-
-
-def _tuple_for_list(value: object) -> object:
-    return tuple(value) if isinstance(value, list) else value
-
-
-def nearest(values: Sequence[float], target: float) -> int:
-    """Index of the value nearest to ``target``, by ratio."""
-    return min(range(len(values)), key=lambda n: _factor_between(values[n], target))
-
-
-def _factor_between(first: float, second: float) -> float:
-    low, high = sorted((first, second))
-    return float("inf") if low <= 0.0 < high else (high / low if low > 0.0 else 1.0)
-
-
-SETTINGS = tuple(setting.value for setting in Setting)
-
-
 def usages(axis: Axis, adapter: Engine) -> list[str]:
     """The settings and methods in which an engine is put on an axis."""
     if not axis.methods:
         return list(axis.settings)
-    plain = axis.rows[0].conditions
-    given = scene(plain, _case(plain))
+    given = scene(axis.rows[0], case(axis.rows[0]))
     try:
         methods = adapter.methods(given) if isinstance(adapter, StudiedEngine) else ()
         offered = {method.name: method.effort_unit for method in methods}
     except Exception:  # a cell of every method tells what the adapter raises
         return [*axis.settings, *axis.methods]
-    fitting = [name for name in axis.methods if name in offered and axis.unit in ("", offered[name])]
-    return [*axis.settings, *fitting]
+    return [*axis.settings, *(n for n in axis.methods if n in offered and axis.unit in ("", offered[n]))]
+
+
+def cell_at(axis: Axis, row: str, value: float, engine: str, usage: str) -> Cell:
+    """A cell before it is run; ``usage`` is a setting or the name of a method."""
+    conditions = axis.conditions(row, value)
+    names = (conditions.linkage, "", conditions.motion, f"{axis.name}, {row}: {value:.6g}", engine, "", usage)
+    return Cell(*names, axis=axis.name, row=row, value=value, differing=conditions.differing)
 
 
 def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = (), *, quick: bool) -> list[Cell]:
-    """Every cell of these axes; ``only`` keeps the usages of these names."""
-    result = []
+    """Every cell of these axes; ``only`` keeps the usages of these names. Raises LinkproofError where there is none."""
+    found = []
     for axis in chosen:
-        known = [(name, usage) for name in engines for usage in usages(axis, engine(name))]
-        result += [
-            Cell(axis.name, row.label, value, name, usage)
-            for row in axis.chosen_rows(quick=quick)
-            for value in axis.chosen_values(row, quick=quick)
-            for name, usage in known
-            if not only or usage in only
-        ]
-    return result
+        known = [(name, usage) for name in engines for usage in usages(axis, engine(name)) if usage in only or not only]
+        for row in axis.chosen_rows(quick=quick):
+            values = axis.chosen_values(row, quick=quick)
+            found += [cell_at(axis, row.label, value, *each) for value in values for each in known]
+    if not found:
+        usage = ", ".join(only) or "any setting"
+        raise LinkproofError(f"no stability run matches {usage}: choose other axes or settings")
+    return found
 
 
 def find_cell(key: str) -> Cell:
     """The cell of a key; its value may be any number. Raises UnknownNameError, or LinkproofError for another text."""
-    parts = key.split("/")
-    if len(parts) != 5:
-        raise LinkproofError(
-            f"expected a cell as AXIS/ROW/VALUE/ENGINE/USAGE, got '{key}'; copy one from a list of cells"
-        )
-    name, row, value, engine_name, usage = parts
-    if name not in axes():
-        raise UnknownNameError("axis", name, axes())
-    axis = axes()[name]
+    try:
+        name, row, value, engine_name, usage = key.split("/")
+    except ValueError:
+        form = "AXIS/ROW/VALUE/ENGINE/USAGE"
+        raise LinkproofError(f"expected a cell as {form}, got '{key}'; copy one from a list of cells") from None
+    (axis,) = chosen_axes([name])
     axis.row(row)
     known = usages(axis, engine(engine_name))
     if usage not in known:
         raise UnknownNameError(f"usage of '{engine_name}' on axis '{name}'", usage, known)
     try:
-        return Cell(name, row, float(value), engine_name, usage)
+        return cell_at(axis, row, float(value), engine_name, usage)
     except ValueError:
         raise LinkproofError(f"cell '{key}': expected a number as its value, got '{value}'; correct it") from None
 
 
-def run_cell(cell: Cell) -> CellResult:
+def run_cell(cell: Cell) -> Cell:
     """Make a cell's run here and now, and judge it."""
-    begun = time.perf_counter()
+    begun, adapter = time.perf_counter(), engine(cell.engine)
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    blank = _blank_result(cell)
-    adapter = engine(cell.engine)
     with blamed_on(adapter):
         absent = why_unavailable(adapter)
     if absent is not None:
-        return replace(blank, verdict=StressVerdict.UNAVAILABLE, reason=absent)
+        return replace(cell, verdict=StressVerdict.UNAVAILABLE, reason=absent)
     try:
-        true = _case(conditions)
+        true = case(conditions)
     except LinkproofError as error:
         reason = f"the closed form has no motion to hold an engine to: {error}"
-        return replace(blank, verdict=StressVerdict.UNSUPPORTED, reason=reason)
+        return replace(cell, verdict=StressVerdict.UNSUPPORTED, reason=reason)
     given = scene(conditions, true)
-    run = _run_usage(adapter, given, cell.usage, conditions)
-    # Those of naive would hide a wrong motion.
-    limits_of = Setting.BEST if cell.usage == Setting.BEST else Setting.TUNED
-    blank = replace(
-        blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps, solver_work=run.solver_work
-    )
-    return replace(judged(blank, true, given, run, limits_of.value), spent=time.perf_counter() - begun)
+    made = _run_usage(adapter, given, cell.setting, conditions)
+    cost = {name: getattr(made, name) for name in ("seconds", "setup_seconds", "steps", "solver_work")}
+    result = judged(replace(cell, **cost), true, given, made, adapter)
+    return replace(result, spent=time.perf_counter() - begun)
 
 
-def lost(loss: Lost, cell: Cell) -> CellResult:
+def lost(loss: Lost, cell: Cell) -> Cell:
     """A cell whose worker gave no result."""
-    return replace(_blank_result(cell), verdict=StressVerdict(loss.outcome.value), reason=loss.reason)
-
-
-def _blank_result(cell: Cell) -> CellResult:
-    conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    blank = blank_result(cell, conditions.linkage, conditions.motion)
-    return replace(blank, differing=conditions.differing)
-
-
-def _case(conditions: Conditions) -> Case:
-    """The case of conditions, which those share that differ in what an engine alone is given."""
-    return _shared_case(replace(conditions, disturbed="", disturbance=0.0, steps_per_turn=0.0, effort=0.0))
-
-
-@lru_cache(maxsize=4)
-def _shared_case(conditions: Conditions) -> Case:
-    """A case, cached: neighbouring cells share it, and a long released motion takes seconds to integrate."""
-    return case(conditions)
+    return replace(cell, verdict=StressVerdict(loss.outcome.value), reason=loss.reason)
 
 
 def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:
     """The engine's run of a scene in a setting, or by a method at the conditions' step."""
-    if usage in SETTINGS:
+    if usage in [*Setting]:
         return run_engine(adapter, given, Setting(usage))
     assert isinstance(adapter, StudiedEngine)
     with blamed_on(adapter):

@@ -9,7 +9,7 @@ from analytic.errors import LinkproofError
 from comparisons.judging.changes import Change
 from comparisons.judging.records import Error, Verdict
 from comparisons.runs.run_engine import Failure
-from comparisons.stress.verdict import CellResult, StressVerdict
+from comparisons.stress.verdict import Cell, StressVerdict
 from comparisons.work_precision.measure import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord
 from engines.contract import Outcome, Setting
@@ -49,7 +49,7 @@ def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> i
     return _code(is_ours, not useful.issuperset(engines), any(record.finished for record in records), reasons)
 
 
-def stress_exit_code(cells: Iterable[CellResult]) -> int:
+def stress_exit_code(cells: Iterable[Cell]) -> int:
     """The exit code of cells of stability maps: 1 if the invariants missed a wrong motion.
 
     Raises LinkproofError if no cell is judged.

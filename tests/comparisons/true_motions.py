@@ -8,12 +8,12 @@ from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import reactions
 from comparisons.case import Case
 from comparisons.observed_motion import ObservedMotion
-from comparisons.stress.verdict import Cell, blank_result, judged
+from comparisons.stress.verdict import Cell, judged
 from engines.contract import History, Outcome, Run, Signal
+from engines.mujoco_adapter import MujocoEngine
 from engines.scene import Channel, Free
 
 EVERYTHING = frozenset(Channel)
-CELL = Cell("axis", "row", 1.0, "engine", "tuned")
 
 
 def true_history(case, count=1201, mechanism=None, lag=0.0, shift=0.0):
@@ -63,15 +63,20 @@ def _rates(sweep, name, rate, squared=None):
     return np.stack(first, axis=1)
 
 
+def cell(value=1.0, *, mechanism="m", axis="axis", row="row", engine="engine", usage="tuned", **known):
+    """A cell of a stability map, as it is before its run but for what is ``known``."""
+    return Cell(mechanism, "", "", "", engine, "", usage, axis=axis, row=row, value=value, **known)
+
+
 def judgement(case, history, setting="tuned"):
     """What the stress maps make of a history that an engine calls finished."""
-    return judged(
-        blank_result(CELL, "m"),
-        case,
-        case.scene(EVERYTHING),
-        Run(Outcome.FINISHED, history=history),
-        setting,
-    )
+    run = Run(Outcome.FINISHED, history=history)
+    return judged(cell(usage=setting), case, case.scene(EVERYTHING), run, MujocoEngine())
+
+
+def alarms(found):
+    """Names of the checks that failed in a cell."""
+    return tuple(check.quantity for check in found.invariants if check.outcome != "passed")
 
 
 def with_signal(history, name, change):

@@ -20,7 +20,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case
 from comparisons.runs.run_engine import Lost, run_engine
 from comparisons.runs.workers import Bounds, run_jobs
-from comparisons.stress.verdict import Cell, StressVerdict, blank_result, judged
+from comparisons.stress.verdict import Cell, StressVerdict, judged
 from engines.contract import Setting
 from engines.registry import engine
 from engines.scene import Channel
@@ -183,8 +183,9 @@ def run(number: int, name: str, largest_ratio: float) -> str:
     motion = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.06, start_angle=0.1)
     case = Case(Mechanism(parse(drawn.text, f"drawn-{number}", "drawn")), motion)
     model = case.scene(frozenset(Channel))
-    blank = blank_result(Cell(drawn.kind, "", number, name, Setting.TUNED), case.mechanism.linkage.name)
-    return judged(blank, case, model, run_engine(engine(name), model, Setting.TUNED), Setting.TUNED).verdict.value
+    names = (case.mechanism.linkage.name, "", "", "", name, "", Setting.TUNED)
+    cell, adapter = Cell(*names, axis=drawn.kind, row="", value=number), engine(name)
+    return judged(cell, case, model, run_engine(adapter, model, Setting.TUNED), adapter).verdict.value
 
 
 def tallies(count: int, engines: Sequence[str], largest_ratio: float = MODERATE) -> dict[str, Tally]:

@@ -15,10 +15,10 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import Results, document
 from comparisons.case import Case
+from comparisons.invariants.checks import NEEDED_CHANNELS as INVARIANTS
 from comparisons.judging.limits import judge
 from comparisons.judging.quantities import QUANTITIES, Deviation, near_jumps
 from comparisons.judging.records import Error, Run, Verdict, run_of
-from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import ReadOut, Setting
 
 ERRORS = ("error_max", "error_rms", "peak", "worst_time", "samples", "left_out")

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import replace
 
 from analytic.errors import LinkproofError
 from comparisons.runs.workers import LastingPool
-from comparisons.stress.campaign import KIND, StressRequest, load, make_cells, save, stress
-from comparisons.stress.cells import chosen_axes, find_cell
+from comparisons.stress.campaign import KIND, load, make_cells, save, stress
+from comparisons.stress.cells import cells, chosen_axes, find_cell
 from reports.command_line.destination import Destination, finished_runs, report_interruption
 from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
 from reports.requests.exit_codes import stress_exit_code
@@ -26,18 +25,20 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
     where = run_resources(RunLimits(jobs=jobs))
-    cells = [word for word in options.words if "/" in word]
-    if cells:
-        return _make_named_cells(options, cells, destination, where)
-    wanted, out = _request(options), destination.out
+    named = [word for word in options.words if "/" in word]
+    if named:
+        return _make_named_cells(options, named, destination, where)
+    engines, out, command = requested_engines(options.engine), destination.out, command_line("stress", options)
+    axes = chosen_axes(options.words)
     if destination.verbose and not options.engine:
-        destination.remark(missing_engines(wanted.engines))
+        destination.remark(missing_engines(engines))
     with closing(LastingPool(where.processes)) as pool, report_interruption(out, KIND) as counting:
-        wanted = replace(wanted, pool=pool)
-        _ = wanted.cells  # a request without any is refused before the folder is touched
-        finished = finished_runs(out, wanted.command, wanted.engines) if out else None
+        chosen = cells(axes, engines, options.setting, quick=options.quick)
+        finished = finished_runs(out, command, engines) if out else None
         with destination.progress() as announce:
-            result = stress(wanted, counting(announce), finished)
+            result = stress(
+                chosen, command, quick=options.quick, announce=counting(announce), finished=finished, pool=pool
+            )
         if destination.json:
             destination.write_json(result.as_dict)
         if out:
@@ -60,21 +61,13 @@ def write_again(destination: Destination) -> int:
     return stress_exit_code(result.cells)
 
 
-def _request(options: StressOptions) -> StressRequest:
-    """The stability maps to make; raises LinkproofError for unknown names."""
-    present = requested_engines(options.engine)
-    axes = tuple(chosen_axes(options.words))
-    command = command_line("stress", options)
-    return StressRequest(axes, present, options.setting, options.quick, command=command)
-
-
 def _make_named_cells(
-    options: StressOptions, cells: Sequence[str], destination: Destination, where: RunResources
+    options: StressOptions, named: Sequence[str], destination: Destination, where: RunResources
 ) -> int:
     """Make the named cells, each separately, and print all their details."""
-    if len(cells) < len(options.words):
+    if len(named) < len(options.words):
         raise LinkproofError("expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind")
-    chosen = [find_cell(name) for name in cells]
+    chosen = [find_cell(name) for name in named]
     results = make_cells(chosen, where.pool)
     destination.print(*map(cell_details, results))
     destination.write_json({"cells": [result.data for result in results]})

@@ -25,7 +25,7 @@ from comparisons.stress.verdict import StressVerdict
 from engines.contract import Signal
 from engines.scene import Channel
 from tests.analytic.linkages import mechanism as sample
-from tests.comparisons.true_motions import EVERYTHING, cut, judgement, perfect_motion, true_history, with_signal
+from tests.comparisons.true_motions import EVERYTHING, alarms, cut, judgement, perfect_motion, true_history, with_signal
 
 JUKI = "juki-mf7923d"
 
@@ -66,7 +66,7 @@ def records(one, history):
 def test_a_true_motion_raises_no_alarm(name):
     one = driven(name)
     found = judgement(one, true_history(one, 2401))
-    assert (found.verdict, found.alarms) == (StressVerdict.WITHIN, ())
+    assert (found.verdict, alarms(found)) == (StressVerdict.WITHIN, ())
 
 
 @settings(max_examples=6)
@@ -80,32 +80,32 @@ def test_a_true_motion_raises_no_alarm(name):
 def test_no_speed_ramp_or_start_raises_one(name, regime, speed, start_angle, count):
     motion = crank_motion(regime, speed=speed, start_angle=start_angle, ramp_time=60.0 / speed, hold_time=10.0 / speed)
     one = Case(mechanism(name), motion)
-    assert judgement(one, true_history(one, count)).alarms == ()
+    assert alarms(judgement(one, true_history(one, count))) == ()
 
 
 @pytest.mark.parametrize("count", [25, 150])
 def test_coarse_samples_of_a_true_motion_raise_none(count):
     one = driven(JUKI)
-    assert judgement(one, true_history(one, count)).alarms == ()
+    assert alarms(judgement(one, true_history(one, count))) == ()
 
 
 def test_a_reversal_raises_none():
     one = Case(mechanism(JUKI), reversal(100.0, 0.0, 0.05, 0.02))
-    assert judgement(one, true_history(one)).alarms == ()
+    assert alarms(judgement(one, true_history(one))) == ()
 
 
 @pytest.mark.parametrize(("excess", "count"), [(1e-2, 301), (1e-6, 301), (1e-8, 1201)])
 def test_a_peak_between_two_samples_raises_none(excess, count):
     conditions = Conditions("slider-crank", link="rod", point="D", at=(0.05, 0.0), slope=(0.05, 0.0), excess=excess)
     one = case(conditions)
-    assert judgement(one, true_history(one, count)).alarms == ()
+    assert alarms(judgement(one, true_history(one, count))) == ()
 
 
 def test_the_velocity_may_have_a_clock_of_its_own():
     motion = crank_motion("run-up-quintic")
     seen = perfect_motion(mechanism(JUKI), motion, 2801, shift=0.5)
     found = judgement(Case(mechanism(JUKI), motion), seen.history)
-    assert found.alarms == ()
+    assert alarms(found) == ()
 
 
 # -- one thing wrong ---------------------------------------------------------------------------------------------------
@@ -137,7 +137,7 @@ def test_a_fault_in_one_signal_is_caught(name, fault):
     signal, change = FAULTS[fault]
     one = driven(name)
     found = judgement(one, with_signal(true_history(one), signal, change))
-    assert found.alarms, fault
+    assert alarms(found), fault
     assert found.verdict is not StressVerdict.MISSED
 
 
@@ -149,7 +149,7 @@ def test_a_fault_in_one_signal_is_caught(name, fault):
 )
 def test_whatever_is_scaled_is_caught(name, signal, scale):
     one = driven(name)
-    assert judgement(one, with_signal(true_history(one, 601), signal, lambda values, _: scale * values)).alarms
+    assert alarms(judgement(one, with_signal(true_history(one, 601), signal, lambda values, _: scale * values)))
 
 
 @settings(max_examples=6)
@@ -158,7 +158,7 @@ def test_a_crank_off_its_drive_is_caught(name, lag, ahead):
     one = driven(name)
     found = judgement(one, true_history(one, 601, lag=-lag if ahead else lag))
     assert found.verdict is StressVerdict.CAUGHT
-    assert "crank_phase" in found.alarms
+    assert "crank_phase" in alarms(found)
 
 
 @pytest.mark.parametrize("name", SOME)
@@ -169,8 +169,8 @@ def test_a_wrong_force_in_any_one_joint_is_caught(name, scale):
     for joint, signal in history.joint_force.items():
         forces = {**history.joint_force, joint: Signal(signal.time, scale * signal.values)}
         found = judgement(one, dataclasses.replace(history, joint_force=forces))
-        assert "force_balance" in found.alarms, joint
-        assert {*found.alarms} <= {"force_balance", "weight_on_frame"}, joint
+        assert "force_balance" in alarms(found), joint
+        assert {*alarms(found)} <= {"force_balance", "weight_on_frame"}, joint
 
 
 @pytest.mark.parametrize("regime", ["run-up", "constant-speed"])
@@ -178,7 +178,7 @@ def test_a_wrong_force_in_any_one_joint_is_caught(name, scale):
 def test_gravity_of_9_80_is_caught_by_the_weight_on_the_frame_alone(name, regime):
     one, linkage = driven(name, regime), mechanism(name).linkage
     history = true_history(one, 1401, mechanism=Mechanism(dataclasses.replace(linkage, gravity=(0.0, -9.80))))
-    assert judgement(one, history).alarms == ("weight_on_frame",)
+    assert alarms(judgement(one, history)) == ("weight_on_frame",)
     off = records(one, history)["weight_on_frame"].error_max
     assert off == pytest.approx(0.01 / 9.81, rel=1e-3)
 
@@ -196,7 +196,7 @@ def test_a_guide_that_pulls_along_itself_is_caught():
     signal = history.joint_force[guide]
     along = 0.02 * np.max(np.abs(signal.values)) * np.array([0.0, 1.0])
     forces = {**history.joint_force, guide: Signal(signal.time, signal.values + along)}
-    assert "force_balance" in judgement(one, dataclasses.replace(history, joint_force=forces)).alarms
+    assert "force_balance" in alarms(judgement(one, dataclasses.replace(history, joint_force=forces)))
 
 
 def test_another_linkage_is_caught_by_what_its_joints_lack():
@@ -205,8 +205,8 @@ def test_another_linkage_is_caught_by_what_its_joints_lack():
     one, other = case(true), case(dataclasses.replace(true, excess=4e-5))
     found = judgement(one, true_history(one, 1201, mechanism=other.mechanism))
     assert found.verdict is StressVerdict.CAUGHT
-    assert "joint_gap" not in found.alarms
-    assert "closure" in found.alarms
+    assert "joint_gap" not in alarms(found)
+    assert "closure" in alarms(found)
 
 
 # -- a spike beside a toggle -----------------------------------------------------------------------------------------
@@ -287,7 +287,7 @@ def test_samples_half_a_turn_apart_are_not_the_motion():
     one = driven(JUKI, "constant-speed")
     found = judgement(one, cut(true_history(one), lambda t: np.abs(t - 0.6 * t[-1]) > 0.15 * t[-1]))
     assert found.verdict is StressVerdict.CAUGHT
-    assert "crank_phase" in found.alarms
+    assert "crank_phase" in alarms(found)
 
 
 # -- single ones -------------------------------------------------------------------------------------------------------
@@ -374,7 +374,7 @@ def test_a_linkage_that_takes_the_smooth_way_through_a_change_point_is_caught_by
     )  # the first change point is at 1/4 turn
     found = judgement(one, history)
     assert found.verdict is StressVerdict.CAUGHT
-    assert "assembly_mode" in found.alarms
+    assert "assembly_mode" in alarms(found)
 
 
 def test_of_equal_lengths_the_smooth_way_is_the_right_one_and_the_other_is_caught():
@@ -386,7 +386,7 @@ def test_of_equal_lengths_the_smooth_way_is_the_right_one_and_the_other_is_caugh
     with np.errstate(all="ignore"):
         found = judgement(one, true_history(one, 1200, mechanism=turned_back))
     assert found.verdict is StressVerdict.CAUGHT
-    assert "assembly_mode" in found.alarms
+    assert "assembly_mode" in alarms(found)
 
 
 def test_two_groups_in_their_other_modes_do_not_hide_each_other():
@@ -401,7 +401,7 @@ def test_two_groups_in_their_other_modes_do_not_hide_each_other():
     true, seen = (Inspection(ObservedMotion(one.scene(EVERYTHING), h)) for h in (true_history(one), history))
     whole = [np.sign(np.prod(found.on(Channel.POSITION).determinants, axis=1)) for found in (true, seen)]
     np.testing.assert_array_equal(*whole)
-    assert "assembly_mode" in judgement(one, history).alarms
+    assert "assembly_mode" in alarms(judgement(one, history))
 
 
 def test_the_force_balance_is_undefined_where_a_change_point_is_passed():
@@ -441,7 +441,7 @@ def test_a_wrong_torque_at_a_change_point_is_caught_by_the_smooth_curve_over_it(
 @pytest.mark.parametrize(("damping", "torque"), [(0.0, 0.0), (0.5, 2.0)])
 def test_a_released_crank_raises_none(damping, torque):
     one = released(JUKI, damping=damping, torque=torque)
-    assert judgement(one, true_history(one, 1501)).alarms == ()
+    assert alarms(judgement(one, true_history(one, 1501))) == ()
 
 
 def test_the_angle_turned_before_the_first_acceleration_is_not_the_engines_error():
@@ -459,14 +459,14 @@ def test_tiny_dissipation_is_caught_over_many_turns():
     history = true_history(dataclasses.replace(lossy, mechanism=one.mechanism), 100 * turns)
     found = judgement(one, history)
     assert found.verdict is StressVerdict.CAUGHT
-    assert found.alarms == ("crank_phase",)
+    assert alarms(found) == ("crank_phase",)
 
 
 def test_a_wrong_start_that_fits_itself_is_caught():
     one, fast = released(JUKI), released(JUKI, speed=100.5, turns=5.0 * 1.005)
     found = judgement(one, true_history(dataclasses.replace(fast, mechanism=one.mechanism)))
     assert found.verdict is StressVerdict.CAUGHT
-    assert "crank_phase" in found.alarms
+    assert "crank_phase" in alarms(found)
 
 
 def test_a_crank_that_rests_at_its_turning_point_is_caught():
@@ -490,7 +490,7 @@ def test_a_crank_that_rests_at_its_turning_point_is_caught():
     found = judgement(one, history)
     assert np.ptp(angle) > 0.1
     assert found.verdict is StressVerdict.CAUGHT
-    assert "torque_two_routes" in found.alarms
+    assert "torque_two_routes" in alarms(found)
 
 
 def test_a_speed_its_acceleration_does_not_make_is_caught():

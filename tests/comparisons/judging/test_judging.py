@@ -13,6 +13,7 @@ from analytic.description.schema import EyeReference
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case
+from comparisons.invariants.checks import NEEDED_CHANNELS as INVARIANTS
 from comparisons.invariants.checks import checks
 from comparisons.judging.limits import (
     USER_REASON,
@@ -29,7 +30,6 @@ from comparisons.judging.limits import (
 from comparisons.judging.quantities import QUANTITIES, NoSampleError, all_quantities, chosen_quantities, deviation
 from comparisons.judging.records import Error, Verdict, run_of
 from comparisons.observed_motion import ObservedMotion
-from comparisons.stress.verdict import ALARMS as INVARIANTS
 from engines.contract import Origin, Setting, Signal
 from tests.comparisons.true_motions import perfect_motion
 

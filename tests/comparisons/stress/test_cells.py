@@ -20,18 +20,20 @@ from comparisons.runs.store import temporary_runs
 from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress
-from comparisons.stress.campaign import StressRequest, make_cells
+from comparisons.stress.campaign import make_cells
 from comparisons.stress.cells import (
     RELEASED,
     Conditions,
     axes,
     case,
+    cell_at,
+    cells,
     find_cell,
     lost,
     run_cell,
     scene,
 )
-from comparisons.stress.verdict import Cell, CellResult, StressVerdict
+from comparisons.stress.verdict import Cell, StressVerdict
 from engines.contract import Abilities, Method, Outcome, Run
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import start_misfit
@@ -49,7 +51,7 @@ STRETCH = 1e4  # times the easy value: beyond it a released motion is only slow 
 )
 def test_every_row_is_a_scene_that_fits_its_joints_at_both_ends_and_at_its_easy_value(axis, row):
     values = axis.chosen_values(row, quick=False)
-    if row.conditions.motion == RELEASED:
+    if row.motion == RELEASED:
         values = tuple(value for value in values if value <= STRETCH)[:3]
     for value in {values[0], values[-1], axis.good}:
         conditions = axis.conditions(row.label, value)
@@ -183,7 +185,7 @@ def with_engine(monkeypatch):
     return install
 
 
-COUPLER = Cell("mass", "four-bar, coupler", 100.0, "perfect", "tuned")
+COUPLER = cell_at(axes()["mass"], "four-bar, coupler", 100.0, "perfect", "tuned")
 
 
 @pytest.mark.parametrize(
@@ -216,7 +218,7 @@ def test_the_store_holds_all_of_a_cell(with_engine, engine):
     with_engine(engine)
     found, runs = run_cell(dataclasses.replace(COUPLER, value=1e4)), temporary_runs()
     runs.add(found.key, *found.written())
-    assert CellResult.from_row(*runs.read(found.key)) == found
+    assert Cell.from_row(*runs.read(found.key)) == found
     assert found.data["command"] == "linkproof stress 'mass/four-bar, coupler/10000/perfect/tuned'"
     for failure in Failure:
         found = lost(Lost(failure, "as tested"), COUPLER).data
@@ -226,24 +228,24 @@ def test_the_store_holds_all_of_a_cell(with_engine, engine):
 # -- maps --------------------------------------------------------------------------------------------------------------
 
 
-def request(**changes):
+def stress_test(quick=False, **changes):
     axis = dataclasses.replace(axes()["mass"], rows=(axes()["mass"].row("four-bar, coupler"),))
-    return StressRequest((axis,), ("perfect",), ("tuned",), pool=LocalPool(0), **changes)
+    chosen = cells((axis,), ("perfect",), ("tuned",), quick=quick)
+    return campaign.stress(chosen, quick=quick, pool=LocalPool(0), **changes)
 
 
 def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_engine):
     with_engine(Liar())
     heard = []
-    found = campaign.stress(request(), lambda *words: heard.append(words))
-    verdicts = {one.cell.value: one.verdict for one in found.cells}
+    found = stress_test(announce=lambda *words: heard.append(words))
+    verdicts = {one.value: one.verdict for one in found.cells}
     assert {value: verdicts[value] for value in axes()["mass"].values} == {
         value: StressVerdict.CAUGHT if value > 500.0 else StressVerdict.WITHIN for value in axes()["mass"].values
     }
     (border,) = found.borders
-    assert border.inside <= 500.0 < border.outside
-    assert border.ratio <= 1.1
+    assert border.inside.value <= 500.0 < border.outside.value <= 1.1 * border.inside.value
     assert found.of(StressVerdict.MISSED) == ()
-    told = found.document
+    told = found.as_dict
     assert told["summary"]["perfect"]["caught"] == sum(one.verdict is StressVerdict.CAUGHT for one in found.cells)
     assert told["borders"][0]["inside_command"].startswith("linkproof stress 'mass/four-bar, coupler/")
     assert heard[-1][1] == heard[-1][2] == len(found.cells)
@@ -256,11 +258,11 @@ def test_what_was_finished_before_an_interruption_is_not_run_again(with_engine):
 
     first, finished = with_engine(Perfect()), temporary_runs()
     with pytest.raises(KeyboardInterrupt):
-        campaign.stress(request(quick=True), interrupt, finished)
+        stress_test(quick=True, announce=interrupt, finished=finished)
     second = with_engine(Perfect())
-    found = campaign.stress(request(quick=True), finished=finished)
+    found = stress_test(quick=True, finished=finished)
     assert (len(first.asked), len(second.asked)) == (2, 1)
-    assert {one.cell.value for one in found.cells} == {*axes()["mass"].quick}
+    assert {one.value for one in found.cells} == {*axes()["mass"].quick}
 
 
 def test_an_engine_that_raises_costs_its_own_cell(with_engine):
@@ -271,7 +273,7 @@ def test_an_engine_that_raises_costs_its_own_cell(with_engine):
             return super().run(scene, setting)
 
     with_engine(Faulty())
-    found = {one.cell.value: one for one in campaign.stress(request(quick=True)).cells}
+    found = {one.value: one for one in stress_test(quick=True).cells}
     assert found[1.0].verdict is StressVerdict.WITHIN
     assert found[1e4].verdict is StressVerdict.ADAPTER_ERROR
     assert "RuntimeError: singular (tests/comparisons/stress/test_cells.py, line " in found[1e4].reason
@@ -284,7 +286,7 @@ def test_a_fault_of_the_suites_own_is_not_blamed_on_the_engine(with_engine, monk
         raise TypeError("a slip in the judge")
 
     monkeypatch.setattr(stress, "judged", failing)
-    verdicts = {(one.verdict, one.reason) for one in campaign.stress(request(quick=True)).cells}
+    verdicts = {(one.verdict, one.reason) for one in stress_test(quick=True).cells}
     ((verdict, reason),) = verdicts
     assert verdict is StressVerdict.SUITE_ERROR
     assert reason.startswith("this is a fault of linkproof: TypeError: a slip in the judge (comparisons/")
@@ -297,12 +299,12 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
     def nowhere(_):
         raise LinkproofError("it stands in a dead position")
 
-    monkeypatch.setattr(stress, "_case", nowhere)
+    monkeypatch.setattr(stress, "case", nowhere)
     found = run_cell(COUPLER)
     assert (found.verdict, engine.asked) == (StressVerdict.UNSUPPORTED, [])
     assert found.reason == "the closed form has no motion to hold an engine to: it stands in a dead position"
 
 
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
-    (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")])
+    (found,) = make_cells([find_cell("units/length/1000/direct/tuned")])
     assert found.verdict is StressVerdict.WITHIN

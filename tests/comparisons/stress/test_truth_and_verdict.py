@@ -9,15 +9,14 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign import campaign
 from comparisons.case import Case, case_of_file_regime
-from comparisons.judging.records import Verdict
 from comparisons.observed_motion import ObservedMotion
-from comparisons.stress import verdict
 from comparisons.stress.cells import Conditions
 from comparisons.stress.cells import case as stress_case
 from comparisons.stress.verdict import WRONG, StressVerdict, wrong_signals
 from engines.contract import Signal
-from tests.comparisons.true_motions import EVERYTHING, cut, judgement, true_history, with_signal
+from tests.comparisons.true_motions import EVERYTHING, alarms, cut, judgement, true_history, with_signal
 
 
 @cache
@@ -105,9 +104,9 @@ def scaled(name, factor):
 
 def test_the_truth_is_within_every_limit():
     found = judgement(case(), true_history(case(), 601))
-    assert (found.verdict, found.reason, found.wrong, found.alarms) == (StressVerdict.WITHIN, "", "", ())
-    assert found.nearest.error_max < found.nearest.limit
-    assert found.worst_check.error_max < found.worst_check.limit
+    assert (found.verdict, found.reason, found.wrong, alarms(found)) == (StressVerdict.WITHIN, "", "", ())
+    assert found.errors[0].error_max < found.errors[0].limit
+    assert found.invariants[0].error_max < found.invariants[0].limit
 
 
 def test_a_wrong_motion_is_caught_with_the_checks_that_flag_it():
@@ -116,42 +115,40 @@ def test_a_wrong_motion_is_caught_with_the_checks_that_flag_it():
     assert found.wrong.startswith("drive torque off by 0.5 of the peak")
     assert "Flagged: " in found.reason
     assert "the torque is 0.33 of its peak away from what the motion takes at " in found.reason
-    assert {"torque_two_routes", "energy_balance"} <= set(found.alarms)
+    assert {"torque_two_routes", "energy_balance"} <= set(alarms(found))
 
 
 def test_a_deviation_over_its_limit_that_is_no_wrong_motion_is_over_limit():
     found = judgement(case(), scaled("torque", 1.001))
     assert found.verdict is StressVerdict.OVER
-    assert found.nearest.quantity in ("Mkr", "Peq")
-    assert found.reason == f"{found.nearest.quantity} off by 0.001 of its peak"
+    assert found.errors[0].quantity in ("Mkr", "Peq")
+    assert found.reason == f"{found.errors[0].quantity} off by 0.001 of its peak"
 
 
 def test_what_no_invariant_sees_is_missed(monkeypatch):
-    true_checks = verdict.checks
+    true_checks = campaign.checks
 
     def blind(*arguments):
-        return tuple(record._replace(outcome=Verdict.PASSED.value, error_max=0.0) for record in true_checks(*arguments))
+        return tuple(check._replace(outcome="passed", error_max=0.0) for check in true_checks(*arguments))
 
-    monkeypatch.setattr(verdict, "checks", blind)
+    monkeypatch.setattr(campaign, "checks", blind)
     found = judgement(case(), scaled("torque", 1.5))
     assert found.verdict is StressVerdict.MISSED
     assert found.reason.endswith("No check flagged it")
 
 
 def test_an_invariant_that_fails_the_truth_is_an_alarm(monkeypatch):
-    true_checks = verdict.checks
+    true_checks, failed = campaign.checks, {"outcome": "over-limit", "error_max": 1.0}
 
     def nervous(*arguments):
         return tuple(
-            record._replace(outcome=Verdict.OVER_LIMIT.value, error_max=1.0)
-            if record.quantity == "energy_balance"
-            else record
-            for record in true_checks(*arguments)
+            check._replace(**failed) if check.quantity == "energy_balance" else check
+            for check in true_checks(*arguments)
         )
 
-    monkeypatch.setattr(verdict, "checks", nervous)
+    monkeypatch.setattr(campaign, "checks", nervous)
     found = judgement(case(), true_history(case(), 601))
-    assert (found.verdict, found.alarms) == (StressVerdict.ALARM, ("energy_balance",))
+    assert (found.verdict, alarms(found)) == (StressVerdict.ALARM, ("energy_balance",))
     assert found.reason.startswith("right, yet 1 of the energy scale has no source")
 
 
@@ -164,7 +161,7 @@ def test_a_joint_over_its_limit_is_a_deviation_and_no_false_alarm():
         return values
 
     found = judgement(case(), with_signal(true_history(case(), 601), "position", opened))
-    assert (found.verdict, found.alarms) == (StressVerdict.OVER, ("joint_gap",))
+    assert (found.verdict, alarms(found)) == (StressVerdict.OVER, ("joint_gap",))
     assert found.reason.startswith("joint ")
 
 
@@ -182,5 +179,5 @@ def test_the_limits_are_those_of_the_setting():
 def test_numbers_beyond_all_bounds_are_wrong_and_still_numbers():
     found = judgement(case(), with_signal(true_history(case(), 601), "velocity", lambda values, _: 1e200 * values))
     assert found.verdict is StressVerdict.CAUGHT
-    assert np.isfinite(found.nearest.error_max)
-    assert np.isfinite(found.worst_check.error_max)
+    assert np.isfinite(found.errors[0].error_max)
+    assert np.isfinite(found.invariants[0].error_max)

@@ -8,7 +8,7 @@ from analytic.errors import LinkproofError
 from comparisons.judging.changes import Change, ChangeKind
 from comparisons.judging.records import Error
 from comparisons.stress.cells import find_cell
-from comparisons.stress.verdict import StressVerdict, blank_result
+from comparisons.stress.verdict import StressVerdict
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
 from tests.comparisons.bench_rows import row
 
@@ -52,7 +52,7 @@ def test_nothing_judged_is_no_success():
 
 
 def _cell(verdict):
-    blank = blank_result(find_cell("start/positions/1e-08/direct/tuned"), "m")
+    blank = find_cell("start/positions/1e-08/direct/tuned")
     return replace(blank, verdict=verdict, reason="so it is")
 
 

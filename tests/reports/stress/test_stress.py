@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from comparisons.stress.verdict import Cell, StressVerdict
+from comparisons.stress.verdict import StressVerdict
 from reports.document import html
 from reports.document.terminal import rendered
 from reports.stress import (
@@ -34,10 +34,10 @@ def test_every_cell_of_an_axis_stands_on_its_map_once_at_its_value(axis):
         for line in block["lines"]:
             for value, cell in zip(STRESS.columns[axis], line["cells"], strict=True):
                 if cell:
-                    place = Cell(axis, block["row"], value, line["engine"], line["usage"])
-                    assert cell["command"] == place.command
-                    placed[place] = list(SIGNS)[cell["verdict"]]
-    assert placed == {one.cell: one.verdict for one in STRESS.results if one.cell.axis == axis}
+                    key = f"{axis}/{block['row']}/{value:.6g}/{line['engine']}/{line['usage']}"
+                    assert cell["command"] == f"linkproof stress '{key}'"
+                    placed[key] = list(SIGNS)[cell["verdict"]]
+    assert placed == {one.key: one.verdict for one in STRESS.results if one.axis == axis}
 
 
 def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
@@ -60,7 +60,7 @@ def test_a_story_tells_what_a_verdict_rests_on_and_nothing_that_is_not_known():
 def cells_of(verdicts, **changes):
     """A stress test of one line."""
     found = [made_up_cell(one, value=10.0**n, **{**PLACE, **changes}) for n, one in enumerate(verdicts)]
-    return made_up_stress(cells=found, borders=[])
+    return made_up_stress(cells=found)
 
 
 def test_what_is_missed_is_the_verdict():
@@ -86,7 +86,7 @@ def test_what_was_missed_raised_or_crashed_stands_open_with_its_reason_and_comma
         (fold,) = re.findall(rf"<details( open)?>\s*<summary>{verdict.value.capitalize()} \({len(cells)}\)", text)
         assert bool(fold) == (verdict in OPEN and len(incident_table(cells).rows) <= MOST_OPEN)
     (missed, *_) = STRESS.of(StressVerdict.MISSED)
-    assert missed.cell.command.replace("'", "&#39;") in text
+    assert missed.command.replace("'", "&#39;") in text
     assert "velocity of &lt;rod&gt; off" in text
     assert "<rod>" not in text
     assert "a &lt;folder&gt;" in text
@@ -104,14 +104,14 @@ def test_the_terminal_has_counts_borders_and_what_was_missed():
     assert text.count("alarm: ") == len(STRESS.of(StressVerdict.ALARM))
     assert "✗ missed" in text
     assert "last within, first beyond" in text
-    assert "last within" not in told(made_up_stress(borders=[]))
+    assert "last within" not in told(cells_of([StressVerdict.WITHIN]))
 
 
 def test_the_details_of_one_cell_are_complete():
     (caught, *_) = STRESS.of(StressVerdict.CAUGHT)
     text = rendered(cell_details(caught))
-    assert text.startswith(f"{caught.cell.key}: caught")
+    assert text.startswith(f"{caught.key}: caught")
     assert caught.reason in text
     assert "10 steps" in text
     every = rendered(*printout(STRESS).details)
-    assert all(result.cell.key in every for result in STRESS.results)
+    assert all(result.key in every for result in STRESS.results)
