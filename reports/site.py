@@ -23,8 +23,8 @@ from comparisons.runs.store import has_study
 from comparisons.runs.workers import run_jobs, usual_processes
 from comparisons.stress import campaign as stress_test
 from comparisons.stress.campaign import Stress
-from comparisons.work_precision import records as work_precision
-from comparisons.work_precision.records import Bench
+from comparisons.work_precision import table as work_precision
+from comparisons.work_precision.table import Bench
 from reports import stress as stress_pages
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE

@@ -19,13 +19,14 @@ from comparisons.judging.records import Error, Verdict
 from comparisons.observed_motion import ObservedMotion
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import Failure, blamed_on, checked, started
-from comparisons.work_precision.analysis import still_improves
-from comparisons.work_precision.records import CALIBRATION, FIRST_USE, METHOD, SETTING, PointRecord
+from comparisons.work_precision.table import CALIBRATION, FIRST_USE, METHOD, SETTING, BenchRun
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
 from engines.scene import Scene
 
 # A step too long for an engine may be cured by a shorter one, but not for ever.
 MOST_FAILURES = 3
+# Points that show whether an error still falls, and the factor that a refinement takes off at least where it does.
+LEAST_POINTS, LEAST_GAIN = 3, 1.5
 # Steps that every sweep takes, whatever they cost and gain: fewer are no curve, and show neither order nor floor.
 FEWEST = 6
 LASTING_FAILURES = (
@@ -112,7 +113,7 @@ class PointSweep:
 
     points: Sequence[Point]
     budget: float
-    measurements: list[PointRecord] = field(default_factory=list)
+    measurements: list[BenchRun] = field(default_factory=list)
     ended: str = ""
 
     def next(self) -> Point | None:
@@ -121,7 +122,7 @@ class PointSweep:
             self.ended = self._why_ended()
         return None if self.ended else self.points[len(self.measurements)]
 
-    def add(self, measurement: PointRecord | None) -> None:
+    def add(self, measurement: BenchRun | None) -> None:
         """Record the measurement of the next point; None if there was no time left for it."""
         if measurement is None:
             self.ended = OUT_OF_TIME
@@ -162,6 +163,11 @@ class PointSweep:
         if lasting or worked or len(self.measurements) in (MOST_FAILURES, len(self.points)):
             return f"{last.outcome}: {last.detail}"
         return ""
+
+
+def still_improves(errors: Sequence[float]) -> bool:
+    """Whether another refinement is worth its price: not after two in a row without a smaller error."""
+    return len(errors) < LEAST_POINTS or min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
 
 
 def planned_sweeps(
@@ -211,10 +217,10 @@ def point_record(
     *,
     outcome: str = "",
     detail: str = "",
-) -> PointRecord:
+) -> BenchRun:
     """The record of a case in an engine by a setting, or by a method at a step, before it is measured."""
     linkage, method = case.mechanism.linkage, usage if isinstance(usage, Method) else None
-    return PointRecord(
+    return BenchRun(
         mechanism=linkage.name,
         variant=linkage.variant,
         regime=case.motion.regime,
@@ -241,7 +247,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     steps_per_turn: float | None,
     quantities: Sequence[str],
     with_errors: bool,
-) -> PointRecord:
+) -> BenchRun:
     """Run a pickled case once in an engine, by a setting or by a method at a step.
 
     Raises AdapterError for every exception of the adapter but MemoryError.
@@ -280,7 +286,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     return replace(measured, errors=errors)
 
 
-def _with_run(blank: PointRecord, run: Run, wall: float) -> PointRecord:
+def _with_run(blank: BenchRun, run: Run, wall: float) -> BenchRun:
     return replace(
         blank,
         outcome=run.outcome.value,

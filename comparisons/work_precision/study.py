@@ -24,7 +24,7 @@ from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.store import Runs
 from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import ONE_BY_ONE, Bounds, Pool
-from comparisons.work_precision.analysis import judged
+from comparisons.work_precision.fronts import judged
 from comparisons.work_precision.measure import (
     FULL,
     WORK,
@@ -35,7 +35,7 @@ from comparisons.work_precision.measure import (
     planned_sweeps,
     point_record,
 )
-from comparisons.work_precision.records import CALIBRATION, FIRST_USE, Bench, PointRecord
+from comparisons.work_precision.table import CALIBRATION, FIRST_USE, Bench, BenchRun
 from engines.contract import Method, Outcome, Setting, StudiedEngine
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
@@ -66,8 +66,8 @@ class Rounds:
         self.cases, self.quantities, self.extent = cases, quantities, extent
         self.pickled = [pickle.dumps(case) for case in cases]
         self.ends = time.monotonic() + extent.deadline
-        self.study: Study[PointRecord] = Study(
-            measure, self._lost_point, PointRecord.written, PointRecord.from_row, finished, announce, pool
+        self.study: Study[BenchRun] = Study(
+            measure, self._lost_point, BenchRun.written, BenchRun.from_row, finished, announce, pool
         )
 
     def run(self, number: int, points: Sequence[Point]) -> None:
@@ -79,7 +79,7 @@ class Rounds:
             while self.seconds_left() > 0.0 and next(ended, None) is not None:
                 pass
 
-    def measurement(self, number: int, point: Point) -> PointRecord | None:
+    def measurement(self, number: int, point: Point) -> BenchRun | None:
         """The measurement of a point in a round; None if it was not measured."""
         if not point.usage:
             return self._unmeasured_record(
@@ -88,7 +88,7 @@ class Rounds:
         key = _task_key(number, point)
         return self.study.result(key) if self.study.has(key) else None
 
-    def repeats(self, point: Point, rounds: int) -> list[PointRecord]:
+    def repeats(self, point: Point, rounds: int) -> list[BenchRun]:
         """The finished measurements of a point, round by round."""
         every = [record for number in range(rounds) if (record := self.measurement(number, point)) is not None]
         return [run for run in every if run.outcome == Outcome.FINISHED]
@@ -103,7 +103,7 @@ class Rounds:
         """Time of the fixed work beside every run, s."""
         return tuple(float(record.details[CALIBRATION]) for record in self.study.results() if record.details)
 
-    def records(self, sweep: PointSweep) -> Iterator[PointRecord]:
+    def records(self, sweep: PointSweep) -> Iterator[BenchRun]:
         """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
         if not sweep.measurements:
             yield replace(
@@ -124,7 +124,7 @@ class Rounds:
                 details={},
             )
 
-    def _unmeasured_record(self, point: Point, outcome: str, detail: str) -> PointRecord:
+    def _unmeasured_record(self, point: Point, outcome: str, detail: str) -> BenchRun:
         case, adapter = self.cases[point.case], engine(point.engine)
         return point_record(case, adapter, point.usage, point.steps_per_turn, outcome=outcome, detail=detail)
 
@@ -146,7 +146,7 @@ class Rounds:
 
     def _lost_point(
         self, lost: Lost, pickled: bytes, engine_name: str, usage: Setting | Method, steps: float | None, *_: object
-    ) -> PointRecord | None:
+    ) -> BenchRun | None:
         """The record of a run without a result; None if our own deadline ended it, not a fault of the engine."""
         if self.seconds_left() <= 0.0:
             return None
@@ -212,7 +212,7 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished:
         for number in range(1, request.extent.repeats):
             rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
         longest = max(longest, time.monotonic() - begun)
-    return Bench(_document(request, sweeps, rounds), judged(_records(request, sweeps, rounds)))
+    return judged(Bench(_document(request, sweeps, rounds), _records(request, sweeps, rounds)))
 
 
 def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> dict[str, Any]:
@@ -297,7 +297,7 @@ def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[l
     return [list(group) for _, group in groupby(sorted(sweeps, key=place), place)]
 
 
-def _records(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> list[PointRecord]:
+def _records(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> list[BenchRun]:
     """All records, by case and engine in the requested order, then as measured."""
     places = {name: place for place, name in enumerate(request.engines)}
     ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].engine]))

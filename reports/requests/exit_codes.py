@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from analytic.errors import LinkproofError
 from comparisons.judging.changes import Change
@@ -11,7 +11,7 @@ from comparisons.judging.records import Error, Verdict
 from comparisons.runs.run_engine import Failure
 from comparisons.stress.verdict import Cell, StressVerdict
 from comparisons.work_precision.measure import OUT_OF_TIME
-from comparisons.work_precision.records import BenchRecord
+from comparisons.work_precision.table import Bench
 from engines.contract import Outcome, Setting
 from reports.requests import FAILED, PASSED, SUITE_ERROR
 
@@ -37,12 +37,13 @@ def campaign_exit_code(
     return _code(is_ours, has_failed, any(entry.judged for entry in decisive), reasons)
 
 
-def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> int:
+def bench_exit_code(bench: Bench, engines: Iterable[str]) -> int:
     """The exit code of a benchmark: 1 if an engine finished no point without an excuse.
 
     Raises LinkproofError if no point of any engine could be measured.
     """
     excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
+    records = list(bench.table.itertuples())
     useful = {record.engine for record in records if record.outcome in excused or record.detail == OUT_OF_TIME}
     reasons = Counter((record.outcome, record.detail) for record in records)
     is_ours = any(outcome == Failure.SUITE_ERROR for outcome, _ in reasons)

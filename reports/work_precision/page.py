@@ -7,24 +7,30 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from comparisons.judging.limits import grouped
 from comparisons.runs.files import STORE
-from comparisons.work_precision.analysis import (
+from comparisons.work_precision.fronts import (
+    PLACE,
     WANTED,
-    EngineFacts,
-    MethodSweep,
-    PlaceFacts,
     Regimes,
+    Row,
     by_regime,
-    on_front,
+    choices,
+    engines,
+    foremost,
+    front,
+    has_floor,
+    least,
     places,
-    split_by_runs,
+    quantities,
+    standings,
+    sweeps,
 )
-from comparisons.work_precision.records import METHOD, SETTING, Bench, BenchRecord
+from comparisons.work_precision.table import METHOD, SETTING, Bench
 from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import (
@@ -61,11 +67,15 @@ from reports.work_precision.words import (
     way_words,
 )
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
 LEAST, MOST = 1e-16, 10.0
 COLUMNS, PANEL = 3, 3.2
 COLOURS = 6  # of the palette
 MARKERS = {"naive": "o", "tuned": "s", "best": "*"}
+WHERE = ["mechanism", "regime"]
 LINES = ("-", "--")  # of single runs, and of several extrapolated
 
 
@@ -84,63 +94,64 @@ def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, .
     )
 
 
-def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink]) -> Chart:
+def chart(places: Sequence[DataFrame], colours: Mapping[str, Ink]) -> Chart:
     """Work and precision of one regime over its mechanisms, in the quantity each is judged by."""
     panels = tuple(_panel(place, colours) for place in places)
     columns = min(COLUMNS, math.ceil(math.sqrt(len(panels))))
     return Chart(panels, height=PANEL * -(-len(panels) // columns), columns=columns, wide=True)
 
 
-def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
-    """The front over all engines is a broad grey staircase."""
-    fronts = zip(_fronts(place.rankable_records(place.foremost)), LINES, strict=True)
+def _panel(place: DataFrame, colours: Mapping[str, Ink]) -> Panel:
+    """The front over all engines, the control apart, is a broad grey staircase."""
+    quantity = foremost(place)
+    fronts = zip(_fronts(place[(place.quantity == quantity) & ~place.is_control]), LINES, strict=True)
     curves = [
         Curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], ink="reference", line=line, width=5.0)
         for (x, y), line in fronts
         if len(x)
     ]
     notes = []
-    for facts in place.engines(place.foremost):
-        curves += _engine(facts, colours[facts.engine])
-        notes += [_order_note(sweep) for sweep in facts.sweeps if sweep.order]
-    title, names = f"{place.mechanism}: {plain(place.foremost)}", ("set-up and stepping, s", "largest |error| / peak")
+    for points in engines(place):
+        curves += _engine(points, colours[points.engine.iloc[0]])
+        bests = [least(sweep) for sweep in sweeps(points)]
+        notes += [Note(best.total_seconds, drawn_error(best), f"{best.order:.0f}") for best in bests if best.order]
+    title = f"{place.mechanism.iloc[0]}: {plain(quantity)}"
+    names = ("set-up and stepping, s", "largest |error| / peak")
     return Panel(tuple(curves), *names, notes=tuple(notes), scale="loglog", title=title)
 
 
-def _order_note(sweep: MethodSweep) -> Note:
-    """The observed order, at the least error of a method."""
-    return Note(sweep.least.total_seconds, drawn_error(sweep.least), f"{sweep.order:.0f}")
-
-
-def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
+def _engine(points: DataFrame, ink: Ink) -> Iterator[Curve]:
     """The curves of one engine: its sweeps, floors, fronts and settings."""
-    for sweep in facts.sweeps:
-        line = LINES[sweep.first.is_extrapolated]
-        yield Curve(*_places(sweep.records), ink=ink, line=line, width=0.6, marker=".")
-        if sweep.has_floor:
-            yield Curve(*_places([sweep.least]), ink=ink, line="", marker="_", size=11.0)
-    fronts = _fronts(facts.records)
+    first = points.iloc[0]
+    for sweep in sweeps(points):
+        line = LINES[int(sweep.is_extrapolated.iloc[0])]
+        yield Curve(*_places(sweep.itertuples()), ink=ink, line=line, width=0.6, marker=".")
+        if has_floor(sweep):
+            yield Curve(*_places([least(sweep)]), ink=ink, line="", marker="_", size=11.0)
+    fronts = _fronts(points)
     lowest = min((y[-1] for _, y in fronts if len(y)), default=0.0)
     for (x, y), line in zip(fronts, LINES, strict=True):
         if len(x):
-            name = "control" if facts.is_control else facts.engine
+            name = "control" if first.is_control else first.engine
             yield Curve(x, y, name=name if y[-1] == lowest else "", ink=ink, line=line, width=1.9)
-    for record in facts.records:
-        if record.kind == SETTING and record.finished:
-            yield Curve(*_places([record]), ink=ink, line="", marker=MARKERS.get(record.setting, "D"))
+    for record in points[points.finished & (points.kind == SETTING)].itertuples():
+        yield Curve(*_places([record]), ink=ink, line="", marker=MARKERS.get(record.setting, "D"))
 
 
-def _fronts(records: Sequence[BenchRecord]) -> list[tuple[Array, Array]]:
+def _fronts(points: DataFrame) -> list[tuple[Array, Array]]:
     """The front of methods' single runs, and that of several extrapolated; a setting alone is no front."""
-    return [_places(on_front(part)) for part in split_by_runs(record for record in records if record.kind == METHOD)]
+    methods = points[points.kind == METHOD]
+    parts = (methods[methods.is_extrapolated == several] for several in (False, True))
+    return [_places(front(part).itertuples()) for part in parts]
 
 
-def _places(records: Sequence[BenchRecord]) -> tuple[Array, Array]:
+def _places(records: Iterable[Row]) -> tuple[Array, Array]:
     """Times, s, and errors over the peak of points (n,)."""
-    return np.array([record.total_seconds for record in records]), np.array([drawn_error(record) for record in records])
+    every = list(records)
+    return np.array([record.total_seconds for record in every]), np.array([drawn_error(record) for record in every])
 
 
-def drawn_error(record: BenchRecord) -> float:
+def drawn_error(record: Row) -> float:
     """The largest error over the peak, between the least and the most that a decade is worth."""
     return min(max(record.error_max or 0.0, LEAST), MOST)
 
@@ -165,27 +176,26 @@ def _share(error: float) -> str:
     return f"{100.0 * error:g} %" if error >= 0.01 else bound(error)
 
 
-def _winners(places: Sequence[PlaceFacts], column: int, noise: float) -> list[tuple[str, str, int]]:
+def _winners(places: Sequence[DataFrame], column: int, noise: float) -> list[tuple[str, str, int]]:
     """The engines that are the cheapest somewhere, their times and in how many places, those of most first.
 
     All whose times are within the noise of the least are the cheapest.
     """
     best = []
     for place in places:
-        engines = [facts for facts in place.engines(place.foremost) if not facts.is_control]
-        records = [record for _, record in _points_reaching(engines, column)]
+        records = _points_reaching((points for points in engines(place) if not points.is_control.any()), column)
         least = min((record.total_seconds for record in records), default=0.0)
         best += [record for record in records if record.total_seconds <= least * (1.0 + noise)]
     wins = grouped((record.engine, record) for record in best)
     return [(name, _time_span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
 
 
-def _points_reaching(engines: Iterable[EngineFacts], column: int) -> list[tuple[EngineFacts, BenchRecord]]:
-    """Every engine that reaches the error of a column, with its cheapest point that does."""
-    return [(engine, record) for engine in engines if engine.choices and (record := engine.choices[column].record)]
+def _points_reaching(engines: Iterable[DataFrame], column: int) -> list[Row]:
+    """The cheapest point of every engine that reaches the error of a column."""
+    return [record for points in engines if (record := choices(points)[column]) is not None]
 
 
-def _time_span(records: Sequence[BenchRecord]) -> str:
+def _time_span(records: Sequence[Row]) -> str:
     """The shortest and the longest time, set-up and stepping; one where they read alike."""
     times = [record.total_seconds for record in records]
     return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
@@ -193,7 +203,7 @@ def _time_span(records: Sequence[BenchRecord]) -> str:
 
 def choices_section(regimes: Regimes, note: str) -> Section:
     """The section on the cheapest way to an error: all mechanisms, then each in a fold; ``note`` is in small print."""
-    each = {f"{place.mechanism}, {name}": (place,) for name, places in regimes.items() for place in places}
+    each = {f"{place.mechanism.iloc[0]}, {name}": (place,) for name, places in regimes.items() for place in places}
     whole = _table(sentence("bench_use", judged=judged_by(regimes)), "Regime", regimes)
     folds = (Fold("By mechanism", (_table("Each mechanism by itself.", "Mechanism", each),)),)
     return Section(
@@ -203,30 +213,30 @@ def choices_section(regimes: Regimes, note: str) -> Section:
     )
 
 
-def _table(caption: str, corner: str, groups: Mapping[str, Sequence[PlaceFacts]]) -> Table:
+def _table(caption: str, corner: str, groups: Regimes) -> Table:
     """A row for every engine of a group; cells that say the same are one."""
     head = (corner, "Engine", *map(bound, WANTED))
     return Table(caption, head, tuple(blank_repeats(_rows(groups))), "l", style="choices")
 
 
-def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[TableCell | str, ...]]:
+def _rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
     """A row per group and engine; equal cells side by side become one."""
     for name, group in groups.items():
-        engines = grouped((label_of(facts), facts) for place in group for facts in place.engines(place.foremost))
-        for label, mine in engines.items():
+        by_engine = grouped((label_of(points), points) for place in group for points in engines(place))
+        for label, mine in by_engine.items():
             cells = [(cell, len(list(same))) for cell, same in groupby(_cell(mine, n) for n in range(len(WANTED)))]
             yield name, label, *(TableCell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)
 
 
-def _cell(engines: Sequence[EngineFacts], column: int) -> TableCell:
+def _cell(engines: Sequence[DataFrame], column: int) -> TableCell:
     """The times of one engine to one error over the mechanisms, and the way that most of them take."""
     met = _points_reaching(engines, column)
     if not met:
-        least = [facts.choices[column].closest.error_max or 0.0 for facts in engines if facts.choices]
-        return TableCell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
+        errors = [points.error_max[points.finished].min() for points in engines if points.finished.any()]
+        return TableCell(ABSENT, "absent", note=f"least {error(min(errors))}" if errors else "nothing finished")
     share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
-    taken = Counter(way_words(record) for _, record in met).most_common(1)[0][0]
-    return TableCell(_time_span([record for _, record in met]), note=f"{taken}{share}")
+    taken = Counter(map(way_words, met)).most_common(1)[0][0]
+    return TableCell(_time_span(met), note=f"{taken}{share}")
 
 
 # The diagram of error over cost, as data for its script: any mechanism, quantity and measure of the cost.
@@ -240,46 +250,44 @@ OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "
 
 def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
     """The diagram of all places; the first one is on the page, the others are loaded when they are chosen."""
-    places = {
-        anchor(facts.mechanism, facts.variant, facts.regime): facts for factses in regimes.values() for facts in factses
-    }
+    places = {anchor(*place[PLACE].iloc[0]): place for group in regimes.values() for place in group}
     colours, (first, *others) = inks(labels), places
     data = {
-        "places": [[key, f"{place.mechanism}, {place.regime}"] for key, place in places.items()],
+        "places": [[key, "{}, {}".format(*place[WHERE].iloc[0])] for key, place in places.items()],
         "engines": [[name, label, colours[name]] for name, label in labels.items()],
         "first": place_data(places[first]),
     }
     return Widget("bench", "diagram", LABEL, data, {key: place_data(places[key]) for key in others})
 
 
-def place_data(place: PlaceFacts) -> dict[str, Any]:
+def place_data(place: DataFrame) -> dict[str, Any]:
     """Sweeps and settings of one mechanism and regime, JSON-ready.
 
     A quantity is its name, a reader's, its unit and the closed form's peak; the foremost is the first. A sweep's
     ``ends`` have by quantity the least error in words, and the order; a point's ``errors`` are, over the peak, the
     largest as drawn, the largest and the root mean square.
     """
-    names = sorted(place.quantities, key=lambda name: name != place.foremost)
-    sweeps: dict[tuple[object, ...], dict[str, Any]] = {}
+    names = sorted(quantities(place), key=lambda name: name != foremost(place))
+    known: dict[tuple[object, ...], dict[str, Any]] = {}
     peaks = {}
-    for facts in (entry for name in names for entry in place.engines(name)):
-        for record in facts.records:
-            if record.finished and (quantity_record := record.error):
-                point = _point_as_dict(sweeps.setdefault(_sweep_key(record), _shared_facts(record)), record)
-                errors = (drawn_error(record), quantity_record.error_max, quantity_record.error_rms)
-                point["errors"][record.quantity] = [*map(_digits, errors)]
-                peaks[record.quantity] = [quantity_record.unit, _digits(quantity_record.peak)]
-        for sweep in facts.sweeps:
-            sweeps[_sweep_key(sweep.first)]["ends"][sweep.first.quantity] = [least_words(sweep), _digits(sweep.order)]
-    tables = [{**sweep, "points": list(sweep["points"].values())} for sweep in sweeps.values()]
+    for points in (points for name in names for points in engines(place, name)):
+        for record in points[points.finished].itertuples():
+            point = _point_as_dict(known.setdefault(_sweep_key(record), _shared_facts(record)), record)
+            errors = (drawn_error(record), record.error_max, record.error_rms)
+            point["errors"][record.quantity] = [*map(_digits, errors)]
+            peaks[record.quantity] = [record.unit, _digits(record.peak)]
+        for sweep in sweeps(points):
+            first = sweep.iloc[0]
+            known[_sweep_key(first)]["ends"][first.quantity] = [least_words(sweep), _digits(first.order)]
+    tables = [{**sweep, "points": list(sweep["points"].values())} for sweep in known.values()]
     return {"quantities": [[name, plain(name), *peaks[name]] for name in names], "sweeps": tables}
 
 
-def _sweep_key(record: BenchRecord) -> tuple[object, ...]:
+def _sweep_key(record: Row) -> tuple[object, ...]:
     return (record.engine, record.kind, record.setting)
 
 
-def _shared_facts(record: BenchRecord) -> dict[str, Any]:
+def _shared_facts(record: Row) -> dict[str, Any]:
     return {
         **{name: getattr(record, name) for name in SHARED},
         "way": method_words(record),
@@ -289,7 +297,7 @@ def _shared_facts(record: BenchRecord) -> dict[str, Any]:
     }
 
 
-def _point_as_dict(sweep: dict[str, Any], record: BenchRecord) -> dict[str, Any]:
+def _point_as_dict(sweep: dict[str, Any], record: Row) -> dict[str, Any]:
     words = {name: _digits(getattr(record, name)) for name in OWN}
     table: dict[str, Any] = sweep["points"].setdefault(record.step, {**words, "errors": {}})
     return table
@@ -304,7 +312,7 @@ def _digits(value: object) -> object:
 
 
 # Of one engine in one place: a row's head and its cell there.
-Rows = Callable[[EngineFacts], Iterator[tuple[TableCell, TableCell]]]
+Rows: TypeAlias = "Callable[[DataFrame], Iterator[tuple[TableCell, TableCell]]]"
 
 
 def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise: float) -> Section:
@@ -314,20 +322,22 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
     """
     about = {(method["engine"], method["name"]): method["about"] for method in methods}
 
-    def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
-        for each in facts.setting_comparisons:
-            comparison = comparison_words(each, noise).lstrip(":; ") if facts.sweeps else ""
+    def settings(points: DataFrame) -> Iterator[tuple[TableCell, TableCell]]:
+        has_methods = bool(sweeps(points))
+        for each in standings(points):
+            comparison = comparison_words(each, noise).lstrip(":; ") if has_methods else ""
             words = setting_words(each.record).replace(" ", "\u00a0").replace(",\u00a0", ", ")
             cell = TableCell(words, note=comparison.partition(":")[0], tooltip=comparison)
             yield TableCell(each.record.setting), cell
 
-    def sweeps(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
-        for method in facts.sweeps:
-            order = "no order" if method.order is None else f"order {method.order:.1f}"
-            row = TableCell(method_words(method.first), note=about[facts.engine, method.first.setting])
-            yield row, TableCell(order, note=least_words(method))
+    def methods_of(points: DataFrame) -> Iterator[tuple[TableCell, TableCell]]:
+        for sweep in sweeps(points):
+            first = sweep.iloc[0]
+            order = "no order" if first.order is None else f"order {first.order:.1f}"
+            row = TableCell(method_words(first), note=about[first.engine, first.setting])
+            yield row, TableCell(order, note=least_words(sweep))
 
-    orders = _by_mechanism(regimes, "bench_orders", "Method", sweeps)
+    orders = _by_mechanism(regimes, "bench_orders", "Method", methods_of)
     folds = (Fold("The methods: orders and least errors", (orders,)),) if orders.rows else ()
     name = "bench_standings" if folds else "bench_settings"
     table = _by_mechanism(regimes, name, "Setting", settings)
@@ -340,9 +350,9 @@ def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Tab
     places = [place for part in regimes.values() for place in part]
     table: dict[str, dict[TableCell, dict[int, TableCell]]] = {}
     for column, place in enumerate(places):
-        for facts in place.engines(place.foremost):
-            for row, cell in rows_of(facts):
-                table.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
+        for points in engines(place):
+            for row, cell in rows_of(points):
+                table.setdefault(label_of(points), {}).setdefault(row, {})[column] = cell
     none = TableCell(ABSENT, "absent")
     rows = blank_repeats(
         (label, row, *(mine.get(column, none) for column in range(len(places))))
@@ -350,7 +360,7 @@ def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Tab
         for row, mine in cells.items()
     )
     groups = (("", 2), *((f"regime {regime}", len(part)) for regime, part in regimes.items()))
-    head = ("Engine", name, *(place.mechanism for place in places))
+    head = ("Engine", name, *(place.mechanism.iloc[0] for place in places))
     return Table(sentence(about, judged=judged_by(regimes)), head, tuple(rows), "l", groups=groups)
 
 
@@ -364,7 +374,7 @@ def page(bench: Bench) -> Page:
     every, labels = places(bench), engine_labels(bench)
     first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
     sections: list[Section] = []
-    if groups := by_regime(every):
+    if groups := by_regime(bench):
         as_figures = Fold("The same as figures", (FigureGroup(figures(groups, inks(labels))),))
         reading = Paragraph(sentence("bench_reading"), "small")
         first = (*verdicts(groups, noise_share(bench)), widget(groups, labels), reading, as_figures)
@@ -379,17 +389,17 @@ def page(bench: Bench) -> Page:
 
 def cost(bench: Bench) -> tuple[Paragraph, ...]:
     """What the benchmark says of the engines' cost, for the first page of a report."""
-    words = verdicts(by_regime(places(bench)), noise_share(bench))
+    words = verdicts(by_regime(bench), noise_share(bench))
     return tuple(replace(paragraph, role="lead") for paragraph in words)
 
 
-def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
+def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
     """Runs without a result: each reason once, with its places."""
     groups = grouped(
-        (f"{label_of(facts)}, {reason}", f"{place.mechanism} in {place.regime}")
+        (f"{label_of(points)}, {reason}", "{} in {}".format(*place[WHERE].iloc[0]))
         for place in every
-        for facts in place.engines(place.foremost)
-        for reason in failed_methods(facts)
+        for points in engines(place)
+        for reason in failed_methods(points)
     )
     where = {reason: ", ".join(met) if len(met) < len(every) else "everywhere" for reason, met in groups.items()}
     return tuple(f"{reason} ({place})" for reason, place in where.items())

@@ -4,30 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 from comparisons.judging.limits import grouped
-from comparisons.work_precision.analysis import (
+from comparisons.work_precision.fronts import (
     SATURATED,
     WANTED,
-    EngineFacts,
-    MethodSweep,
-    PlaceFacts,
     Regimes,
-    SettingComparison,
+    Row,
+    Standing,
+    choices,
+    engines,
+    foremost,
+    has_floor,
+    least,
     places,
+    quantities,
+    standings,
+    sweeps,
 )
-from comparisons.work_precision.records import Bench, BenchRecord
+from comparisons.work_precision.table import Bench
 from engines.contract import Setting
 from reports.document.numbers import ABSENT, bound, error, figure, seconds
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import plain, sentence
 from reports.document.terminal import Printed, Printout
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 # Times closer than this are the same time, however quiet the machine.
 LEAST_NOISE = 0.05
 
 
-def comparison_words(comparison: SettingComparison, noise: float) -> str:
+def comparison_words(comparison: Standing, noise: float) -> str:
     """A setting's distance from the methods' front, as the end of a sentence.
 
     ``best`` is compared with all methods, the others with those of a single run; a share ``noise`` of its time is
@@ -45,18 +55,18 @@ def comparison_words(comparison: SettingComparison, noise: float) -> str:
     return f"; {'on' if ratio <= 1.0 + noise else f'{figure(ratio, 2)} ×'} {front}: {beside}"
 
 
-def way_words(record: BenchRecord) -> str:
+def way_words(record: Row) -> str:
     """A point's way and, behind an @, its steps a turn, which a setting's adapter fixes: "trapezoidal x4 @ 48"."""
     return " @ ".join(filter(None, (method_words(record), per_turn(record))))
 
 
-def method_words(record: BenchRecord) -> str:
+def method_words(record: Row) -> str:
     """The name of a point's setting or method, without its step.
 
     Of several runs extrapolated it ends in "x3", with which the name of a method may end already.
     """
     runs = f" x{record.runs}" if record.is_extrapolated else ""
-    return record.setting.removesuffix(runs) + runs
+    return str(record.setting).removesuffix(runs) + runs
 
 
 def effort_words(effort: float | None, unit: str) -> str:
@@ -66,14 +76,15 @@ def effort_words(effort: float | None, unit: str) -> str:
     return f"{unit} {bound(effort)}" if "tolerance" in unit else f"{effort:g} {unit}"
 
 
-def per_turn(record: BenchRecord) -> str:
+def per_turn(record: Row) -> str:
     """Steps a turn; nothing for a setting."""
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
 
 
-def least_words(sweep: MethodSweep) -> str:
+def least_words(sweep: DataFrame) -> str:
     """The least error of a sweep, called a floor where a finer step does not lower it, and its steps a turn."""
-    return f"{'floor' if sweep.has_floor else 'least'} {error(sweep.least.error_max)} @ {per_turn(sweep.least)}"
+    best = least(sweep)
+    return f"{'floor' if has_floor(sweep) else 'least'} {error(best.error_max)} @ {per_turn(best)}"
 
 
 def noise_share(bench: Bench) -> float:
@@ -91,38 +102,38 @@ def engine_label(name: str, is_control: bool) -> str:
     return f"{name} (control)" if is_control else name
 
 
-def label_of(facts: EngineFacts) -> str:
-    """The label of an engine in one place."""
-    return engine_label(facts.engine, facts.is_control)
+def label_of(points: DataFrame) -> str:
+    """The label of the engine of rows."""
+    first = points.iloc[0]
+    return engine_label(first.engine, first.is_control)
 
 
 def engine_labels(bench: Bench) -> dict[str, str]:
     """The labels of all engines of a benchmark, by name, the control last."""
-    controls = {record.engine: record.is_control for record in bench.records}
+    controls = {record.engine: record.is_control for record in bench.points}
     return {name: engine_label(name, controls[name]) for name in sorted(controls, key=lambda own: (controls[own], own))}
 
 
 def judged_by(regimes: Regimes) -> str:
     """The quantities that places are judged by, for a reader."""
-    return " or ".join(dict.fromkeys(plain(place.foremost) for places in regimes.values() for place in places))
+    return " or ".join(dict.fromkeys(plain(foremost(place)) for places in regimes.values() for place in places))
 
 
-def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
-    """Methods and settings that never finished anything, by reason; then what of a quantity was left out."""
-    finished = {record.setting for record in facts.records if record.finished}
-    reasons = {r.setting: f"{r.outcome}: {r.detail}" for r in reversed(facts.records) if not r.finished}
-    every = dict.fromkeys(record.setting for record in facts.records)
-    names = grouped((reasons[name], name or facts.engine) for name in every if name not in finished)
-    left_out = dict.fromkeys(r.error.detail for r in facts.records if r.finished and r.error and r.error.detail)
+def failed_methods(points: DataFrame) -> tuple[str, ...]:
+    """Methods and settings of an engine that never finished anything, by reason; then what was left out of the rest."""
+    done = points[points.finished]
+    first = points[~points.setting.isin(done.setting)].drop_duplicates("setting").itertuples()
+    names = grouped((f"{row.outcome}: {row.detail}", row.setting or row.engine) for row in first)
+    left_out = dict.fromkeys(filter(None, done.left_out))
     return (*(f"{', '.join(same)}: {reason}" for reason, same in names.items()), *left_out)
 
 
-def overhead_words(record: BenchRecord) -> str:
+def overhead_words(record: Row) -> str:
     """The adapter's own share of the stepping."""
     return ABSENT if record.overhead is None else f"{100.0 * record.overhead:.0f} %"
 
 
-def setting_words(record: BenchRecord) -> str:
+def setting_words(record: Row) -> str:
     """Error and time of a setting, with the adapter's share where it is known."""
     share = "" if record.overhead is None else f", overhead {overhead_words(record)}"
     return f"{error(record.error_max)} in {seconds(record.total_seconds)}{share}"
@@ -139,11 +150,11 @@ POINTS = (
 )
 
 
-def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
+def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
     """A block per mechanism, regime and quantity: the requested ones, else the one each place is judged by."""
     blocks: list[Printed] = []
     for place in places(bench):
-        for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
+        for name in [name for name in requested if name in quantities(place)] or [foremost(place)]:
             blocks += _place_printout(place, name, noise_share(bench))
     return Printout(blocks, [noise_note(bench)], [_points(bench), ""])
 
@@ -155,54 +166,55 @@ def _points(bench: Bench) -> Table:
             record.mechanism, record.regime, engine_label(record.engine, record.is_control), record.setting,
             f"{record.runs}", "" if record.effort is None else f"{record.effort:g}",
             "" if record.step is None else f"{record.step:.4g}", record.quantity, record.outcome,
-            error(record.error_max), error(record.error.error_rms if record.error else None),
+            error(record.error_max), error(record.error_rms),
             seconds(record.setup_seconds), seconds(record.seconds), overhead_words(record), f"{record.steps}",
             record.detail,
         )
-        for record in bench.records
+        for record in bench.table.itertuples()
     ]  # fmt: skip
     return Table("", POINTS, tuple(rows), "l")
 
 
-def _place_printout(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
-    name, engines = f"{place.mechanism} ({place.variant}), {place.regime}", place.engines(quantity)
-    measured = plain(quantity) if place.quantities else ""
+def _place_printout(place: DataFrame, quantity: str, noise: float) -> Iterator[Printed]:
+    where = place.iloc[0]
+    name = f"{where.mechanism} ({where.variant}), {where.regime}"
+    measured = plain(quantity) if quantities(place) else ""
     sentence = f"{measured}, largest error over the peak" if measured else "nothing finished"
     yield Paragraph(f"{name}: {sentence}", colour="bold")
     if measured:
         yield from (_methods(place, quantity), "", _choices(place, quantity), "")
-    for facts in engines if measured else ():
-        for comparison in facts.setting_comparisons:
-            record, standing = comparison.record, comparison_words(comparison, noise)
-            yield f"{facts.engine} {record.setting}: {setting_words(record)}{standing}"
-    for facts in engines:
-        for reason in failed_methods(facts):
-            yield Paragraph(f"{label_of(facts)} {reason}", colour="yellow")
+    for points in engines(place, quantity):
+        for standing in standings(points):
+            record, words = standing.record, comparison_words(standing, noise)
+            yield f"{record.engine} {record.setting}: {setting_words(record)}{words}"
+    for points in engines(place, quantity):
+        for reason in failed_methods(points):
+            yield Paragraph(f"{label_of(points)} {reason}", colour="yellow")
     if measured:
         yield ""
 
 
-def _methods(place: PlaceFacts, quantity: str) -> Table:
+def _methods(place: DataFrame, quantity: str) -> Table:
     """Order, least error with the step and the time there."""
     rows = []
-    for facts, sweep in [(entry, sweep) for entry in place.engines(quantity) for sweep in entry.sweeps]:
-        least = sweep.least
-        order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
-        names = (error(least.error_max), per_turn(least), seconds(least.total_seconds))
-        rows.append((label_of(facts), method_words(sweep.first), order, *names))
+    for sweep in [sweep for points in engines(place, quantity) for sweep in sweeps(points)]:
+        best = least(sweep)
+        order = ABSENT if best.order is None else f"{best.order:.1f}"
+        names = (error(best.error_max), per_turn(best), seconds(best.total_seconds))
+        rows.append((label_of(sweep), method_words(best), order, *names))
     return Table("", METHODS, tuple(rows), "llrrrr")
 
 
-def _choices(place: PlaceFacts, quantity: str) -> Table:
+def _choices(place: DataFrame, quantity: str) -> Table:
     """The cheapest way to an error: a row for all errors that one point of an engine serves."""
     rows = []
-    for facts in place.engines(quantity):
-        for choice, part in groupby(zip(facts.choices, WANTED, strict=False), key=lambda pair: pair[0]):
+    for points in [points for points in engines(place, quantity) if points.finished.any()]:
+        for record, part in groupby(zip(choices(points), WANTED, strict=True), key=lambda pair: pair[0]):
             errors = [bound(error) for _, error in part]
             span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
-            if record := choice.record:
+            if record:
                 names = (seconds(record.total_seconds), way_words(record))
             else:
-                names = (ABSENT, f"not reached; least {error(choice.closest.error_max)}")
-            rows.append((label_of(facts), span, *names))
+                names = (ABSENT, f"not reached; least {error(points.error_max[points.finished].min())}")
+            rows.append((label_of(points), span, *names))
     return Table("", CHOICES, tuple(rows), "llrl")

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from comparisons.judging.records import NAMES, Error
-from comparisons.work_precision.records import METHOD, SETTING, BenchRecord, PointRecord
+from comparisons.work_precision.table import METHOD, SETTING, Bench, BenchRun
 
 
 def row(*, error_max=1e-3, lacking=(), detail_of="", **changes):
@@ -41,10 +41,10 @@ def row(*, error_max=1e-3, lacking=(), detail_of="", **changes):
     }
     values |= changes
     known = {"unit": "N m", "error_rms": None if error_max is None else 0.5 * error_max, "peak": 0.2}
-    names = [values[name] for name in NAMES]
-    error = Error(*names, values["quantity"], error_max=error_max, outcome="measured", detail=detail_of, **known)
+    names, quantity = [values[name] for name in NAMES], values.pop("quantity")
+    error = Error(*names, quantity, error_max=error_max, outcome="measured", detail=detail_of, **known)
     others = [Error(*names, name, outcome="not-provided", detail=why) for name, why in dict(lacking).items()]
-    return BenchRecord(**values, errors=(*(() if error_max is None else (error,)), *others))
+    return BenchRun(**values, errors=(*(() if error_max is None else (error,)), *others))
 
 
 def times(seconds):
@@ -73,11 +73,15 @@ def setting_row(name, error, total, **changes):
     return row(kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, **(times(total) | changes))
 
 
-def points(records):
-    """The points behind records, each once with the errors in all its quantities."""
+def points(runs):
+    """Runs that are alike but for their errors as one, with the errors of all."""
     found = {}
-    for record in records:
-        shared = {name: value for name, value in vars(record).items() if name not in ("quantity", "errors")}
-        point = found.setdefault(repr(shared), PointRecord(**shared))
-        found[repr(shared)] = replace(point, errors=(*point.errors, *record.errors))
+    for run in runs:
+        shared = repr(replace(run, errors=()))
+        found[shared] = replace(run, errors=(*found[shared].errors, *run.errors) if shared in found else run.errors)
     return list(found.values())
+
+
+def bench_of(*runs):
+    """A benchmark of these runs."""
+    return Bench({"quantities": ["Mkr"]}, runs)

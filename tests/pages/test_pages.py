@@ -13,7 +13,7 @@ import pytest
 from analytic.description.loading import load, parse, read
 from comparisons.campaign.results import save
 from comparisons.stress.campaign import save as save_stress
-from comparisons.work_precision.records import save as save_bench
+from comparisons.work_precision.table import save as save_bench
 from reports.document.html import _PageFiles
 from reports.site import write_site
 from tests.commands import empty_picture

@@ -1,7 +1,7 @@
 """A finished benchmark of engines that do not exist, for tests of its page and tables."""
 
-from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.records import Bench
+from comparisons.work_precision.fronts import judged
+from comparisons.work_precision.table import Bench
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
 
@@ -19,7 +19,7 @@ def made_up_bench(
                 where = {"mechanism": mechanism, "regime": regime, "engine": engine, "is_control": engine == control}
                 for quantity in ("Mkr", "joint_force"):
                     records += _engine(quantity, 1.0 + number, where)
-    return Bench(document(mechanisms, engines), judged(points(records)))
+    return judged(Bench(document(mechanisms, engines), points(records)))
 
 
 def _engine(quantity, dearer, where):

@@ -13,9 +13,9 @@ from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.runs.workers import LastingPool
 from comparisons.work_precision.measure import FULL, JOINTS, QUICK, chosen_families
-from comparisons.work_precision.records import KIND, load, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
+from comparisons.work_precision.table import KIND, load, save
 from reports.command_line.destination import Destination, finished_runs, report_interruption
 from reports.requests.campaign import missing_engines, request
 from reports.requests.exit_codes import bench_exit_code
@@ -49,7 +49,7 @@ def bench(options: BenchOptions, destination: Destination) -> int:
             finished.clear()
     destination.print_out(printout(result, options.quantity))
     destination.write_pages()
-    return bench_exit_code(result.records, wanted.engines)
+    return bench_exit_code(result, wanted.engines)
 
 
 def write_again(destination: Destination) -> int:
@@ -61,7 +61,7 @@ def write_again(destination: Destination) -> int:
     requested = tuple(result.document["quantities"])
     destination.print_out(printout(result, () if requested == QUANTITIES else requested))
     destination.write_pages()
-    return bench_exit_code(result.records, {record.engine for record in result.records})
+    return bench_exit_code(result, {point.engine for point in result.points})
 
 
 def _default_runs(options: BenchOptions) -> RunsOptions:

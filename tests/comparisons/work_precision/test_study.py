@@ -16,10 +16,10 @@ from comparisons.runs.store import begin
 from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure
 from comparisons.work_precision import study as benchmark
-from comparisons.work_precision.analysis import method_sweeps
+from comparisons.work_precision.fronts import has_floor, sweeps
 from comparisons.work_precision.measure import OUT_OF_TIME, Extent
-from comparisons.work_precision.records import SETTING
 from comparisons.work_precision.study import BenchRequest, bench
+from comparisons.work_precision.table import SETTING
 from engines.contract import Abilities, History, Method, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
 from tests.comparisons.faults import PATIENCE
@@ -116,20 +116,19 @@ def measured(whole):
 
 
 def test_orders_and_floors_of_the_known_engine_are_found(measured):
-    found = {one.first.setting: one for one in method_sweeps(measured.records)}
-    assert found["first"].order == pytest.approx(1.0, abs=0.05)
-    assert found["second"].order == pytest.approx(2.0, abs=0.1)
-    assert found["fourth"].order == pytest.approx(4.0, abs=0.1)
-    assert found["wrong"].order is None
-    assert {name: sweep.has_floor for name, sweep in found.items()} == {
-        "first": False, "second": True, "fourth": True, "wrong": True
-    }  # fmt: skip
+    found = {sweep.setting.iloc[0]: (sweep.order.iloc[0], has_floor(sweep)) for sweep in sweeps(measured.table)}
+    assert found == {
+        "first": (pytest.approx(1.0, abs=0.05), False),
+        "second": (pytest.approx(2.0, abs=0.1), True),
+        "fourth": (pytest.approx(4.0, abs=0.1), True),
+        "wrong": (None, True),
+    }
 
 
 def test_a_method_that_raises_costs_its_own_points(measured):
-    broken = [one for one in measured.records if one.setting == "broken"]
+    broken = [one for one in measured.points if one.setting == "broken"]
     assert len(broken) == 3
-    assert {(one.outcome, one.error_max, one.repeats) for one in broken} == {("adapter-error", None, ())}
+    assert {(one.outcome, one.errors, one.repeats) for one in broken} == {("adapter-error", (), ())}
     assert (
         "known raised RuntimeError: matrix is singular (tests/comparisons/work_precision/test_study.py"
         in broken[0].detail
@@ -149,9 +148,9 @@ def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
             yield number, Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)") if dies else _here(function, job)
 
     monkeypatch.setattr("comparisons.runs.workers.run_jobs", dying)
-    found = {one.setting: one for one in bench(REQUEST).records if one.kind == SETTING}
+    found = {one.setting: one for one in bench(REQUEST).points if one.kind == SETTING}
     assert (found["best"].outcome, found["best"].detail) == ("crashed", "died by signal 6 (SIGABRT)")
-    assert found["tuned"].finished
+    assert found["tuned"].outcome == "finished"
 
 
 def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_path):
@@ -171,13 +170,13 @@ def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_pa
     known.runs.clear()
     again = bench(REQUEST, finished=begin(tmp_path, "this one", "")[0])
     assert known.runs == []
-    assert again.records == found.records
+    assert again.points == found.points
     assert sorted(again.noise.samples) == sorted(found.noise.samples)
 
 
 def test_no_run_is_begun_after_the_deadline(known):
     hurried = dataclasses.replace(REQUEST, extent=dataclasses.replace(EXTENT, deadline=0.0))
-    found = bench(hurried).records
+    found = bench(hurried).points
     assert {(one.outcome, one.detail) for one in found} == {("timed-out", OUT_OF_TIME)}
     assert {one.setting for one in found} >= {"best", "first", "wrong"}
     assert known.runs == []
@@ -186,7 +185,7 @@ def test_no_run_is_begun_after_the_deadline(known):
 def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkeypatch):
     monkeypatch.setattr(known, "version", lambda: None)
     found = bench(REQUEST)
-    (one,) = found.records
+    (one,) = found.points
     assert (one.outcome, one.engine_version) == ("unavailable", "")
     assert "is not installed" in one.detail
     assert found.document["methods"] == []
@@ -197,7 +196,7 @@ def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that
         raise TypeError("a slip")
 
     monkeypatch.setattr(known, "methods", fail)
-    found = bench(REQUEST).records
-    assert [(one.setting, one.finished) for one in found[:3]] == [(setting, True) for setting in Setting]
+    found = bench(REQUEST).points
+    assert [(one.setting, one.outcome) for one in found[:3]] == [(setting, "finished") for setting in Setting]
     assert {(one.setting, one.outcome) for one in found[3:]} == {("methods", "adapter-error")}
     assert "known raised TypeError: a slip (tests/comparisons/work_precision/test_study.py" in found[3].detail

@@ -10,7 +10,7 @@ from comparisons.judging.records import Error
 from comparisons.stress.cells import find_cell
 from comparisons.stress.verdict import StressVerdict
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
-from tests.comparisons.bench_rows import row
+from tests.comparisons.bench_rows import bench_of, row
 
 
 def _record(outcome, setting="tuned"):
@@ -66,7 +66,8 @@ def test_a_map_fails_by_its_worst_cell():
 def test_a_benchmark_fails_where_an_engine_gave_nothing():
     absent = row(engine="beta", outcome="unavailable", error_max=None, detail="not installed")
     broken, ours = (row(engine="beta", outcome=outcome, error_max=None) for outcome in ("adapter-error", "suite-error"))
-    codes = [bench_exit_code([row(), other], ("alpha", "beta")) for other in (row(engine="beta"), absent, broken, ours)]
+    others = (row(engine="beta"), absent, broken, ours)
+    codes = [bench_exit_code(bench_of(row(), other), ("alpha", "beta")) for other in others]
     assert codes == [0, 0, 1, 3]
     with pytest.raises(LinkproofError, match="got none: unavailable, not installed"):
-        bench_exit_code([absent], ("beta",))
+        bench_exit_code(bench_of(absent), ("beta",))

@@ -17,8 +17,8 @@ from comparisons.runs.files import STORE, write_text
 from comparisons.runs.workers import run_jobs
 from comparisons.stress.campaign import KIND as STRESS
 from comparisons.stress.campaign import save as save_stress
-from comparisons.work_precision.records import KIND as BENCH
-from comparisons.work_precision.records import save as save_bench
+from comparisons.work_precision.table import KIND as BENCH
+from comparisons.work_precision.table import save as save_bench
 from engines.contract import Setting
 from reports.site import write_site
 from tests.commands import refused

@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from comparisons.work_precision.analysis import by_regime, places
-from comparisons.work_precision.records import Bench, load, save
+from comparisons.work_precision.fronts import by_regime, engines, places, standings
+from comparisons.work_precision.table import Bench, load, save
 from reports.document import html
 from reports.document.terminal import rendered
 from reports.work_precision.page import page, verdicts
@@ -17,10 +17,10 @@ BENCH = made_up_bench()
 
 
 def test_a_setting_is_on_ahead_of_or_off_the_front():
-    (alpha, _) = places(BENCH)[0].engines("Mkr")
+    (alpha, _) = engines(places(BENCH)[0])
 
     def told(noise):
-        return {one.record.setting: comparison_words(one, noise) for one in alpha.setting_comparisons}
+        return {one.record.setting: comparison_words(one, noise) for one in standings(alpha)}
 
     assert told(0.1)["naive"] == ": no solution"
     assert told(0.1)["best"] == "; no method measured gets there"
@@ -29,7 +29,7 @@ def test_a_setting_is_on_ahead_of_or_off_the_front():
 
 
 def _regimes(*rows, mechanisms=("m",)):
-    return by_regime(places(Bench(document(mechanisms, ("alpha", "beta")), points(rows))))
+    return by_regime(Bench(document(mechanisms, ("alpha", "beta")), points(rows)))
 
 
 def test_the_winner_of_an_error_is_the_cheapest_engine_of_most_mechanisms():

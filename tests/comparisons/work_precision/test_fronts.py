@@ -10,22 +10,24 @@ from scipy.stats import theilslopes
 
 from analytic.errors import LinkproofError
 from comparisons.runs.store import save_study
-from comparisons.work_precision.analysis import (
+from comparisons.work_precision.fronts import (
     WANTED,
     choices,
-    compare_settings,
+    has_floor,
     is_falling,
     judged,
-    method_sweeps,
+    least,
     observed_order,
     pareto,
     price,
-    still_improves,
+    standings,
     sustained,
+    sweeps,
     theil_sen,
 )
-from comparisons.work_precision.records import KIND, Bench, load, save
-from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
+from comparisons.work_precision.measure import still_improves
+from comparisons.work_precision.table import KIND, Bench, load, save
+from tests.comparisons.bench_rows import bench_of, points, row, setting_row, sweep_rows
 
 STEPS = [0.1 / 2**k for k in range(12)]
 POSITIVE = st.sampled_from([1e-6, 1e-3, 0.01, 0.1, 0.5, 1.0, 2.0])
@@ -117,33 +119,30 @@ def test_an_error_falls_where_the_finest_step_is_the_best_beyond_scatter(errors,
 
 
 def test_order_and_least_error_of_every_sweep_are_found_and_written_into_its_points():
-    found = {one.first.setting: one for one in method_sweeps([*SECOND, *FOURTH])}
-    assert found["second"].order == pytest.approx(2.0)
-    assert found["fourth"].order == pytest.approx(4.0)
-    assert (found["second"].least, found["second"].has_floor) == (SECOND[-1], False)
-    completed = judged(points([*SECOND, setting_row("tuned", 1e-4, 1e-2)]))
-    orders = {(one.setting, one.orders.get("Mkr")) for one in completed}
-    assert orders == {("second", found["second"].order), ("tuned", None)}
+    completed = judged(Bench(_document(), [*SECOND, *FOURTH, setting_row("tuned", 1e-4, 1e-2)]))
+    orders = {run.setting: run.orders.get("Mkr") for run in completed.points}
+    assert orders == {"second": pytest.approx(2.0), "fourth": pytest.approx(4.0), "tuned": None}
+    (second, _) = sweeps(completed.table)
+    assert (least(second).step, has_floor(second)) == (SECOND[-1].step, False)
+    assert [run.fronts for run in completed.points[:4]] == [("Mkr",), ("Mkr",), ("Mkr",), ("Mkr",)]
 
 
 def test_the_cheapest_point_that_holds_an_error_is_chosen():
-    for wanted, choice in zip(WANTED, choices([*SECOND, *FOURTH]), strict=True):
-        held = [one for one in (*SECOND, *FOURTH) if one.error_max <= wanted]
+    for wanted, choice in zip(WANTED, choices(bench_of(*SECOND, *FOURTH).table), strict=True):
+        held = [one for one in (*SECOND, *FOURTH) if one.errors[0].error_max <= wanted]
         expected = min(held, key=lambda one: one.total_seconds, default=None)
-        assert choice.record == expected
-    assert choice.closest == FOURTH[-1]
-    assert len(choices(SECOND)) == len(WANTED)
+        assert (choice and choice.key) == (expected and expected.key)
 
 
 def test_a_setting_is_compared_with_the_price_of_its_error():
     # Both methods reach it exactly at a measured point: the second order at 64 times its first cost, the fourth at 8.
     tuned, best = (setting_row(name, 0.1 / 16**3, 0.128) for name in ("tuned", "best"))
-    found, other = compare_settings([*SECOND, *FOURTH, tuned, best])
+    found, other = standings(bench_of(*SECOND, *FOURTH, tuned, best).table)
     assert found.rival_seconds == pytest.approx(64 * 1e-3)  # a single run is not held against several extrapolated
     assert found.ratio == pytest.approx(2.0)
     assert other.rival_seconds == pytest.approx(8 * 4e-3)
     assert other.rival.setting == "fourth"
-    (beyond,) = compare_settings([*SECOND, setting_row("best", 1e-12, 1.0)])
+    (beyond,) = standings(bench_of(*SECOND, setting_row("best", 1e-12, 1.0)).table)
     assert (beyond.ratio, beyond.rival) == (None, None)
 
 
@@ -163,7 +162,7 @@ def test_what_is_saved_is_what_is_loaded(tmp_path):
     records = [row(), setting_row("best", None, None, outcome="crashed", repeats=(), detail="died by signal 6")]
     save(tmp_path, Bench(_document(), points(records)))
     found = load(tmp_path)
-    assert found.records == tuple(records)
+    assert found.points == tuple(records)
     assert found.noise.samples == (1e-3, 1.2e-3)
 
 

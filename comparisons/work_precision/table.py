@@ -1,21 +1,24 @@
-"""The records of a benchmark, one to a point, saved and read back."""
+"""The runs of a benchmark, one to a point, as a table; saved and read back."""
 
 from __future__ import annotations
 
 import statistics
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from pydantic import NonNegativeFloat, TypeAdapter
 from typing_extensions import TypedDict
 
-from comparisons.judging.records import Error, Run, Verdict
+from comparisons.judging.records import Run, Verdict
 from comparisons.runs.store import load_study, save_study
 from engines.contract import Outcome
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 KIND: Final = "bench"
 SETTING, METHOD = "setting", "method"
@@ -24,8 +27,8 @@ FIRST_USE: Final = "first_use"
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointRecord(Run):
-    """The run of a point, and what came of it; ``errors`` are empty where it did not finish.
+class BenchRun(Run):
+    """The run of a point; ``errors`` are empty where it did not finish.
 
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
     s, it is requested. ``is_control``: the engine is the reference's control, never ranked. ``repeats`` are all wall
@@ -61,11 +64,6 @@ class PointRecord(Run):
     fronts: tuple[str, ...] = ()
 
     @property
-    def place(self) -> tuple[str, str, str]:
-        """Mechanism, variant and regime."""
-        return (self.mechanism, self.variant, self.regime)
-
-    @property
     def seconds_median(self) -> float:
         """The median of the repeats, s."""
         return statistics.median(self.repeats) if self.repeats else 0.0
@@ -87,51 +85,29 @@ class PointRecord(Run):
         """The unique key of the point."""
         return super().key + ("" if self.step is None else f", step {self.step!r}")
 
+    def columns(self, quantities: Sequence[str]) -> Iterator[dict[str, Any]]:
+        """A row for each of its quantities; of one that did not finish, for each of those requested.
 
-@dataclass(frozen=True, kw_only=True)
-class BenchRecord(PointRecord):
-    """A point seen in one of its quantities."""
-
-    quantity: str
-
-    @property
-    def sweep(self) -> tuple[str, ...]:
-        """The identity of a point's sweep: everything but the step."""
-        return (*self.place, self.engine, self.kind, self.setting, self.quantity)
-
-    @property
-    def error(self) -> Error | None:
-        """The errors in this quantity; None if the run did not finish."""
-        return next(
-            (record for record in self.errors if record.quantity == self.quantity and record.error_max is not None),
-            None,
-        )
-
-    @property
-    def error_max(self) -> float | None:
-        """The largest error, over the peak."""
-        return self.error.error_max if self.error else None
-
-    @property
-    def finished(self) -> bool:
-        """Whether it has both an error and a time."""
-        return self.outcome == Outcome.FINISHED and self.error is not None and bool(self.repeats)
-
-
-def split_by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tuple[BenchRecord, ...]:
-    """Points in each of their quantities; one that did not finish in all requested ``quantities``.
-
-    A quantity that the engine does not tell at all is not provided there.
-    """
-    records = []
-    for point in points:
-        lacking = {error.quantity: error.detail for error in point.errors if error.error_max is None}
-        for name in [error.quantity for error in point.errors] or quantities:
-            known = vars(point)
-            if name in lacking:
-                known = {**known, "outcome": Verdict.NOT_PROVIDED.value, "detail": lacking[name]}
-            records.append(BenchRecord(**known, quantity=name))
-    return tuple(records)
+        A quantity that the engine does not tell at all is not provided there. ``finished`` has both an error and a
+        time, ``left_out`` says what of a quantity the engine does not tell.
+        """
+        derived = ("key", "total_seconds", "seconds_median", "overhead", "is_extrapolated")
+        own = vars(self) | {name: getattr(self, name) for name in derived}
+        for error in self.errors or [self.blank._replace(quantity=name) for name in quantities]:
+            is_lacking = bool(self.errors) and error.error_max is None
+            yield {
+                **own,
+                "quantity": error.quantity,
+                "unit": error.unit,
+                "error_max": error.error_max,
+                "error_rms": error.error_rms,
+                "peak": error.peak,
+                "left_out": error.detail,
+                "outcome": Verdict.NOT_PROVIDED.value if is_lacking else self.outcome,
+                "detail": error.detail if is_lacking else self.detail,
+                "finished": self.outcome == Outcome.FINISHED and error.error_max is not None and bool(self.repeats),
+                "order": self.orders.get(error.quantity),
+            }
 
 
 @dataclass(frozen=True)
@@ -182,10 +158,10 @@ FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedBench)
 
 @dataclass(frozen=True)
 class Bench:
-    """A finished benchmark: its document as saved, and a record per point, judged."""
+    """A finished benchmark: its document as saved, and a run per point."""
 
     document: Mapping[str, Any]
-    points: Sequence[PointRecord]
+    points: Sequence[BenchRun]
 
     @property
     def as_dict(self) -> dict[str, Any]:
@@ -193,9 +169,12 @@ class Bench:
         return {**self.document, "records": [point.data for point in self.points]}
 
     @cached_property
-    def records(self) -> tuple[BenchRecord, ...]:
-        """Every point in each of its quantities."""
-        return split_by_quantity(self.points, self.document["quantities"])
+    def table(self) -> DataFrame:
+        """A row for every point in each of its quantities, with the columns of ``BenchRun.columns``."""
+        from pandas import DataFrame  # noqa: PLC0415  half a second that a worker process saves
+
+        rows = [row for point in self.points for row in point.columns(self.document["quantities"])]
+        return DataFrame(rows, dtype=object).astype(dict.fromkeys(("finished", "is_control", "is_extrapolated"), bool))
 
     @cached_property
     def noise(self) -> Noise:
@@ -210,4 +189,4 @@ def save(folder: Path, bench: Bench) -> None:
 
 def load(folder: Path) -> Bench:
     """Read a benchmark back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
-    return Bench(*load_study(folder, KIND, FORM, PointRecord.from_row))
+    return Bench(*load_study(folder, KIND, FORM, BenchRun.from_row))
