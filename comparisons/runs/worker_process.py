@@ -1,6 +1,6 @@
-"""A worker process: how it is started, and one job after the other in it, each within a bound of memory.
+"""A worker: a pool of pebble's with one process and pipes of its own, and one job at a time, each within its bounds.
 
-Imports the standard library alone, so that the server which forks workers can be started before anything heavy is.
+Nothing is shared that a dying process could leave locked or half-written, and whatever it was doing is known.
 """
 
 from __future__ import annotations
@@ -16,18 +16,29 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, Future
 from multiprocessing import forkserver, util
 from multiprocessing.connection import wait
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
+from uuid import uuid4
 
-from comparisons.runs.run_engine import SHOW_OUTPUT, lost
+from pebble import CONSTS, ProcessPool
+
+from analytic.errors import LinkproofError
+from comparisons.runs.run_engine import SHOW_OUTPUT, Failure, Lost, lost
+from comparisons.runs.workers import Bounds
+from engines.registry import silenced
 
 START: Final = "LINKPROOF_WORKER_START"  # how workers are started: forkserver or spawn, as in multiprocessing
 _START_LOCK: Final = threading.Lock()  # the main module is hidden from one start at a time
 _CLEAN_EXIT: Final = 256  # stands for an exit code of 0
 _EXIT_TIMEOUT: Final = 2.0  # s within which a process must end after it has broken its connection
+# What C and C++ run-time libraries write when an allocation fails and nobody catches it.
+_NO_MEMORY: Final = (b"bad_alloc", b"out of memory", b"Out of memory", b"Cannot allocate memory", b"MemoryError")
+_OUTPUT_END: Final = 4096  # bytes of the end of a worker's output that are searched for these
+CONSTS.sleep_unit = 0.02  # s, after which pebble looks again for a worker that has ended or is late
 
 
 def start_method() -> str:
@@ -47,12 +58,12 @@ def start_server(modules: Sequence[str]) -> None:
     """
     if start_method() != "forkserver":
         return
-    forkserver.set_forkserver_preload(["comparisons.runs.worker_process", "pebble.pool.process", *modules])
+    forkserver.set_forkserver_preload([__name__, *modules])
     path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
     before = dict(os.environ)
     os.environ.update(PYTHONPATH=path, PYTHONSAFEPATH="1")
     try:
-        with _isolated_start(), _output_discarded():
+        with _main_module_hidden(), _output_to(os.devnull):
             forkserver.ensure_running()
     finally:
         for name in ("PYTHONPATH", "PYTHONSAFEPATH"):
@@ -61,13 +72,12 @@ def start_server(modules: Sequence[str]) -> None:
 
 
 @contextlib.contextmanager
-def _isolated_start() -> Iterator[None]:
-    """A process started here does not import the main module, and a Ctrl-C reaches this one afterwards.
+def _main_module_hidden() -> Iterator[None]:
+    """A process started here does not import the main module, which has no job in it.
 
-    Without the main module, which has no job in it, a script that calls us needs no ``if __name__ == "__main__"``, and
-    a command line is not imported twice.
+    So a script that calls us needs no ``if __name__ == "__main__"``, and a command line is not imported twice.
     """
-    with _START_LOCK, _interrupts_blocked():
+    with _START_LOCK:
         main = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
         try:
@@ -76,79 +86,31 @@ def _isolated_start() -> Iterator[None]:
             sys.modules["__main__"] = main
 
 
-@contextlib.contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+def _output_to(path: str) -> contextlib.AbstractContextManager[None]:
+    """Append what this process writes to a file, unless its output is requested."""
+    return contextlib.nullcontext() if os.environ.get(SHOW_OUTPUT) else silenced(path)
 
 
-@contextlib.contextmanager
-def _output_discarded() -> Iterator[None]:
-    """Discard output to the file descriptors 1 and 2, unless it is requested."""
-    if os.environ.get(SHOW_OUTPUT):
-        yield
-        return
-    for stream in filter(None, (sys.stdout, sys.stderr)):
-        stream.flush()
-    copies = [os.dup(descriptor) for descriptor in (1, 2)]
-    try:
-        _redirect_output(os.devnull)
-        yield
-    finally:
-        for descriptor, copy in zip((1, 2), copies, strict=True):
-            os.dup2(copy, descriptor)
-            os.close(copy)
-
-
-def _redirect_output(path: str) -> None:
-    """Append what this process writes, from Python and from C, to a file."""
-    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-    for descriptor in (1, 2):
-        os.dup2(handle, descriptor)
-    os.close(handle)
-
-
-class WorkerContext:
+class _Context:
     """The start of the one process of a pool of pebble's; a pool whose process has ended is not filled again."""
 
     def __init__(self) -> None:
         self._context = multiprocessing.get_context(start_method())
-        self.process: WorkerProcess | None = None
+        self.process: _Process | None = None
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - pipes and locks
         """Whatever else pebble asks of a context."""
         return getattr(self._context, name)
 
-    def Pipe(self, duplex: bool = True) -> tuple[Any, Any]:  # noqa: N802 - as pebble calls it
-        """A pipe; what an engine has written into it is an OSError, as pebble expects of a broken one."""
-        reader, writer = self._context.Pipe(duplex)
-
-        def receive() -> object:
-            try:
-                return type(reader).recv(reader)
-            except (EOFError, OSError):
-                raise
-            except Exception as error:
-                raise OSError from error
-
-        reader.recv = receive  # type: ignore[method-assign]
-        return reader, writer
-
-    def Process(self, **arguments: Any) -> WorkerProcess:  # noqa: ANN401, N802 - the name that pebble calls
+    def Process(self, **arguments: Any) -> _Process:  # noqa: ANN401, N802 - the name that pebble calls
         """The process; raises OSError for a second one."""
         if self.process is not None:
             raise OSError("the process of this pool has ended")
-        self.process = WorkerProcess(self._context.Process(**arguments))  # type: ignore[attr-defined]
+        self.process = _Process(self._context.Process(**arguments))  # type: ignore[attr-defined]
         return self.process
 
 
-class WorkerProcess:
+class _Process:
     """A process of multiprocessing that is killed at once, with all that it has started."""
 
     def __init__(self, process: Any) -> None:  # noqa: ANN401 - each start has a class of its own
@@ -161,7 +123,7 @@ class WorkerProcess:
 
     def start(self) -> None:
         """Start it without the main module."""
-        with _isolated_start():
+        with _main_module_hidden():
             self._process.start()
 
     def terminate(self) -> None:
@@ -190,15 +152,83 @@ class WorkerProcess:
         return f"died by signal {-code}"
 
 
+class Worker:
+    """A worker process and the job that it has; it has been ``used`` once it has finished any."""
+
+    job: tuple[int, bytes, bytes, Bounds]  # index, function and arguments, pickled, and bounds
+
+    def __init__(self, module: str) -> None:
+        """Start it; ``module`` is what its jobs need. Raises LinkproofError where that is not possible."""
+        self.used = self.has_died = False
+        try:
+            start_server([module])
+            self.output = Path(util.get_temp_dir()) / f"{uuid4().hex}.txt"
+            context = _Context()
+            self.pool = ProcessPool(1, initializer=_prepare, initargs=(str(self.output),), context=context)
+            self.is_usable()  # which starts it
+        except (OSError, EOFError, BrokenExecutor) as error:
+            cause = error.__cause__ or error
+            raise _start_error(f"{type(cause).__name__}: {cause}") from error
+        assert context.process is not None
+        self.process = context.process
+
+    def is_usable(self) -> bool:
+        """Whether the process and its pipes are as they should be."""
+        return bool(self.pool.active)
+
+    def begin(self, job: tuple[int, bytes, bytes, Bounds]) -> Future[bytes]:
+        """The pickled result of a job to come; its time begins when the worker takes it."""
+        self.job, (_, function, arguments, bounds) = job, job
+        return self.pool.schedule(
+            _run_job, (function, arguments, bounds.memory, str(self.output)), timeout=bounds.seconds
+        )
+
+    def result(self, future: Future[bytes]) -> Any:  # noqa: ANN401 - whatever the function returns
+        """The result of its job, or how that was lost."""
+        error = future.exception() if future.done() else BrokenExecutor()
+        if isinstance(error, TimeoutError):
+            return Lost(Failure.TIMED_OUT, f"took longer than {self.job[-1].seconds:g} s")
+        if error is not None:
+            self.has_died = True
+            return self._crash()
+        try:
+            return pickle.loads(future.result())
+        except Exception as fault:  # as raised by an object of a job
+            return Lost(Failure.CRASHED, f"sent an answer that cannot be read ({type(fault).__name__})")
+
+    def _crash(self) -> Lost:
+        """How the process ended in its job; raises LinkproofError if it never began one."""
+        reason = self.process.end()
+        if not self.output.exists():
+            raise _start_error(f"one that {reason} at its start")
+        written = self.output.read_bytes()[-_OUTPUT_END:]
+        if any(words in written for words in _NO_MEMORY):
+            return lost(MemoryError(), self.job[-1].memory)
+        return Lost(Failure.CRASHED, reason)
+
+    def stop(self) -> None:
+        """Kill the process, whatever it is doing, and all that it has started."""
+        self.pool.stop()  # type: ignore[no-untyped-call]
+        self.process.terminate()
+        self.pool.join()
+        self.output.unlink(missing_ok=True)
+
+
+def _start_error(what: str) -> LinkproofError:
+    """What to say where no worker can be started."""
+    return LinkproofError(f"expected to start a worker process, got {what}; run with --jobs 0 to do without")
+
+
 # What runs in a worker.
 
 
-def prepare(output: str) -> None:
-    """Make this process a worker, which has a group of its own, is deaf to Ctrl-C and ends with its parent.
+def _prepare(output: str) -> None:
+    """Make this process a worker, which has a group of its own, writes no core dumps and ends with its parent.
 
-    Its output goes to a file, which is there once the worker is.
+    The file of its output is there once the worker is.
     """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # SIGINT is ignored already
+    faulthandler.disable()  # a forked one writes to where its parent's did
     # Temporary files are in the folder of the command's own, which goes with the command.
     tempfile.tempdir = os.environ["TMPDIR"] = util.get_temp_dir()
     if hasattr(os, "setpgid"):
@@ -214,10 +244,6 @@ def prepare(output: str) -> None:
     assert parent is not None
     threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
     Path(output).touch()
-    if not os.environ.get(SHOW_OUTPUT):
-        faulthandler.disable()  # a forked one writes to where its parent's did
-        sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__
-        _redirect_output(output)
 
 
 def _end_with(sentinel: int) -> None:
@@ -228,11 +254,11 @@ def _end_with(sentinel: int) -> None:
     os._exit(1)
 
 
-def run_job(function: bytes, job: bytes, memory: int, output: str) -> bytes:
+def _run_job(function: bytes, job: bytes, memory: int, output: str) -> bytes:
     """The pickled result of a pickled job, which is ``Lost`` if the job raises anything."""
-    os.truncate(output, 0)  # what earlier jobs have printed
     try:
-        with _memory_bounded(memory):
+        os.truncate(output, 0)  # what earlier jobs have printed
+        with _output_to(output), _memory_bounded(memory):
             value = _unpickled_function(function)(*pickle.loads(job))
         return pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
     except BaseException as error:

@@ -1,8 +1,6 @@
 """Worker processes for lists of jobs: one that crashes, hangs or runs out of memory costs its own job alone.
 
-Every worker is a pool of pebble's with one process and pipes of its own, so that nothing is shared that a dying process
-could leave locked or half-written, and whatever it was doing is known. What starts processes is imported with the first
-worker: where a system has none, jobs run in this process.
+What starts processes is imported with the first worker: where a system has none, jobs run in this process.
 """
 
 from __future__ import annotations
@@ -10,25 +8,22 @@ from __future__ import annotations
 import contextlib
 import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import Any, Final, NamedTuple, TypeVar
-from uuid import uuid4
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from analytic.errors import LinkproofError
 from analytic.machine_code import cores
 from comparisons.runs.run_engine import GIB, Failure, Lost, lost
 
+if TYPE_CHECKING:
+    from comparisons.runs.worker_process import Worker
+
 R = TypeVar("R")
 Begun = Callable[[int], object]
 
-# What C and C++ run-time libraries write when an allocation fails and nobody catches it.
-_NO_MEMORY: Final = (b"bad_alloc", b"out of memory", b"Out of memory", b"Cannot allocate memory", b"MemoryError")
-_OUTPUT_END: Final = 4096  # bytes of the end of a worker's output that are searched for these
 _PULSE: Final = 1.0  # s, after which a Ctrl-C is noticed where it does not interrupt a wait
-_POLL: Final = 0.02  # s, after which pebble looks again for a worker that has ended or is late
 
 
 @dataclass(frozen=True)
@@ -50,87 +45,6 @@ def usual_processes(count: int) -> int:
     return 0 if count == 1 else cores()
 
 
-class _Job(NamedTuple):
-    """A job by its index, with its pickled function and arguments."""
-
-    number: int
-    function: bytes
-    arguments: bytes
-    bounds: Bounds
-
-
-class _Worker:
-    """A worker process and the job that it has; it has been ``used`` once it has finished any."""
-
-    def __init__(self, module: str) -> None:
-        """Start it; ``module`` is what its jobs need. Raises LinkproofError where that is not possible."""
-        self.used = self.has_died = False
-        try:
-            from multiprocessing.util import get_temp_dir  # noqa: PLC0415
-
-            from pebble import CONSTS, ProcessPool  # noqa: PLC0415
-
-            from comparisons.runs.worker_process import WorkerContext, prepare, start_server  # noqa: PLC0415
-
-            CONSTS.sleep_unit = _POLL
-            start_server([module])
-            self.output = Path(get_temp_dir()) / f"{uuid4().hex}.txt"
-            context = WorkerContext()
-            self.pool = ProcessPool(1, initializer=prepare, initargs=(str(self.output),), context=context)
-            self.is_usable()  # which starts it
-            assert context.process is not None
-            self.process = context.process
-        except (ImportError, OSError, EOFError, BrokenExecutor) as error:
-            cause = error.__cause__ or error
-            raise _start_error(f"{type(cause).__name__}: {cause}") from error
-
-    def is_usable(self) -> bool:
-        """Whether the process and its pipes are as they should be."""
-        return bool(self.pool.active)
-
-    def begin(self, job: _Job) -> Future[bytes]:
-        """The pickled result of a job to come; its time begins when the worker takes it."""
-        from comparisons.runs.worker_process import run_job  # noqa: PLC0415
-
-        self.job = job
-        arguments = (job.function, job.arguments, job.bounds.memory, str(self.output))
-        return self.pool.schedule(run_job, arguments, timeout=job.bounds.seconds)
-
-    def result(self, future: Future[bytes]) -> Any:  # noqa: ANN401 - whatever the function returns
-        """The result of its job, or how that was lost."""
-        error = future.exception() if future.done() else BrokenExecutor()
-        if isinstance(error, TimeoutError):
-            return Lost(Failure.TIMED_OUT, f"took longer than {self.job.bounds.seconds:g} s")
-        if error is not None:
-            self.has_died = True
-            return self._crash()
-        try:
-            return pickle.loads(future.result())
-        except Exception as fault:  # as raised by an object of a job
-            return Lost(Failure.CRASHED, f"sent an answer that cannot be read ({type(fault).__name__})")
-
-    def _crash(self) -> Lost:
-        """How the process ended in its job; raises LinkproofError if it never began one."""
-        reason = self.process.end()
-        if not self.output.exists():
-            raise _start_error(f"one that {reason} at its start")
-        written = self.output.read_bytes()[-_OUTPUT_END:]
-        if any(words in written for words in _NO_MEMORY):
-            return lost(MemoryError(), self.job.bounds.memory)
-        return Lost(Failure.CRASHED, reason)
-
-    def stop(self) -> None:
-        """Kill the process, whatever it is doing, and all that it has started."""
-        self.pool.stop()  # type: ignore[no-untyped-call]
-        self.process.terminate()
-        self.pool.join()
-        self.output.unlink(missing_ok=True)
-
-
-def _start_error(what: str) -> LinkproofError:
-    return LinkproofError(f"expected to start a worker process, got {what}; run with --jobs 0 to do without")
-
-
 class LastingPool:
     """Worker ``processes`` of this machine that outlive a list of jobs, so that they import and warm up once.
 
@@ -139,8 +53,8 @@ class LastingPool:
 
     def __init__(self, processes: int = 1) -> None:
         self.processes = processes
-        self._free: list[_Worker] = []
-        self._busy: dict[Future[bytes], _Worker] = {}
+        self._free: list[Worker] = []
+        self._busy: dict[Future[bytes], Worker] = {}
 
     def run(
         self,
@@ -155,9 +69,9 @@ class LastingPool:
         try:
             while True:
                 while len(self._busy) < self.processes and (numbered := next(left, None)) is not None:
-                    number, arguments = numbered
-                    job = _Job(number, pickled, pickle.dumps(arguments, pickle.HIGHEST_PROTOCOL), bounds)
-                    self._begin(self._free_worker() or _Worker(module), job, begun)
+                    arguments = pickle.dumps(numbered[1], pickle.HIGHEST_PROTOCOL)
+                    worker = self._free_worker() or _new_worker(module)
+                    self._begin(worker, (numbered[0], pickled, arguments, bounds), begun)
                 yield from ended
                 if not self._busy:
                     return
@@ -166,7 +80,7 @@ class LastingPool:
             self.close()
             raise
 
-    def _free_worker(self) -> _Worker | None:
+    def _free_worker(self) -> Worker | None:
         """A worker without a job, if there is any that has not ended meanwhile."""
         while self._free:
             worker = self._free.pop()
@@ -175,8 +89,8 @@ class LastingPool:
             worker.stop()
         return None
 
-    def _begin(self, worker: _Worker, job: _Job, begun: Begun) -> None:
-        begun(job.number)
+    def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, Bounds], begun: Begun) -> None:
+        begun(job[0])
         self._busy[worker.begin(job)] = worker
 
     def _ended(self, module: str, begun: Begun) -> Iterator[tuple[int, Any]]:
@@ -193,9 +107,9 @@ class LastingPool:
                 worker.used = True
                 self._free.append(worker)
             if worker.used and worker.has_died:
-                self._begin(_Worker(module), worker.job, begun)
+                self._begin(_new_worker(module), worker.job, begun)
             else:
-                yield worker.job.number, result
+                yield worker.job[0], result
 
     def close(self) -> None:
         """Kill the workers, busy or not."""
@@ -205,6 +119,15 @@ class LastingPool:
             worker.pool.stop()  # type: ignore[no-untyped-call]
         for worker in workers:
             worker.stop()
+
+
+def _new_worker(module: str) -> Worker:
+    """A worker for jobs of a module; raises LinkproofError where there can be none."""
+    try:
+        from comparisons.runs.worker_process import Worker  # noqa: PLC0415
+    except ImportError as error:
+        raise LinkproofError(f"there are no worker processes here ({error}): run with --jobs 0") from error
+    return Worker(module)
 
 
 def _module_name(function: Callable[..., Any]) -> str:

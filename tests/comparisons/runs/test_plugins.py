@@ -1,12 +1,12 @@
 """A plug-in costs its own rows alone, whatever importing it does, and is imported only on use."""
 
 import json
+import sys
 
 import pytest
 
 from comparisons.runs import plugins
-from comparisons.runs.run_engine import Failure, Lost
-from engines import registry
+from comparisons.runs.workers import Bounds
 from engines.contract import Setting
 from tests.commands import linkproof
 from tests.comparisons.faults import announce
@@ -50,7 +50,7 @@ def folder(tmp_path, monkeypatch):
     entries |= {name: f"{name}:Adapter" for name in [*MODULES, "missing"]}
     announce(tmp_path, "hostile", {**entries, "nowhere": "no module:?"})
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(plugins, "_TRIED", {})
+    monkeypatch.setattr(plugins, "_ASKED", {})
     return tmp_path
 
 
@@ -77,14 +77,21 @@ def test_engines_lists_what_cannot_be_loaded(folder):
     assert (code, told["records"][1]["unusable"].count("got a float")) == (0, 1)
 
 
-def test_an_import_that_hangs_is_ended(folder, monkeypatch):
-    """In a worker it is an error after a while; where no alarm ends it, the bound of its process does."""
-    monkeypatch.setattr(plugins, "LONGEST_LOADING", 0.1)
-    adapter = plugins._imported_in_time("hanging")
-    assert "took longer than 0.1 s" in str(adapter.error)
-    late = Lost(Failure.TIMED_OUT, "took longer than 35 s")
-    monkeypatch.setattr(plugins, "run_jobs", lambda *_, **__: [(0, late)])
-    (adapter,) = plugins.engines(["hanging"])
-    assert isinstance(adapter, registry.Unusable)
-    with pytest.raises(Exception, match="the adapter of hanging cannot be loaded: its process took longer than 35 s"):
-        adapter.run(None, Setting.TUNED)
+def test_an_import_that_hangs_costs_its_own_engine(folder, monkeypatch):
+    monkeypatch.setattr(plugins, "LONGEST_LOADING", Bounds(0.5))
+    hanging, faithful = plugins.engines(["hanging", "direct"])
+    assert (hanging.version(), faithful.name) == ("1.0", "direct")
+    with pytest.raises(Exception, match=r"hanging cannot be loaded: its process took longer than 0\.5 s"):
+        hanging.run(None, Setting.TUNED)
+
+
+def test_a_plugin_is_imported_here_only_where_it_is_run_here(folder):
+    module = "tests.comparisons.hostile_engines"
+    sys.modules.pop(module)
+    for jobs in (2, 0):
+        assert module not in sys.modules
+        words = ("compare", "juki-mf7923d", "--engine", "faithful", "--setting", "all", "--quantity", "S")
+        code, told = told_by(folder, *words, "--jobs", str(jobs))
+        assert (code, {row["engine_version"] for row in told["records"]}) == (0, {"1.0"})
+    assert plugins.engine("faithful").methods(None)
+    assert module in sys.modules
