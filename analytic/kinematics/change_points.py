@@ -25,7 +25,7 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND
 from analytic.kinematics.branch import NODES, ChangePoints, Patch, Touch, Windows
 from analytic.kinematics.dyad_solver import DyadSolver
-from analytic.kinematics.dyads.closure import ROUNDING
+from analytic.kinematics.dyads import ROUNDING
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute, Structure
 from analytic.kinematics.sweep import FIXED, crank_motion
 from analytic.numerics.roots import find_lowest, may_touch_zero
@@ -99,7 +99,7 @@ class _Chain:
             beside = [
                 touch for touch in touches if np.all(np.abs(_within_half_turn(self.angle - touch.angle)) < BESIDE)
             ]
-            margin, lengths = self.solve(dyad, self.known, beside).reach_margin()
+            margin, lengths = self.solve(dyad, self.known, beside).form.reach_margin()
             self.fails |= ~(margin >= -TOUCHING * lengths)
         self.done = len(dyads)
         return self.known
@@ -108,7 +108,7 @@ class _Chain:
         """Add the poses of a dyad's links, with the lengths that touch."""
         solver = DyadSolver(dyad, self.angle, self.windows)
         for touch in touches:
-            solver.snap_to_touch(touch.margin, touch.gap)
+            solver.form.snap_to_touch(touch.margin, touch.gap)
         steps: tuple[Any, ...] = (solver.poses, solver.rates, solver.accelerations)
         for solved, step in zip(known, steps, strict=False):
             solved[dyad.first], solved[dyad.second] = step(solved)
@@ -180,9 +180,9 @@ class _ChangePointSearch:
         poses = chain.poses_before(self.dyads[:number])[0]
         solver = chain.solve(self.dyads[number], [dict(poses)])
         with np.errstate(invalid="ignore"):
-            margin, lengths = solver.reach_margin()
+            margin, lengths = solver.form.reach_margin()
         margin = np.where(np.isnan(margin) | chain.fails, np.inf, margin)
-        margin, lengths, gap = np.broadcast_arrays(margin, lengths, solver.gap())
+        margin, lengths, gap = np.broadcast_arrays(margin, lengths, solver.form.gap())
         return margin, lengths, gap
 
     def _find_touch(self, number: int, angle: float) -> Touch | None:

@@ -16,7 +16,7 @@ from analytic.errors import AssemblyError
 from analytic.kinematics.branch import Windows
 from analytic.kinematics.change_points import TOUCHING, Undetermined, is_followed
 from analytic.kinematics.dyad_solver import DyadSolver
-from analytic.kinematics.dyads.closure import ROUNDING
+from analytic.kinematics.dyads import ROUNDING
 from analytic.kinematics.group_solver import DEAD, GroupSolver
 from analytic.kinematics.structure import AnyGroup, Dyad, Structure
 from analytic.kinematics.sweep import Sweep, driver_poses, solver_of
@@ -129,7 +129,7 @@ class _Margins:
         for body in structure.bodies:
             sweep.poses(body)  # raises where it is not assembled
         self.signs = [
-            1.0 if isinstance(solver, GroupSolver) else np.sign(solver.closure.determinant)
+            1.0 if isinstance(solver, GroupSolver) else np.sign(solver.form.determinant)
             for solver in self.solvers(here)
         ]
         self.radian = SPAN * linkage.extent() / FULL_TURN if linkage.is_linear else 1.0  # what angles are counted in
@@ -157,8 +157,8 @@ class _Margins:
                 if isinstance(solver, GroupSolver):
                     missing, lengths = solver.margin(), 1.0
                 else:
-                    parallel = (solver.closure.determinant, sign)
-                    missing, lengths = solver.reach_margin() if solver.dyad.has_two_modes else parallel
+                    parallel = (solver.form.determinant, sign)
+                    missing, lengths = solver.form.reach_margin() if solver.dyad.has_two_modes else parallel
                 row = np.where(fails, np.inf, missing / lengths)
                 rows[number] = np.where(np.isnan(row), -1.0, row)
                 fails |= rows[number] < -ROUNDING
@@ -169,7 +169,7 @@ class _Margins:
         solver = self.solvers(np.array([self.start + offset]))[row]
         if isinstance(solver, GroupSolver):
             return Toggle(self.start + offset, solver.dyad, f"its links stand {DEAD}")
-        return Toggle(self.start + offset, solver.dyad, solver.formulas.dead_position_text(solver.dyad, solver.closure))
+        return Toggle(self.start + offset, solver.dyad, solver.form.dead_position())
 
     def nearest_limit(self, direction: float) -> Toggle | None:
         """The nearest end of the range in a direction, 1 or -1; None where a whole turn has none."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.kinematics.dyads.closure import ROUNDING
+from analytic.kinematics.dyads import ROUNDING
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.numerics.refine import Array, highest, zeros
 

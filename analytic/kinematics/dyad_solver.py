@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import ModuleType
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +11,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.branch import Windows
-from analytic.kinematics.dyads import prp, rpp, rpr, rrp, rrr
-from analytic.kinematics.dyads.closure import ROUNDING, At, Shortfall, Written
+from analytic.kinematics.dyads import FORMS, ROUNDING, Poses, Rates
 from analytic.kinematics.frames import Pose, Rate, Scalar
 from analytic.kinematics.group_solver import GroupSolver
 from analytic.kinematics.structure import Dyad
@@ -21,13 +19,11 @@ from analytic.kinematics.structure import Dyad
 Array = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 
-FORMULAS: Final[Mapping[str, ModuleType]] = {"RRR": rrr, "RRP": rrp, "RPR": rpr, "RPP": rpp, "PRP": prp}
-
 
 class DyadSolver:
-    """A dyad being solved; the mappings hold every body placed before it.
+    """A dyad being solved, in its ``form``; the mappings hold every body placed before it.
 
-    Results of one step are stored for the next, so that poses alone cost no more than poses.
+    Each order of derivative reuses the results of the one below; poses alone cost no more than poses.
     """
 
     def __init__(self, dyad: Dyad, angle: Scalar = None, windows: Windows | None = None) -> None:
@@ -35,25 +31,22 @@ class DyadSolver:
         self.dyad, self.angle = dyad, angle
         self.windows: Windows = {} if windows is None else windows
         self.sign: Scalar = float(dyad.sign) if dyad.changes is None else dyad.changes.signs(angle)
-        self.constants = self.formulas.constants(*dyad.joints, self.sign)
+        self.form = FORMS[dyad.kind](dyad, self.sign)
         self.hosts = (dyad.first_joint.near, dyad.second_joint.near)
-        self.link_poses: tuple[Pose, Pose]
-        self.link_rates: tuple[Rate, Rate]
+        self.link_poses: Poses
+        self.link_rates: Rates
 
-    @property
-    def formulas(self) -> ModuleType:
-        """The module of the dyad's kind; looked up here, since solvers are pickled and modules cannot be."""
-        return FORMULAS[self.dyad.kind]
-
-    def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, Pose]:
+    def poses(self, poses: Mapping[str, Pose]) -> Poses:
         """Poses of the first and the second link; nan where the links do not meet."""
-        first, two = self.hosts
-        self.near = (poses[first], poses[two])
         with np.errstate(divide="ignore", invalid="ignore"):
-            self.link_poses, self.closure = self.formulas.poses(self.constants, self.near)
+            pair = self.form.poses(self._of_hosts(poses))
             self.moves = self._moves()
-        self.link_poses = self._through_change_points(0, self.link_poses)
+        self.link_poses = self._through_change_points(0, pair)
         return self.link_poses
+
+    def _of_hosts(self, known: Mapping[str, Any]) -> tuple[Any, Any]:
+        first, second = self.hosts
+        return known[first], known[second]
 
     def _through_change_points(self, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:
         """Values of the formulas; near change points those of the series through them."""
@@ -62,54 +55,25 @@ class DyadSolver:
 
     def _moves(self) -> Scalar:
         """Where the dyad is away from its dead positions, so that its links meet and can move."""
-        determinant, least = self.closure.determinant, self.formulas.dead_determinant(self.constants, self.closure)
+        determinant, least = self.form.determinant, self.form.least_determinant()
         if self.dyad.changes is not None:
             return self.dyad.changes.moves(self.angle, self.sign * determinant > least, self.windows)
         if self.dyad.sign > 0:  # the determinant's own sign
             return determinant > least
         return determinant < -least if self.dyad.sign < 0 else abs(determinant) > least
 
-    def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, Rate]:
+    def rates(self, rates: Mapping[str, Rate]) -> Rates:
         """First derivatives over φ; the poses must be known."""
-        first, two = self.hosts
-        self.near_rates = (rates[first], rates[two])
         with np.errstate(divide="ignore", invalid="ignore"):
-            link_poses, self.travel = self.formulas.rates(
-                self.constants, self.near, self.near_rates, self.link_poses, self.closure
-            )
-        self.link_rates = self._through_change_points(1, link_poses)
+            pair = self.form.rates(self._of_hosts(rates), self.link_poses)
+        self.link_rates = self._through_change_points(1, pair)
         return self.link_rates
 
-    def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, Rate]:
+    def accelerations(self, accelerations: Mapping[str, Rate]) -> Rates:
         """Second derivatives over φ; the rates must be known."""
-        first, two = self.hosts
         with np.errstate(divide="ignore", invalid="ignore"):
-            pair = self.formulas.accelerations(
-                self.constants,
-                (self.near, self.near_rates, (accelerations[first], accelerations[two])),
-                (self.link_poses, self.link_rates),
-                self.closure,
-                self.travel,
-            )
+            pair = self.form.seconds(self._of_hosts(accelerations), self.link_poses, self.link_rates)
         return self._through_change_points(2, pair)
-
-    def reach_margin(self) -> tuple[Scalar, Scalar]:
-        """By how much the links reach each other, m, negative where they do not, and the lengths it comes from."""
-        length, lengths = self.formulas.reach_margin(self.constants, self.near, self.closure)
-        return length, lengths
-
-    def gap(self) -> Scalar:
-        """Distance of the outer pins, m; infinite where there is only one."""
-        return self.formulas.gap(self.constants, self.near)
-
-    def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """Take lengths of the links with which they just touch, where a ``margin``, m, is a rounding of zero."""
-        self.constants = self.formulas.snapped_to_touch(self.constants, margin, gap)
-
-    def assembly_fault(self, at: At, written: Written) -> Shortfall:
-        """Why the links do not meet at a crank angle: the link, by how much it misses, and the remedy."""
-        fault, detail = self.formulas.assembly_fault(self.dyad, self.constants, self.near, at, written)
-        return fault, detail
 
 
 # Whether a dyad can be assembled at every given crank angle, and whether it can move there.
@@ -131,7 +95,7 @@ def check_assembly(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Ar
     severity = _severity(solver)
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
-        fault, detail = solver.assembly_fault(lambda value: _at(value, angle, worst), linkage.written)
+        fault, detail = solver.form.fault(lambda value: _at(value, angle, worst), linkage.written)
         raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.place(_at(angle, angle, worst))}: {detail}")
 
 
@@ -150,7 +114,7 @@ def mark_stuck(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
 def _severity(solver: DyadSolver) -> Scalar:
     """Length by which the links fail to meet, m, below zero; zero where no more than rounding is missing."""
     with np.errstate(invalid="ignore"):
-        missing, lengths = solver.reach_margin()
+        missing, lengths = solver.form.reach_margin()
         short = np.minimum(missing + ROUNDING * lengths, 0.0)
     undefined = ~(np.isfinite(solver.link_poses[0][0]) & np.isfinite(solver.link_poses[0][2]))
     return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)

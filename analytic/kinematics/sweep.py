@@ -141,7 +141,7 @@ class Sweep:
         self.poses(dyad.first)
         solver = self._solvers[dyad.first]
         assert isinstance(solver, DyadSolver)
-        return solver.closure.determinant
+        return solver.form.determinant
 
     def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
         """Raise AssemblyError where a group's links do not meet, or note it in ``faults``."""

@@ -1,0 +1,521 @@
+"""The five dyads in closed form: two sides, each a rod or a rail, that meet in a pin or slide on each other.
+
+A side is a link with the outer joint that holds it: a ``Rod`` turns about a pin of its host, a ``Rail`` slides along a
+line of it. Its motion has one unknown rate x, which moves the point that counts along a column d: r⊥ for a rod, r being
+the vector from the outer pin to that point, and the line's direction e for a rail. Each dyad is solved by the vector
+method of the articles (chained vectors, sign W). Differentiated, its closure equation is linear in its unknown rates:
+
+    the sides meet in the inner pin C (RRR, RRP, PRP):          carried₁ + x₁ d₁ = carried₂ + x₂ d₂
+    a line f of the side passes through the pin A (RPR, RPP):   A' = carried + x d + t f
+
+``carried`` is the derivative of the point as the host alone moves it. The second derivatives obey the same equation;
+``carried`` then has the terms of the first rates as well.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from analytic.description.linkage import Vector
+from analytic.kinematics import frames
+from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute
+
+At = Callable[[Scalar], float]
+Written = Callable[[float], str]
+Shortfall = tuple[str, str]
+Poses = tuple[Pose, Pose]
+Rates = tuple[Rate, Rate]
+
+UNASSEMBLED: Final = "cannot be assembled"
+UNDETERMINED: Final = "is undetermined"
+# Sine of the transmission angle below which no digit of a derivative is certain: the links' angles themselves are then
+# known to about the same sqrt(eps) only.
+LEAST_SINE: Final = 4.0 * float(np.finfo(float).eps) ** 0.5
+# Lengths that differ by less than this share of what they were computed from are taken to be equal.
+ROUNDING: Final = 8.0 * float(np.finfo(float).eps)
+
+
+class Rod:
+    """A link that turns about an outer pin of its host, with an arm of this length, m, in its own frame.
+
+    ``r`` is the vector from the pin to the point that counts, set by the dyad; the rate x is the link's turning.
+    """
+
+    r: Pair
+
+    def __init__(self, outer: Revolute, arm: Vector, length: Scalar) -> None:
+        self.near, self.far, self.length = outer.near_local, outer.far_local, length
+        square = length * length
+        self.over = (arm[0] / square, arm[1] / square)
+
+    def place(self, host: Pose) -> None:
+        """Hang the side on its host; ``base`` is the pin."""
+        self.host, self.base = host, frames.point(host, self.near)
+
+    def pose(self, vector: Pair) -> Pose:
+        """Pose of the link whose arm is this vector in the ground frame."""
+        (x, y), (a, b) = vector, self.over
+        direction = (x * a, y * a) if frames.is_zero(b) else (x * a + y * b, y * a - x * b)
+        return frames.pose_through(self.base, direction, self.far)
+
+    def moment(self, gap: Pair) -> Scalar:
+        """The vector product gap × d."""
+        return frames.dot(gap, self.r)
+
+    def carried(self, host: Rate, point: Pair) -> Pair:
+        """First derivative of the point that counts if the link did not turn."""
+        self.host_rate, self.base_rate = host, frames.point_rate(self.host, host, self.near)
+        return self.base_rate
+
+    def rate(self, link: Pose, x: Scalar) -> Rate:
+        """First derivative of the link's pose."""
+        self.x = x
+        return frames.rate_through(link, self.base_rate, x, self.far)
+
+    def carried_twice(self, host: Rate, point: Pair, turning: Scalar) -> Pair:
+        """Second derivative of the point that counts without x': A'' − θ'² r."""
+        self.turning = turning
+        self.base_second = frames.point_acceleration(self.host, self.host_rate, host, self.near)
+        square = turning * turning
+        return (self.base_second[0] - square * self.r[0], self.base_second[1] - square * self.r[1])
+
+    def second(self, link: Pose, slope: Scalar) -> Rate:
+        """Second derivative of the link's pose; ``slope`` is x'."""
+        return frames.acceleration_through(link, self.base_second, self.turning, slope, self.far)
+
+
+class Rail:
+    """A link that slides on its host along ``e``; its point ``local`` counts. The rate x is that of its travel."""
+
+    def __init__(self, outer: Prismatic, local: Vector) -> None:
+        self.along, self.turn, self.local, self.start = outer.along, outer.turn, local, point_on_rail(outer, local)
+
+    def place(self, host: Pose) -> None:
+        """Put the side on its host; ``base`` is the point that counts at zero travel."""
+        self.host, self.base, self.e = host, frames.point(host, self.start), frames.arm(host, self.along)
+
+    def pose(self, point: Pair) -> Pose:
+        """Pose of the link whose point that counts is here."""
+        return frames.pose_through(point, frames.turned(self.host, self.turn), self.local)
+
+    def moment(self, gap: Pair) -> Scalar:
+        """The vector product gap × d."""
+        return frames.cross(gap, self.e)
+
+    def carried(self, host: Rate, point: Pair) -> Pair:
+        """First derivative of the host's point that is just now here."""
+        self.host_rate = host
+        return frames.carried_rate(self.host, host, point)
+
+    def rate(self, link: Pose, x: Scalar) -> Rate:
+        """First derivative of the link's pose: the host carries its origin, and the travel moves it."""
+        self.x = x
+        origin = frames.carried_rate(self.host, self.host_rate, (link[0], link[1]))
+        return (*frames.point_along(origin, x, self.e), self.host_rate[2])
+
+    def carried_twice(self, host: Rate, point: Pair, turning: Scalar) -> Pair:
+        """Second derivative of the host's point that is just now here, with the Coriolis term of the travel."""
+        self.host_second = host
+        carried = frames.carried_acceleration(self.host, self.host_rate, host, point)
+        if frames.is_still(self.host_rate):
+            return carried
+        return frames.plus(carried, frames.coriolis(self.host_rate[2], self.x, self.e))
+
+    def second(self, link: Pose, slope: Scalar) -> Rate:
+        """Second derivative of the link's pose; ``slope`` is x'."""
+        origin = self.carried_twice(self.host_second, (link[0], link[1]), self.host_rate[2])
+        return (*frames.point_along(origin, slope, self.e), self.host_second[2])
+
+
+def point_on_rail(rail: Prismatic, local: Vector) -> Vector:
+    """A point of the sliding body, in the frame it slides on, at zero travel."""
+    c, s = rail.turn
+    x, y = rail.origin
+    return (x + c * local[0] - s * local[1], y + s * local[0] + c * local[1])
+
+
+def _size(a: Pair, b: Pair) -> Scalar:
+    """Sum of the magnitudes of all components of two vectors: the scale of rounding in their difference."""
+    return abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1])
+
+
+class _DyadForm:
+    """What is common to all: parallel guides, of which the others know more. ``sign`` picks the assembly mode.
+
+    ``determinant`` vanishes in dead positions; its sign is that of the assembly mode.
+    """
+
+    determinant: Scalar
+
+    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
+        self.dyad, self.sign = dyad, sign
+        self.joints: tuple[Any, Any, Any] = dyad.joints  # of the kinds that the dyad's name says
+
+    @property
+    def outer_pins(self) -> str:
+        """The two outer pins by name."""
+        return f"'{self.joints[0].point}' and '{self.joints[2].point}'"
+
+    def least_determinant(self) -> Scalar:
+        """The determinant up to which the dyad stands in a dead position, so that its derivatives are undefined."""
+        return LEAST_SINE
+
+    def dead_position(self) -> str:
+        """How the links stand in a dead position, in words."""
+        return f"the guides of '{self.dyad.first}' and '{self.dyad.second}' parallel"
+
+    def reach_margin(self) -> tuple[Scalar, Scalar]:
+        """Length, m, by which the links reach beyond meeting, negative where they do not, and the lengths it is of.
+
+        Two guides lack no length, but parallel ones do not cross.
+        """
+        return np.sign(abs(self.determinant) - ROUNDING), 0.0
+
+    def gap(self) -> Scalar:
+        """Distance of two outer pins, m; infinite where there is only one."""
+        return math.inf
+
+    def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
+        """Take lengths with which the links just touch, where a ``margin``, m, is a rounding of zero."""
+
+    def fault(self, at: At, written: Written) -> Shortfall:
+        """Why the links do not meet, as a fault and a sentence: which link misses by how much, and the remedy.
+
+        ``at`` picks the value at one crank angle, ``written`` writes a length.
+        """
+        return UNDETERMINED, (
+            f"the guides of '{self.dyad.first}' and '{self.dyad.second}' are parallel, so nothing holds the two in "
+            "place; turn one of the guides"
+        )
+
+
+class _PinDyad(_DyadForm):
+    """Two sides that meet in the inner pin C: x₁ d₁ − x₂ d₂ = carried₂ − carried₁.
+
+    ``meet`` finds C, the determinant d₁ × d₂ and the vectors of rods, and returns the links' poses.
+    """
+
+    sides: tuple[Any, Any]
+    pin: Pair
+    meet: Callable[[], Poses]
+
+    def poses(self, hosts: Poses) -> Poses:
+        """Poses of both links between their hosts; nan where they are undefined."""
+        for side, host in zip(self.sides, hosts, strict=True):
+            side.place(host)
+        return self.meet()
+
+    def rates(self, hosts: Rates, links: Poses) -> Rates:
+        """First derivatives of the links' poses from those of the hosts."""
+        carried = [side.carried(host, self.pin) for side, host in zip(self.sides, hosts, strict=True)]
+        self.scale = frames.inverse(self.determinant)
+        first, second = (
+            side.rate(link, x) for side, link, x in zip(self.sides, links, self._solved(carried), strict=True)
+        )
+        return first, second
+
+    def seconds(self, hosts: Rates, links: Poses, rates: Rates) -> Rates:
+        """Second derivatives of the links' poses from those of the hosts."""
+        sides = zip(self.sides, hosts, rates, strict=True)
+        carried = [side.carried_twice(host, self.pin, rate[2]) for side, host, rate in sides]
+        first, second = self.sides
+        slope, other = self._solved(carried)
+        return first.second(links[0], slope), second.second(links[1], other)
+
+    def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
+        """The unknown rates of both sides, or their slopes."""
+        first, second = self.sides
+        gap = frames.minus(carried[1], carried[0])
+        return second.moment(gap) * self.scale, first.moment(gap) * self.scale
+
+
+class RRR(_PinDyad):
+    """Two circles: A + r = B + q with |r| and |q| given; C lies left of A→B for sign +1.
+
+    The determinant r × q is |AB| times C's distance from the line AB.
+    """
+
+    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
+        super().__init__(dyad, sign)
+        first, inner, second = self.joints
+        self.sides = _rod(first, inner.far_local), _rod(second, inner.near_local)
+        self.lengths = self.sides[0].length, self.sides[1].length
+
+    def meet(self) -> Poses:
+        """The radicand is a product (Heron), no difference of squares, to stay accurate near dead positions."""
+        first, second = self.sides
+        total, difference = self.lengths[0] + self.lengths[1], self.lengths[0] - self.lengths[1]
+        d = frames.minus(second.base, first.base)
+        square = frames.dot(d, d)
+        radicand = (total * total - square) * (square - difference * difference)
+        self.determinant = (0.5 * self.sign) * frames.root(radicand)
+        scale = frames.inverse(square)
+        along, across = 0.5 + (0.5 * difference * total) * scale, self.determinant * scale
+        first.r = (along * d[0] - across * d[1], along * d[1] + across * d[0])
+        self.pin = frames.plus(first.base, first.r)
+        second.r = frames.minus(self.pin, second.base)
+        return first.pose(first.r), second.pose(second.r)
+
+    def least_determinant(self) -> Scalar:
+        """The determinant up to which A, B and C count as in one line."""
+        return LEAST_SINE * self.lengths[0] * self.lengths[1]
+
+    def dead_position(self) -> str:
+        """The arms are stretched or folded."""
+        first, second = self.sides
+        return "stretched in one line" if np.all(frames.dot(first.r, second.r) < 0.0) else "folded in one line"
+
+    def gap(self) -> Scalar:
+        """Distance AB, m."""
+        d = frames.minus(self.sides[1].base, self.sides[0].base)
+        return np.sqrt(frames.dot(d, d))
+
+    def reach_margin(self) -> tuple[Scalar, Scalar]:
+        """The smaller of the arms' sum less AB, and AB less their difference."""
+        first, two = self.lengths
+        gap = self.gap()
+        return np.minimum(first + two - gap, gap - abs(first - two)), _pins_size(self.sides) + first + two
+
+    def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
+        """The arms' sum, or their difference, becomes the gap."""
+        total, difference = self.lengths[0] + self.lengths[1], self.lengths[0] - self.lengths[1]
+        if abs(total - gap) < abs(gap - abs(difference)):
+            total = gap
+        elif gap <= ROUNDING * total:  # pins on top of each other: the gap's own rounding is no length
+            difference = 0.0
+        else:
+            difference = gap if difference > 0.0 else -gap
+        self.lengths = 0.5 * (total + difference), 0.5 * (total - difference)
+
+    def fault(self, at: At, written: Written) -> Shortfall:
+        """The arms are too short for the gap, or one is too long."""
+        dyad, (first, second) = self.dyad, self.lengths
+        gap = at(np.hypot(*frames.minus(self.sides[1].base, self.sides[0].base)))
+        links = f"'{dyad.first}' ({written(first)}) and '{dyad.second}' ({written(second)})"
+        if gap == 0.0:
+            fault = UNDETERMINED if first == second else UNASSEMBLED
+            return fault, f"{links} have their outer pins on top of each other; move one of the pivots"
+        between = f"the gap of {written(gap)} between {self.outer_pins}"
+        if gap > first + second:
+            return UNASSEMBLED, (
+                f"{links} together are {written(gap - first - second)} shorter than {between}; lengthen one of them, "
+                "shorten the crank or move the pivots closer together"
+            )
+        longer, shorter = (dyad.first, dyad.second) if first > second else (dyad.second, dyad.first)
+        return UNASSEMBLED, (
+            f"{links} differ by {written(abs(first - second) - gap)} more than {between}; shorten '{longer}', lengthen "
+            f"'{shorter}' or move the pivots apart"
+        )
+
+
+class RRP(_PinDyad):
+    """A circle and a line: A + r = base + t e with |r| given; r · e, the determinant, has the sign given."""
+
+    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
+        super().__init__(dyad, sign)
+        first, inner, second = self.joints
+        self.sides = _rod(first, inner.far_local), Rail(second, inner.near_local)
+
+    def meet(self) -> Poses:
+        """The arm's component across the line is A's distance from it."""
+        rod, rail = self.sides
+        offset = frames.cross(rail.e, frames.minus(rail.base, rod.base))
+        self.determinant = self.sign * frames.root((rod.length - offset) * (rod.length + offset))
+        rod.r = frames.rotated(self.determinant, offset, rail.e)
+        self.pin = frames.plus(rod.base, rod.r)
+        return rod.pose(rod.r), rail.pose(self.pin)
+
+    def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
+        return super()._solved(carried[::-1])  # r⊥ × e is −r · e
+
+    def least_determinant(self) -> Scalar:
+        """The determinant up to which the arm counts as square to the line."""
+        return LEAST_SINE * self.sides[0].length
+
+    def dead_position(self) -> str:
+        """The arm is square to the line."""
+        return f"'{self.dyad.first}' square to the guide of '{self.dyad.second}'"
+
+    def _distance(self) -> Scalar:
+        """A's distance from the line, m."""
+        rod, rail = self.sides
+        return abs(frames.cross(rail.e, frames.minus(rail.base, rod.base)))
+
+    def reach_margin(self) -> tuple[Scalar, Scalar]:
+        """Length of the arm less A's distance from the line."""
+        length = self.sides[0].length
+        return length - self._distance(), _pins_size(self.sides) + length
+
+    def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
+        """The arm just reaches the line."""
+        self.sides[0].length -= margin
+
+    def fault(self, at: At, written: Written) -> Shortfall:
+        """The arm does not reach the line."""
+        dyad, distance, length = self.dyad, at(self._distance()), self.sides[0].length
+        return UNASSEMBLED, (
+            f"'{dyad.first}' ({written(length)}) is {written(distance - length)} too short to reach the guide of "
+            f"'{dyad.second}', {written(distance)} away from '{self.joints[0].point}'; lengthen it or move the "
+            "guide closer"
+        )
+
+
+class PRP(_PinDyad):
+    """Two lines: C = base₁ + t e = base₂ + u f, with one assembly mode; the determinant is e × f."""
+
+    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
+        super().__init__(dyad, sign)
+        first, inner, second = self.joints
+        self.sides = Rail(first, inner.far_local), Rail(second, inner.near_local)
+
+    def meet(self) -> Poses:
+        """The first travel follows from the vector product with the second line."""
+        first, second = self.sides
+        self.determinant = frames.cross(first.e, second.e)
+        travel = second.moment(frames.minus(second.base, first.base)) * frames.inverse(self.determinant)
+        self.pin = frames.point_along(first.base, travel, first.e)
+        return first.pose(self.pin), second.pose(self.pin)
+
+
+class _SlideDyad(_DyadForm):
+    """The first link turns with the second, the side, whose line f passes through A: A' = carried + x d + t f.
+
+    ``align`` finds f and the determinant f × d, and returns the pose of the second link.
+    """
+
+    side: Any
+    f: Pair
+    align: Callable[[], Pose]
+
+    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
+        super().__init__(dyad, sign)
+        pin, self.inner, _ = self.joints
+        self.near, self.far = pin.near_local, pin.far_local
+
+    def poses(self, hosts: Poses) -> Poses:
+        """Poses of both links between their hosts; nan where they are undefined."""
+        self.host, self.pin = hosts[0], frames.point(hosts[0], self.near)
+        self.side.place(hosts[1])
+        second = self.align()
+        direction = frames.rotated(second[2], second[3], self.inner.turn)
+        return frames.pose_through(self.pin, direction, self.far), second
+
+    def rates(self, hosts: Rates, links: Poses) -> Rates:
+        """First derivatives of the links' poses from those of the hosts."""
+        self.host_rate, moved = hosts[0], frames.point_rate(self.host, hosts[0], self.near)
+        self.scale = frames.inverse(self.determinant)
+        gap = frames.minus(moved, self.side.carried(hosts[1], self.pin))
+        self.travel = self.side.moment(gap) * self.scale
+        second = self.side.rate(links[1], frames.cross(self.f, gap) * self.scale)
+        return frames.rate_through(links[0], moved, second[2], self.far), second
+
+    def seconds(self, hosts: Rates, links: Poses, rates: Rates) -> Rates:
+        """Second derivatives of the links' poses from those of the hosts, with the Coriolis term of the travel."""
+        turning = rates[1][2]
+        moved = frames.point_acceleration(self.host, self.host_rate, hosts[0], self.near)
+        carried = self.side.carried_twice(hosts[1], self.pin, turning)
+        gap = frames.minus(frames.minus(moved, carried), frames.coriolis(turning, self.travel, self.f))
+        second = self.side.second(links[1], frames.cross(self.f, gap) * self.scale)
+        return frames.acceleration_through(links[0], moved, turning, second[2], self.far), second
+
+
+class RPR(_SlideDyad):
+    """A line of the second link at a fixed offset from B passes through A: d = A − B = t e + offset e⊥.
+
+    The determinant is t, A's coordinate along the line from B's foot.
+    """
+
+    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
+        super().__init__(dyad, sign)
+        second = self.joints[2]
+        self.side = Rod(second, self.inner.along, 1.0)
+        self.offset = frames.cross(
+            self.inner.along, frames.minus(point_on_rail(self.inner, self.far), second.far_local)
+        )
+
+    def align(self) -> Pose:
+        """Where A passes through B the direction is left undefined (nan)."""
+        d = self.side.r = frames.minus(self.pin, self.side.base)
+        square = frames.dot(d, d)
+        self.determinant = self.sign * frames.root(square - self.offset * self.offset)
+        if frames.is_zero(self.offset):
+            scale = frames.inverse(self.determinant)
+            self.f = (d[0] * scale, d[1] * scale)
+        else:
+            scale = frames.inverse(square)
+            self.f = frames.rotated(self.determinant * scale, -self.offset * scale, d)
+        second: Pose = self.side.pose(self.f)
+        return second
+
+    def least_determinant(self) -> Scalar:
+        """The determinant up to which A counts as at the foot of the perpendicular from B to the line."""
+        return LEAST_SINE * (_size(self.pin, self.side.base) + abs(self.offset))
+
+    def dead_position(self) -> str:
+        """The slide is square to the line through the outer pins."""
+        return f"the slide square to the line of '{self.dyad.first_joint.name}' and '{self.dyad.second_joint.name}'"
+
+    def gap(self) -> Scalar:
+        """Distance AB, m."""
+        return np.sqrt(frames.dot(self.side.r, self.side.r))
+
+    def reach_margin(self) -> tuple[Scalar, Scalar]:
+        """Distance AB less the line's offset from B; a line through B needs A away from it, to have a direction."""
+        offset, pins = abs(self.offset), _size(self.pin, self.side.base)
+        return self.gap() - (offset + (2.0 * ROUNDING) * pins * (offset == 0.0)), pins + offset
+
+    def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
+        """The line's offset becomes the distance of the pins, so that the line just touches A."""
+        self.offset += np.sign(self.offset) * margin
+
+    def fault(self, at: At, written: Written) -> Shortfall:
+        """The offset is too large, or A is on B."""
+        dyad, distance, offset = self.dyad, at(self.gap()), abs(self.offset)
+        if offset == 0.0:
+            return UNDETERMINED, (
+                f"{self.outer_pins} coincide, so the direction of the slide between '{dyad.first}' and "
+                f"'{dyad.second}' is undefined; move the pivot off the pin's path"
+            )
+        return UNASSEMBLED, (
+            f"the slide between '{dyad.first}' and '{dyad.second}' is offset by {written(offset)}, "
+            f"{written(offset - distance)} more than the distance between {self.outer_pins}; lessen the offset or "
+            "move the pivot away"
+        )
+
+
+class RPP(_SlideDyad):
+    """Two lines of one direction each: A = base + x e + t f, with one assembly mode; the determinant is f × e."""
+
+    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
+        super().__init__(dyad, sign)
+        self.side = Rail(self.joints[2], point_on_rail(self.inner, self.far))
+
+    def align(self) -> Pose:
+        """Both directions are the host's; the travel x follows from the vector product with f."""
+        rail = self.side
+        self.f = frames.rotated(*frames.turned(rail.host, rail.turn), self.inner.along)
+        self.determinant = frames.cross(self.f, rail.e)
+        gap = frames.minus(self.pin, rail.base)
+        travel = frames.cross(self.f, gap) * frames.inverse(self.determinant)
+        second: Pose = rail.pose(frames.point_along(rail.base, travel, rail.e))
+        return second
+
+
+def _rod(outer: Revolute, inner: Vector) -> Rod:
+    """The side between an outer pin and the inner one at this point of the link."""
+    arm = frames.minus(inner, outer.far_local)
+    return Rod(outer, arm, frames.length(arm))
+
+
+def _pins_size(sides: tuple[Any, Any]) -> Scalar:
+    return _size(sides[0].base, sides[1].base)
+
+
+FORMS: Final[Mapping[str, Callable[[Dyad, Scalar], Any]]] = {
+    "RRR": RRR, "RRP": RRP, "RPR": RPR, "RPP": RPP, "PRP": PRP,
+}  # fmt: skip
