@@ -6,7 +6,7 @@ import dartpy as dart
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared_loop import signals
+from engines.shared_loop import motion_values, signals
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
@@ -129,11 +129,8 @@ def follow(given: Data, course: Data) -> Data:
     steps, ahead = ratio * part["samples"], int(given["centred"])
     step = part["end"] / steps
     world, times = World(given, step), step * np.arange(steps + ahead + 1)
-    rows, angles = [(0.0, {"position": world.start, "velocity": world.rates})], np.empty_like(times)
-    for start, coefficients in given["motion"]:  # the last goes on beyond the end
-        later = times >= start
-        angles[later] = np.polynomial.Polynomial(coefficients)(times[later] - start)
-    for number, speed in enumerate(np.diff(angles) / step):
+    rows = [(0.0, {"position": world.start, "velocity": world.rates})]
+    for number, speed in enumerate(np.diff(motion_values(given["motion"], times)) / step):
         sampled = number >= ahead and (number + 1 - ahead) % ratio == 0
         place = world.state("Positions") if sampled else world.start
         world.advance(speed)

@@ -1,25 +1,29 @@
 """One pass in MuJoCo: the drive and the loads by the control callback, read-outs at samples between steps."""
 
 from collections.abc import Callable, Iterator
-from functools import reduce
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared_loop import law_values, signals
+from engines.shared_loop import law_values
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
 Planar = list[complex]  # a vector in the plane for every body, the ground last
 
 PLANE = np.array([1.0, 1j, 0.0])  # vectors of space as complex numbers
-KINEMATICS = ("position", "velocity", "acceleration")
+KINEMATICS = {"position": "qpos", "velocity": "qvel", "acceleration": "qacc"}
+READ = (*KINEMATICS.values(), "sensordata", "cfrc_int", "efc_force")
 
 
 class MujocoWorld:
-    """The compiled model in its start state; ``sums`` has for every body which hinges' angles add up to its own."""
+    """The compiled model in its start state.
+
+    ``sums`` has for every body which hinges' angles add up to its own, ``sources`` for every joint where its force is:
+    rows of ``efc_force``, or the number of a body; its sign, and along what alone.
+    """
 
     def __init__(self, given: Data) -> None:
         self.given = given
@@ -45,37 +49,32 @@ class MujocoWorld:
         hinges = [model.joint(number).name for number in range(model.nv)]
         self.sums = np.array([[name in own for name in hinges] for _, own in given["bodies"].values()], dtype=float)
         self.angles = np.array([angle for angle, _ in given["bodies"].values()])
-
-    def kinematics(self, order: int) -> Array:
-        """Rows x, y, angle of the bodies, or their first or second rates."""
-        data = self.data
-        frames = data.sensordata.reshape(len(self.angles), len(KINEMATICS), 3)[:, order, :2]
-        turns = self.sums @ (data.qpos, data.qvel, data.qacc)[order]
-        return np.column_stack([
-            frames + self.given["gravity"] if order == 2 else frames, turns if order else turns + self.angles,
-        ])  # fmt: skip
-
-    def joint_forces(self) -> Array:
-        """Forces on the first bodies of the joints, (joints, 2)."""
-        model, data, forces = self.model, self.data, list[Array]()
-        for kind, name, sign, normal in self.given["joints"].values():
-            if kind == "equality":
-                forces.append(data.efc_force[data.efc_id == model.equality(name).id][:2])
-                continue
-            force = sign * data.cfrc_int[model.body(name).id, 3:5]
-            forces.append(np.multiply(normal, force @ normal) if normal else force)  # else the drive's is in it
-        return np.array(forces)
-
-    def torque(self) -> float:
-        """The drive's torque, or the force of a linear drive."""
-        return float(self.data.efc_force[0])
-
-    def read(self, channels: list[str]) -> Data:
-        """The requested channels at the present instant."""
-        readers = {"torque": self.torque, "joint_force": self.joint_forces}
-        return {
-            name: readers[name]() if name in readers else self.kinematics(KINEMATICS.index(name)) for name in channels
+        self.sources = {
+            joint: (np.flatnonzero(data.efc_id == model.equality(name).id)[:2], None, 1.0, None)
+            if kind == "equality"
+            else (None, model.body(name).id, sign, normal)
+            for joint, (kind, name, sign, normal) in given["joints"].items()
         }
+
+    def read(self, instant: float) -> tuple[Any, ...]:
+        """An instant, s, and what MuJoCo has then."""
+        return instant, *(getattr(self.data, name).copy() for name in READ)
+
+    def samples(self, rows: list[tuple[Any, ...]], channels: list[str]) -> Data:
+        """The channels of what was read."""
+        time, *values = map(np.array, zip(*rows, strict=True))
+        found, result = dict(zip(READ, values, strict=True)), Data()
+        frames = found["sensordata"].reshape(len(time), len(self.angles), len(KINEMATICS), 3)[..., :2]
+        frames[:, :, 2] += self.given["gravity"]
+        for order, (name, coordinates) in enumerate(KINEMATICS.items()):
+            turns = found[coordinates] @ self.sums.T + (0.0 if order else self.angles)
+            result[name] = time, np.concatenate([frames[:, :, order], turns[..., None]], axis=-1)
+        result["torque"] = time, found["efc_force"][:, 0]  # or the force of a linear drive
+        result["joint_force"] = {}
+        for joint, (rows_of, body, sign, normal) in self.sources.items():
+            force = sign * (found["cfrc_int"][:, body, 3:5] if rows_of is None else found["efc_force"][:, rows_of])
+            result["joint_force"][joint] = time, np.outer(force @ normal, normal) if normal else force
+        return {name: result[name] for name in channels}
 
     def control(self, segment: tuple[float, list[float]] | None) -> Callable[[Any, Any], None] | None:
         """The callback of every stage: the drive's reference acceleration and the loads; None if it has nothing to set.
@@ -83,6 +82,7 @@ class MujocoWorld:
         The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the constraints' time constant.
         """
         data, crank, given, numbers = self.data, self.crank, self.given, self.numbers
+        position, velocity, pushed = data.qpos, data.qvel, np.ix_(numbers, (0, 1, 5))
         start, times, loaded = given["start"], given["torque_over_time"], given["loads"] or given["springs"]
         roots = self.model.body_rootid[numbers]
         if segment:
@@ -93,21 +93,22 @@ class MujocoWorld:
 
         def control(_model: object, stage: Any) -> None:  # noqa: ANN401
             if segment:
-                x = stage.time - zero
-                value = reduce(lambda total, coefficient: total * x + coefficient, reference)
-                stage.efc_aref[0] = value - 2.0 * rate * data.qvel[crank] - rate**2 * data.qpos[crank]
+                x, value = stage.time - zero, 0.0
+                for coefficient in reference:
+                    value = value * x + coefficient
+                stage.efc_aref[0] = value - 2.0 * rate * velocity.item(crank) - rate**2 * position.item(crank)
             if times:
                 data.qfrc_applied[crank] = given["torque"] + np.interp(stage.time, *times)
             if loaded:
                 centre, direction = data.xipos[numbers] @ PLANE, data.xmat[numbers][:, [0, 3, 6]] @ PLANE
                 spin, arm = data.cvel[numbers, 2], centre - data.subtree_com[roots] @ PLANE
-                velocity = data.cvel[numbers, 3:] @ PLANE + 1j * spin * arm  # MuJoCo's is at the tree's mass centre
-                state = (centre.tolist(), direction.tolist(), velocity.tolist(), spin.tolist())
-                data.xfrc_applied[np.ix_(numbers, (0, 1, 5))] = load_rows(given, start + data.qpos[crank], state)
+                speed = data.cvel[numbers, 3:] @ PLANE + 1j * spin * arm  # MuJoCo's is at the tree's mass centre
+                state = (centre.tolist(), direction.tolist(), speed.tolist(), spin.tolist())
+                data.xfrc_applied[pushed] = load_rows(given, start + position.item(crank), state)
 
         return control if segment or times or loaded else None
 
-    def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
+    def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
         """Instants of a part, s, and what is read at them."""
         model, data, settle = self.model, self.data, self.given["settle"]
         sample = (part["end"] - part["start"]) / part["samples"]
@@ -123,7 +124,7 @@ class MujocoWorld:
             mujoco.mj_rnePostConstraint(model, data)
             if warnings:
                 raise ArithmeticError(f"MuJoCo warns: {warnings[0]}")
-            yield instant, self.read(course["channels"])
+            yield self.read(instant)
 
 
 def load_rows(given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[float]]) -> list[list[float]]:
@@ -165,7 +166,7 @@ def build(model: Data) -> MujocoWorld:
 
 def follow(world: MujocoWorld, course: Data) -> Data:
     """The samples of a course; of the two between parts the later part's counts."""
-    rows: list[tuple[float, Data]] = []
+    rows: list[tuple[Any, ...]] = []
     warnings: list[str] = []
     mujoco.set_mju_user_warning(warnings.append)  # or they go to the terminal and into a file
     try:
@@ -174,4 +175,4 @@ def follow(world: MujocoWorld, course: Data) -> Data:
     finally:
         mujoco.set_mjcb_control(None)
         mujoco.set_mju_user_warning(None)
-    return signals(rows, course["channels"], world.given["joints"])
+    return world.samples(rows, course["channels"])

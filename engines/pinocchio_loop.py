@@ -48,7 +48,6 @@ class World:
         self.solved = pin.StdVec_RigidConstraintData([tie.createData() for tie in ties])
         self.drive, self.axes = self.solved[0], self.ties[0].joint1_placement.rotation[:2, :2]
         self.desired = self.drive.contact_acceleration_desired.angular
-        self.is_loaded = any(given[kind] for kind in ("forces", "torques", "dampers"))
         self.forces = [(each.oMc1.rotation, each.contact_force.linear) for each in self.solved]
         self.signs = np.array([[sign] for _, _, sign, *_ in given["ties"]])
         # Two iterations with a proximal term, 1e-8: without such a term empty rows make every number NaN.
@@ -67,10 +66,10 @@ class World:
     def solve(self, target: list[Any], position: Array, velocity: Array) -> Any:  # noqa: ANN401
         """Accelerations of a state, with what the crank's frame has to be then, and the loads."""
         self.axes[:], self.desired[2], efforts, couples = target
-        if self.is_loaded:
-            efforts = efforts - np.dot(self.damping, velocity)
-            for turn, couple in zip(self.pushed, couples, strict=True):
-                efforts[turn] += (couple * cmath.rect(1.0, -position[turn])).imag
+        if self.given["dampers"]:
+            efforts -= self.damping.dot(velocity)
+        for turn, couple in zip(self.pushed, couples, strict=True) if self.pushed else ():
+            efforts[turn] += (couple * cmath.rect(1.0, -position[turn])).imag
         return pin.constraintDynamics(*self.system, position, velocity, efforts, self.ties, self.solved, self.settings)
 
     def read(self, changes: Array) -> Data:
@@ -113,7 +112,7 @@ class World:
                 known[number] = self.solve(target, *state)
                 if number == 2 and count % ratio == 0:
                     yield time, self.read(known[2])
-                state = np.dot(shares, known)
+                state = shares.dot(known)
             self.state = state if count < steps else self.state
 
 

@@ -56,7 +56,7 @@ class PybulletEngine(LoopEngine[PybulletRecipe]):
     name = package = "pybullet"
     oldest = "3.2.7"
     loop = "engines.pybullet_loop"
-    engine_calls = ("pybullet.stepSimulation",)
+    engine_calls = ("pybullet.stepSimulation", "pybullet.changeConstraint", "pybullet.getBaseVelocity")
     chatters = True
     abilities = Abilities(
         readouts={

@@ -7,10 +7,13 @@ drive and the joints, closed at first, bring all bodies to the velocities that t
 far as steps of that length leave them. As shipped, everything is taken for that of the step's end.
 """
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pybullet
+
+from engines.shared_loop import motion_values
 
 UNTURNED = [0.0, 0.0, 0.0, 1.0]
 # A block's mass in the lightest body's, and how soft constraints are, in own units: those that say the same twice, as
@@ -26,21 +29,21 @@ class World:
     Their frames have the ground's axes at the start. ``links`` are the blocks of guided joints on their hosts.
     """
 
-    def __init__(self, given: dict[str, Any], step: float) -> None:
+    def __init__(self, given: dict[str, Any]) -> None:
         self.given, self.client, self.centred = given, pybullet.connect(pybullet.DIRECT), given["lead"] > 0
-        solver = {"constraintSolverType": pybullet.CONSTRAINT_SOLVER_LCP_DANTZIG, "erp": 1.0, "globalCFM": SOFT * step}
-        self.call("setPhysicsEngineParameter", fixedTimeStep=step, **(solver if self.centred else {}))
-        self.call("setGravity", *given["gravity"], 0.0)
+        self.setGravity(*given["gravity"], 0.0)
         place, rate = np.array(given["start"])[:, 0]
         self.spins, self.links = [0.0] * len(given["dampers"]), dict[int, int]()
+        self.drive, self.sign = given["drive"]
         self.bodies = [self.add(number, place[:, :2]) for number in range(len(place))]
         for body, (*speed, spin) in zip(self.bodies, rate, strict=True):
-            self.call("resetBaseVelocity", body, [*speed, 0.0], [0.0, 0.0, spin])
+            self.resetBaseVelocity(body, [*speed, 0.0], [0.0, 0.0, spin])
         self.ties = [self.tie(n, *ends) for n, ends in enumerate(zip(*given["ends"], strict=True))]
+        self.turn = partial(self.changeConstraint, self.ties[self.drive], **UNLIMITED)
 
-    def call(self, name: str, *arguments: Any, **options: Any) -> Any:  # noqa: ANN401
-        """What a function of PyBullet returns."""
-        return getattr(pybullet, name)(*arguments, **options, physicsClientId=self.client)
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+        """A function of PyBullet, on this world."""
+        return partial(getattr(pybullet, name), physicsClientId=self.client)
 
     def add(self, number: int, places: Any) -> int:  # noqa: ANN401
         """A body, with the blocks that slide on it as its links."""
@@ -48,8 +51,7 @@ class World:
         (mass, inertia), place = bodies[number], places[number]
         guides = [(n, along) for n, along in self.given["guides"].items() if hosts[n] == number]
         count = len(guides)
-        body = self.call(
-            "createMultiBody",
+        body = self.createMultiBody(
             mass,
             basePosition=[*place, 0.0],
             linkMasses=[LIGHT * min(each for each, _ in bodies[:-1])] * count,
@@ -64,11 +66,11 @@ class World:
             linkJointAxis=[[*along, 0.0] for _, along in guides],
         )
         for link in range(-1, count) if self.centred else ():
-            self.call("changeDynamics", body, link, **UNDAMPED)
+            self.changeDynamics(body, link, **UNDAMPED)
         # In one call with those above PyBullet takes the inertia for 0.
-        self.call("changeDynamics", body, -1, localInertiaDiagonal=[inertia] * 3)
+        self.changeDynamics(body, -1, localInertiaDiagonal=[inertia] * 3)
         for link, (n, _) in enumerate(guides):  # a link comes with a motor that brakes it
-            self.call("setJointMotorControl2", body, link, pybullet.VELOCITY_CONTROL, force=0.0)
+            self.setJointMotorControl2(body, link, pybullet.VELOCITY_CONTROL, force=0.0)
             self.links[n] = link
         return int(body)
 
@@ -77,35 +79,34 @@ class World:
         kind = pybullet.JOINT_FIXED if n in self.given["fixed"] else pybullet.JOINT_POINT2POINT
         both = self.bodies[body], -1, self.bodies[host], self.links.get(n, -1)
         point = [0.0, 0.0, 0.0] if n in self.links else [*there, 0.0]
-        tie = self.call("createConstraint", *both, kind, [0.0, 0.0, 0.0], [*here, 0.0], point)
-        self.call("changeConstraint", tie, **UNLIMITED)
+        tie = self.createConstraint(*both, kind, [0.0, 0.0, 0.0], [*here, 0.0], point)
+        self.changeConstraint(tie, **UNLIMITED)
         return int(tie)
 
-    def advance(self, angle: float) -> None:
-        """A step, in which the crank comes to an angle from its start, rad; the loads are those of the step's start."""
-        number, sign = self.given["drive"]
-        turn = pybullet.getQuaternionFromEuler([0.0, 0.0, sign * angle])
-        self.call("changeConstraint", self.ties[number], jointChildFrameOrientation=turn, **UNLIMITED)
+    def advance(self, turn: list[float]) -> None:
+        """A step, in which the drive comes to an orientation, a quaternion; the loads are those of the step's start."""
+        self.turn(jointChildFrameOrientation=turn)
         for body, anchor, force in self.given["forces"]:
-            place = self.call("getBasePositionAndOrientation", self.bodies[body])
+            place = self.getBasePositionAndOrientation(self.bodies[body])
             point, _ = pybullet.multiplyTransforms(*place, [*anchor, 0.0], UNTURNED)
-            self.call("applyExternalForce", self.bodies[body], -1, [*force, 0.0], point, pybullet.WORLD_FRAME)
+            self.applyExternalForce(self.bodies[body], -1, [*force, 0.0], point, pybullet.WORLD_FRAME)
         for body, moment in self.given["torques"]:
-            self.call("applyExternalTorque", self.bodies[body], -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
-        for n, (*pair, coefficient) in enumerate(self.given["dampers"]):
-            first, second = (self.call("getBaseVelocity", self.bodies[body])[1][2] for body in pair)
-            last, self.spins[n] = self.spins[n], first - second  # those of now lie half a step ahead
+            self.applyExternalTorque(self.bodies[body], -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
+        for n, (*numbers, coefficient) in enumerate(self.given["dampers"]):
+            ends = [self.bodies[number] for number in numbers if number < len(self.bodies) - 1]  # not the ground
+            spin, *others = [self.getBaseVelocity(body)[1][2] for body in ends]
+            last, self.spins[n] = self.spins[n], spin - sum(others)  # those of now lie half a step ahead
             drag = coefficient * (1.5 * self.spins[n] - 0.5 * last if self.centred else self.spins[n])
-            for body, moment in zip(pair, (-drag, drag), strict=True):
-                self.call("applyExternalTorque", self.bodies[body], -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
-        self.call("stepSimulation")
+            for body, moment in zip(ends, (-drag, drag), strict=False):
+                self.applyExternalTorque(body, -1, [0.0, 0.0, moment], pybullet.WORLD_FRAME)
+        self.stepSimulation()
 
     def state(self) -> Any:  # noqa: ANN401
         """x, y, angle and their rates of every body but the ground, (bodies, 6)."""
         rows = []
         for body in self.bodies[:-1]:
-            place, turn = self.call("getBasePositionAndOrientation", body)
-            rate, spin = self.call("getBaseVelocity", body)
+            place, turn = self.getBasePositionAndOrientation(body)
+            rate, spin = self.getBaseVelocity(body)
             rows.append([*place[:2], pybullet.getEulerFromQuaternion(turn)[2], *rate[:2], spin[2]])
         return np.array(rows)
 
@@ -114,33 +115,31 @@ class World:
 
         Bullet's are those on the first body of a fixed constraint, and on the second of a point-to-point one.
         """
-        states = [self.call("getConstraintState", tie) for tie in self.ties]
-        number, sign = self.given["drive"]
+        states = [self.getConstraintState(tie) for tie in self.ties]
         signs = [[1.0 if n in self.given["fixed"] else -1.0] for n in range(len(states))]
-        return sign * states[number][5], np.array([state[:2] for state in states]) * signs
+        return self.sign * states[self.drive][5], np.array([state[:2] for state in states]) * signs
 
 
-def build(model: dict[str, Any]) -> dict[str, Any]:
-    """The model as it is: a world needs the step, which only the pass knows."""
-    return model
+build = World
 
 
-def follow(given: dict[str, Any], course: dict[str, Any]) -> dict[str, Any]:
+def follow(world: World, course: dict[str, Any]) -> dict[str, Any]:
     """The samples of a course of one part."""
-    (part,), ratio, centred, rows = course["parts"], course["ratio"], given["lead"] > 0, []
+    (part,), ratio, given, centred, rows = course["parts"], course["ratio"], world.given, world.centred, []
     count = ratio * part["samples"]
     step, late = part["end"] / count, 0.0 if centred else 1.0
-    world, (starts, laws) = World(given, step), zip(*given["motion"], strict=True)
-    times = step * np.arange(1 - given["lead"], count + centred + 1)
-    pieces = [np.polyval(law[::-1], times - start) for start, law in given["motion"]]
-    angles = np.select([times < end for end in (*starts[1:], np.inf)], pieces)
-    for number, angle in enumerate(angles.tolist(), start=-given["lead"]):
+    solver = {"constraintSolverType": pybullet.CONSTRAINT_SOLVER_LCP_DANTZIG, "erp": 1.0, "globalCFM": SOFT * step}
+    world.setPhysicsEngineParameter(fixedTimeStep=step, **(solver if centred else {}))
+    angles = motion_values(given["motion"], step * np.arange(1 - given["lead"], count + centred + 1))
+    half = 0.5 * world.sign * (angles - given["motion"][0][1][0])
+    turns = np.column_stack([np.zeros((len(half), 2)), np.sin(half), np.cos(half)]).tolist()
+    for number, turn in enumerate(turns, start=-given["lead"]):
         is_read = number >= 0 and number % ratio in (0, ratio // 2)
         before = world.state() if is_read else None
-        world.advance(angle - laws[0][0])
+        world.advance(turn)
         if is_read:
             rows.append((number, before, world.state(), *world.forces()))
-    world.call("disconnect")
+    world.disconnect()
     numbers, before, after, torque, forces = map(np.array, zip(*rows, strict=True))
     before[..., 2] = np.unwrap(before[..., 2], axis=0) + np.array(given["start"])[0, 0, :-1, 2]
     samples, middles = numbers % ratio == 0, (numbers % ratio == ratio // 2) & (numbers < count)

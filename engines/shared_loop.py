@@ -1,10 +1,23 @@
-"""What loops share: a load over the driver's coordinate, and signals of what was read at instants."""
+"""What loops share: a prescribed motion, a load over the driver's coordinate, and signals of what was read."""
 
 import math
 from bisect import bisect_right
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def motion_values(motion: Iterable[tuple[float, Any]], times: Array) -> Array:
+    """The driver's coordinate at times, s; the first and the last polynomial go on beyond the motion's ends."""
+    values = np.empty_like(times)
+    for number, (start, coefficients) in enumerate(motion):
+        later = times >= start if number else np.full(times.shape, True)
+        values[later] = np.polynomial.polynomial.polyval(times[later] - start, coefficients)
+    return values
 
 
 def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401

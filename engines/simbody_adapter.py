@@ -198,6 +198,8 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
         "opensim.Manager.initialize",
         "opensim.Manager.integrate",
         "opensim.Model.realizeAcceleration",
+        "opensim.Joint.calcReactionOnParentExpressedInGround",
+        "opensim.Constraint.getRecordValues",
     )
     oldest = "4.6"
     effort_unit = "tolerance of the joints"

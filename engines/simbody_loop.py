@@ -51,6 +51,13 @@ class SimbodyWorld:
             entry, other = self.frames[first].getName(), self.frames[second].getName()
             points = vec3(*here), vec3(*there)
             self.model.addForce(opensim.ExpressionBasedPointToPointForce(entry, points[0], other, points[1], law))
+        self.readers = {
+            channel: [
+                (getattr(self.frames[body], place), [getattr(self.coordinates[n], rate) for n in turning], angle)
+                for body, turning, angle in given["read"]
+            ]
+            for channel, (place, rate) in KINEMATICS.items()
+        }
         for number, (first, second, coefficient) in enumerate(given["dampers"]):
             ends, drag = (self.frames[first], self.frames[second]), vec3(0.0, 0.0, coefficient)
             still = vec3(), vec3(), vec3()
@@ -123,12 +130,10 @@ class SimbodyWorld:
 
     def kinematics(self, channel: str, state: Any) -> list[tuple[float, ...]]:  # noqa: ANN401
         """Rows x, y, angle or their rates; an angle is a sum of coordinates, and so unwrapped."""
-        place, rate = KINEMATICS[channel]
         rows = list[tuple[float, ...]]()
-        for body, turning, angle in self.given["read"]:
-            turns = (getattr(self.coordinates[number], rate)(state) for number in turning)
-            base = angle if channel == "position" else 0.0
-            rows.append((*in_plane(getattr(self.frames[body], place)(state)), sum(turns, base)))
+        for place, rates, angle in self.readers[channel]:
+            turned = sum([rate(state) for rate in rates], angle if channel == "position" else 0.0)
+            rows.append((*in_plane(place(state)), turned))
         return rows
 
     def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401

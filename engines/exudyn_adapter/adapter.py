@@ -23,11 +23,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analytic.description.linkage import GROUND, DriverKind, Vector
-from engines.contract import Abilities, History, ReadOut, Setting
+from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.states import start_motion
 from engines.scene import GUIDES, LOADS, Body, Channel, Free, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
 from engines.stepping import stepped_engine
-from engines.stepping.stepped_engine import Course, LoopEngine, plain_law
+from engines.stepping.stepped_engine import LoopEngine, plain_law
 
 # From a scene to an exudyn system: a rigid body for every link, joints, loads, springs and the drive.
 
@@ -261,18 +261,6 @@ class ExudynRecipe(stepped_engine.Recipe):
     as_shipped: bool = False
     adaptive: bool = False
 
-    def details(self) -> dict[str, str | int | float]:
-        """The rule in words, for the record of a run."""
-        rule = f"generalised α, spectral radius {self.damping:g}" if self.damping else "implicit trapezoidal rule"
-        table: dict[str, str | int | float] = {
-            "integrator": rule,
-            "constraints": f"on {'position' if self.damping else 'velocity'} level",
-            "newton": "as shipped" if self.as_shipped else "modified, Jacobian updated every step",
-        }
-        if self.effort is not None:
-            table["tolerance"] = self.effort
-        return table
-
     def solver_settings(self) -> dict[str, Any]:
         """The rule as exudyn's settings, by their dotted names."""
         newton, alpha = "timeIntegration.newton", "timeIntegration.generalizedAlpha"
@@ -417,7 +405,3 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
     def model(self, scene: Scene, recipe: ExudynRecipe) -> Mapping[str, Any]:
         settings = {"settings": recipe.solver_settings(), "static_settings": STATIC_SETTINGS}
         return ExudynModel(scene).as_data() | settings | {"as_shipped": recipe.as_shipped}
-
-    def follow(self, world: Any, course: Course[ExudynRecipe]) -> History:  # noqa: ANN401 - the loop's
-        course.cost.details.update(course.recipe.details())
-        return super().follow(world, course)

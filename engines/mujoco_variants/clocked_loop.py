@@ -13,11 +13,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from engines.mujoco_loop import Array, Data, MujocoWorld, follow
+from engines.mujoco_loop import READ, Array, Data, MujocoWorld, follow
 
 __all__ = ["READ", "SET", "Array", "ClockedWorld", "Data", "follow"]
 
-READ = ("qpos", "qvel", "qacc", "sensordata", "cfrc_int")
 SET = ("qpos", "qvel", "qfrc_applied", "xfrc_applied")  # the clock's coordinate is the last
 
 
@@ -42,11 +41,11 @@ class ClockedWorld(MujocoWorld, ABC):
 
     def fill(self, values: Data, forces: Array) -> None:
         """Read values by name, and the constraints' forces in C MuJoCo's order."""
-        for name in READ:
+        for name in READ[:-1]:
             getattr(self.data, name)[:] = values[name]
         self.data.efc_force[:] = forces
 
-    def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
+    def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
         """Instants of a part, s, and what is read at them."""
         model, data, ratio, settle = self.model, self.data, course["ratio"], self.given["settle"]
         sample, lead = (part["end"] - part["start"]) / part["samples"], 0 if part["start"] else ceil(self.lead * settle)
@@ -75,5 +74,5 @@ class ClockedWorld(MujocoWorld, ABC):
                 set_loads(model, data)
             self.compute(settle > 0.0)
             if number >= lead:
-                yield instant, self.read(course["channels"])
+                yield self.read(instant)
         course["details"]["device"] = self.device

@@ -1,6 +1,7 @@
 """One pass in MJX: the steps between two samples are one compiled function, what is read at a sample another."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import jax
 import numpy as np
@@ -61,7 +62,7 @@ class MjxWorld(ClockedWorld):
         values = vars(self.state) | vars(self.state._impl)
         self.fill(values, np.roll(values["efc_force"], 1))
 
-    def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[float, Data]]:
+    def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
         with jax.enable_x64(self.given["precision"] == "f64"):
             yield from super().states(part, course, warnings)
 

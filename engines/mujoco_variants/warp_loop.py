@@ -48,7 +48,7 @@ class WarpWorld(ClockedWorld):
         """Fill C MuJoCo's data; here joints' rows come after those of cuts, which a GPU has in any order."""
         efc = self.state.efc
         order = np.argsort(efc.id.numpy()[0, : self.data.nefc], kind="stable")
-        self.fill({name: getattr(self.state, name).numpy()[0] for name in READ}, efc.force.numpy()[0, order])
+        self.fill({name: getattr(self.state, name).numpy()[0] for name in READ[:-1]}, efc.force.numpy()[0, order])
 
 
 build = WarpWorld

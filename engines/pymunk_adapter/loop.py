@@ -21,7 +21,7 @@ import pymunk
 from numpy.typing import NDArray
 from pymunk import batch
 
-from engines.shared_loop import law_values
+from engines.shared_loop import law_values, motion_values
 
 Array = NDArray[np.float64]
 Data = dict[str, Any]
@@ -215,12 +215,8 @@ def driver_speeds(
         return np.zeros(count)
     nodes, shares = np.polynomial.legendre.leggauss(4) if centred else (-np.ones(1), np.full(1, 2.0))
     times = step * (np.arange(count)[:, None] + 0.5 * (nodes + 1.0))
-    starts, pieces = zip(*motion, strict=True)
-    parts = np.split(times.ravel(), np.searchsorted(times.ravel(), starts[1:]))
-    speeds = [
-        np.poly1d(piece[::-1]).deriv()(part - start) for start, piece, part in zip(starts, pieces, parts, strict=True)
-    ]
-    return np.asarray(np.concatenate(speeds).reshape(times.shape) @ (0.5 * shares))
+    speeds = [(start, np.polynomial.polynomial.polyder(coefficients)) for start, coefficients in motion]
+    return np.asarray(motion_values(speeds, times) @ (0.5 * shares))
 
 
 def build(model: Data) -> PymunkWorld:

@@ -25,7 +25,7 @@ def pybullet():
 def test_bodies_have_the_inertia_that_they_are_given(setting, pybullet):
     """PyBullet 3.2.7 forgets one that it is given in one call with a damping."""
     loop, scene = pytest.importorskip("engines.pybullet_loop"), driven(mechanism("slotted-takeup"), FULL_SPEED)
-    world = loop.World(plain(PybulletEngine().model(scene, RECIPES[setting])), 1e-4)
+    world = loop.World(plain(PybulletEngine().model(scene, RECIPES[setting])))
     inertias = [pybullet.getDynamicsInfo(body, -1, world.client)[2][2] for body in world.bodies[:-1]]
     pybullet.disconnect(world.client)
     assert inertias == [body.inertia or body.mass for body in scene.bodies]
