@@ -18,7 +18,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future
 from multiprocessing import forkserver, util
-from multiprocessing.connection import wait
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
@@ -102,12 +102,27 @@ class _Context:
         """Whatever else pebble asks of a context."""
         return getattr(self._context, name)
 
+    def Pipe(self, duplex: bool = True) -> tuple[Any, Any]:  # noqa: N802 - the name that pebble calls
+        """A pipe from which whatever an engine has written is an OSError, as pebble expects of a broken one."""
+        reader, writer = self._context.Pipe(duplex)
+        reader.recv = functools.partial(_received, reader)  # type: ignore[method-assign]
+        return reader, writer
+
     def Process(self, **arguments: Any) -> _Process:  # noqa: ANN401, N802 - the name that pebble calls
         """The process; raises OSError for a second one."""
         if self.process is not None:
             raise OSError("the process of this pool has ended")
         self.process = _Process(self._context.Process(**arguments))  # type: ignore[attr-defined]
         return self.process
+
+
+def _received(reader: Connection) -> object:
+    try:
+        return type(reader).recv(reader)
+    except (EOFError, OSError):
+        raise
+    except Exception as error:  # as raised by bytes that are none of a pickled object
+        raise OSError from error
 
 
 class _Process:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 from analytic.errors import LinkproofError
 from analytic.machine_code import cores
@@ -43,6 +43,20 @@ DEFAULT_BOUNDS = Bounds()
 def usual_processes(count: int) -> int:
     """The default number of processes for ``count`` jobs: the number of cores, or 0 for a single job."""
     return 0 if count == 1 else cores()
+
+
+class Pool(Protocol):
+    """Where runs are made: ``LocalPool``, ``LastingPool`` or ``comparisons.runs.cluster.DaskPool``."""
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Iterable[tuple[Any, ...]],
+        bounds: Bounds = DEFAULT_BOUNDS,
+        begun: Begun = lambda _: None,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job, as ``run_jobs`` does."""
+        ...
 
 
 class LastingPool:
@@ -194,4 +208,3 @@ class LocalPool:
 
 
 EVERY_CORE, ONE_BY_ONE = LocalPool(), LocalPool(1)
-Pool = LocalPool | LastingPool

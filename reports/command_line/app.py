@@ -25,6 +25,7 @@ from reports.requests.options import (
     ResultsFiles,
     ResultsOptions,
     RunLimits,
+    Scheduler,
     StandardOptions,
     StressOptions,
     SweepOptions,
@@ -275,14 +276,15 @@ def judge(options: JudgeOptions, output: OutputOptions) -> int:
 
 
 @command(app, summary="Measure error against run time, over a sweep of steps.", without=("save", "junit", "setting"))
-def bench(options: BenchOptions, output: OutputOptions) -> int:
+def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = None) -> int:
     """Measure error against run time: every engine, setting and method over a sweep of steps.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
 
     --out DIR alone takes the benchmark that is in DIR.
 
-    Runs are made one at a time. Do not use the machine for anything else, or the times become wrong.
+    Runs are made one at a time, with --scheduler by one of its workers. Do not use the machine for anything else, or
+    the times become wrong.
     """
     is_finished, (options,) = _own_study("bench", output, options)
     if not is_finished:
@@ -291,11 +293,11 @@ def bench(options: BenchOptions, output: OutputOptions) -> int:
 
     if is_finished:
         return bench.write_again(destination(output))
-    return bench.bench(options, destination(output))
+    return bench.bench(options, destination(output), scheduler)
 
 
 @command(app, summary="Find conditions under which each engine fails.", without=("save", "junit"))
-def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None) -> int:
+def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, scheduler: Scheduler = None) -> int:
     """Find conditions under which each engine fails, and whether the checks detect it.
 
     AXIS is a stability map; CELL is one run of a map, AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.
@@ -311,7 +313,7 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None) -> 
 
     if is_finished:
         return stress.write_again(destination(output))
-    return stress.run(options, destination(output), jobs)
+    return stress.run(options, destination(output), jobs, scheduler)
 
 
 LEFT_OUT = (*NOT_STEADY, "out", "junit", "verbose")

@@ -29,7 +29,6 @@ OPTIONS: Final = {
     "--json": "takes no file and prints on stdout; --save FILE.json writes a file",
     "--gif": "gone; the page that --out writes shows the linkage in motion",
     "--resume": "gone; repeat the command with the same --out, and it goes on",
-    "--scheduler": "gone; run a part on each machine, with a folder for each",
     "--angles": "gone; signals are sampled at 180 crank angles",
     "--simulate": "gone; run linkproof compare on the file of a design",
     "--write-mapping": "use --save FILE.toml",

@@ -25,12 +25,13 @@ from comparisons.campaign.standard import JudgedCampaign, JudgedRuns
 from comparisons.judging.changes import read_rows
 from comparisons.judging.limits import Standard, check_named, read_limits, shipped_limits
 from comparisons.judging.records import Error
+from comparisons.runs.cluster import DaskPool
 from comparisons.runs.files import check_writable
 from comparisons.runs.plugins import engines
 from comparisons.runs.plugins import engines as adapters
 from comparisons.runs.run_engine import GIB
 from comparisons.runs.study import Task
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LastingPool, LocalPool, Pool
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.records import CONCURRENT_RUNS
@@ -150,11 +151,17 @@ class RunResources:
 
     bounds: Bounds
     processes: int
+    scheduler: str | None = None
 
     @property
-    def pool(self) -> LocalPool:
-        """The worker processes."""
-        return LocalPool(self.processes)
+    def pool(self) -> Pool:
+        """The worker processes, of this machine or of a Dask scheduler."""
+        return LocalPool(self.processes) if self.scheduler is None else DaskPool(self.scheduler)
+
+    @property
+    def lasting_pool(self) -> LastingPool | DaskPool:
+        """The same for list after list of runs."""
+        return LastingPool(self.processes) if self.scheduler is None else DaskPool(self.scheduler)
 
 
 def run_resources(limits: RunLimits) -> RunResources:
@@ -176,7 +183,9 @@ def run_resources(limits: RunLimits) -> RunResources:
         raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {limits.jobs}")
     seconds = DEFAULT_BOUNDS.seconds if limits.time_limit is None else limits.time_limit
     memory = DEFAULT_BOUNDS.memory if limits.memory_limit is None else round(limits.memory_limit * GIB)
-    return RunResources(Bounds(seconds, memory), cores() if limits.jobs is None else limits.jobs)
+    if limits.scheduler is not None and limits.jobs is not None:
+        raise LinkproofError("--jobs is about this machine, --scheduler about others: leave one of the two out")
+    return RunResources(Bounds(seconds, memory), cores() if limits.jobs is None else limits.jobs, limits.scheduler)
 
 
 # ``compare``: its runs, limits of the user's own, and earlier results.

@@ -268,6 +268,10 @@ Jobs = Annotated[
     int | None,
     Option("Worker processes; default: one per core; compare: 0 for none, no limits.", "N", affects_results=False),
 ]
+Scheduler = Annotated[
+    str | None,
+    Option("Make the runs on the workers of this Dask scheduler.", "ADDRESS", affects_results=False),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -336,11 +340,12 @@ class StandardOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RunLimits:
-    """Limits of each run, s and GiB, and worker processes; None means the default."""
+    """Limits of each run, s and GiB, and worker processes, or those of a Dask scheduler; None means the default."""
 
     time_limit: Annotated[float | None, Option("Wall time that one run may take; default: 600.", "SECONDS")] = None
     memory_limit: Annotated[float | None, Option("Memory that one run may add; default: 4.", "GIB")] = None
     jobs: Jobs = None
+    scheduler: Scheduler = None
 
 
 # The commands about many designs of one linkage: sweep, optimise, tolerance.

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from engines.contract import Abilities, Outcome, Run
@@ -113,6 +114,13 @@ def unreadable(_):
     return Unreadable()
 
 
+def garble(_):
+    """Write bytes that nobody can read into every open pipe."""
+    for descriptor in range(3, 64):
+        with suppress(OSError):
+            os.write(descriptor, b"\0\0\0\x10garbagegarbagegarbage")
+
+
 def interrupt_itself(value):
     os.kill(os.getpid(), signal.SIGINT)
     return value
@@ -140,6 +148,13 @@ def sign_and_sleep(path):
     """Leave its process number in a file, and hang."""
     sign(path)
     time.sleep(LONG)
+
+
+def sign_and_wait(folder):
+    """Leave a file with its process number as name, and return the number once there is another file, "go"."""
+    (Path(folder) / str(os.getpid())).touch()
+    assert wait_for((Path(folder) / "go").exists)
+    return os.getpid()
 
 
 def fork_and_sleep(path):

@@ -11,6 +11,7 @@ from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.case import Case
 from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
+from comparisons.runs.cluster import DaskPool
 from comparisons.runs.workers import LastingPool
 from comparisons.work_precision.measure import FULL, JOINTS, QUICK, chosen_families
 from comparisons.work_precision.study import QUANTITIES, BenchRequest
@@ -25,7 +26,7 @@ from reports.work_precision.words import printout
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 
 
-def bench(options: BenchOptions, destination: Destination) -> int:
+def bench(options: BenchOptions, destination: Destination, scheduler: str | None = None) -> int:
     """Measure, write the requested files, print the tables; returns the exit code.
 
     Raises LinkproofError for bad input before any run.
@@ -37,7 +38,8 @@ def bench(options: BenchOptions, destination: Destination) -> int:
     destination.warn(requested.linkages)
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(requested.engines))
-    with closing(LastingPool()) as pool, report_interruption(out, KIND) as counting:
+    pool = LastingPool() if scheduler is None else DaskPool(scheduler, is_one_by_one=True)
+    with closing(pool), report_interruption(out, KIND) as counting:
         finished = finished_runs(out, wanted.command, requested.engines, requested.linkages) if out else None
         wanted = replace(wanted, pool=pool)
         with destination.progress() as announce:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from contextlib import closing
 
 from analytic.errors import LinkproofError
-from comparisons.runs.workers import LastingPool
 from comparisons.stress.campaign import KIND, load, make_cells, save, stress
 from comparisons.stress.cells import cells, chosen_axes, find_cell
 from reports.command_line.destination import Destination, finished_runs, report_interruption
@@ -16,7 +15,7 @@ from reports.requests.options import RunLimits, StressOptions, command_line
 from reports.stress import cell_details, printout
 
 
-def run(options: StressOptions, destination: Destination, jobs: int | None = None) -> int:
+def run(options: StressOptions, destination: Destination, jobs: int | None = None, scheduler: str | None = None) -> int:
     """Make stability maps or single cells; returns the exit code.
 
     Raises LinkproofError for bad input before any run.
@@ -24,7 +23,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     destination.check(f"{KIND}.html")
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
-    where = run_resources(RunLimits(jobs=jobs))
+    where = run_resources(RunLimits(jobs=jobs, scheduler=scheduler))
     named = [word for word in options.words if "/" in word]
     if named:
         return _make_named_cells(options, named, destination, where)
@@ -32,7 +31,7 @@ def run(options: StressOptions, destination: Destination, jobs: int | None = Non
     axes = chosen_axes(options.words)
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(engines))
-    with closing(LastingPool(where.processes)) as pool, report_interruption(out, KIND) as counting:
+    with closing(where.lasting_pool) as pool, report_interruption(out, KIND) as counting:
         chosen = cells(axes, engines, options.setting, quick=options.quick)
         finished = finished_runs(out, command, engines) if out else None
         with destination.progress() as announce:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from comparisons.runs import worker_process
 from comparisons.runs.run_engine import GIB, SHOW_OUTPUT, Failure, Lost
 from comparisons.runs.workers import Bounds, LastingPool, run_jobs
 from tests.comparisons.faults import PATIENCE, Clock, job, wait_for
@@ -61,6 +62,13 @@ def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
         assert (kind, lost.outcome) == (kind, outcome)
         assert lost.reason.startswith(reason)
         assert results[3 * number + 1] == results[3 * number + 2] == kind
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_job_that_writes_into_its_pipe_costs_itself_alone_and_prints_nothing(monkeypatch, capfd):
+    monkeypatch.setattr(worker_process, "_EXIT_TIMEOUT", 0.1)
+    results = dict(run_jobs(job, [("fine", 1), ("garble", None), ("fine", 2)], processes=1))
+    assert results == {0: 1, 1: Lost(Failure.CRASHED, "broke its connection"), 2: 2}
     assert capfd.readouterr() == ("", "")
 
 

@@ -92,9 +92,9 @@ OFFERED = {
     "judge": f"{MOTION} mapping limit out save json quiet verbose",
     "engines": "check try json quiet",
     "compare": f"{MOTION} engine setting quantity full out save json junit quiet verbose limits against "
-    "record script time-limit memory-limit jobs",
-    "bench": f"{MOTION} engine quantity quick out json quiet verbose",
-    "stress": "engine setting quick out json quiet verbose jobs",
+    "record script time-limit memory-limit jobs scheduler",
+    "bench": f"{MOTION} engine quantity quick out json quiet verbose scheduler",
+    "stress": "engine setting quick out json quiet verbose jobs scheduler",
 }
 MOST = 165
 # Commands and options of 1.0; those about designs refused a --regime.
