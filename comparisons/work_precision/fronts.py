@@ -120,6 +120,7 @@ def price(costs: Sequence[float], errors: Sequence[float], limit: float) -> floa
     return math.exp((1.0 - share) * math.log(costs[place - 1]) + share * math.log(costs[place]))
 
 
+LARGE_OVERHEAD = 0.3  # of the stepping: a larger share of work that is not the engine's is named
 Row = Any  # of a table, as ``DataFrame.itertuples`` has it
 PLACE = ["mechanism", "variant", "regime"]
 FOREMOST = ("Mkr", "phi")  # the quantity by which a place is judged unless the user names others: the first that it has
@@ -214,6 +215,13 @@ def standings(points: DataFrame) -> list[Standing]:
                 met.append(Standing(row, method[at], cost))
         found.append(min(met, key=lambda standing: standing.rival_seconds or 0.0, default=Standing(row)))
     return found
+
+
+def large_overheads(bench: Bench) -> list[Row]:
+    """Of every engine and setting the point with the largest overhead, where that is over ``LARGE_OVERHEAD``."""
+    large = bench.table[bench.table.overhead.astype(float) > LARGE_OVERHEAD]
+    worst = large.sort_values("overhead", ascending=False, kind="stable").drop_duplicates(["engine", "setting"])
+    return list(worst.itertuples(index=False))
 
 
 Regimes: TypeAlias = "Mapping[str, Sequence[DataFrame]]"

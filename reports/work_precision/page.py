@@ -14,6 +14,7 @@ import numpy as np
 from comparisons.judging.limits import grouped
 from comparisons.runs.files import STORE
 from comparisons.work_precision.fronts import (
+    LARGE_OVERHEAD,
     PLACE,
     WANTED,
     Regimes,
@@ -24,6 +25,7 @@ from comparisons.work_precision.fronts import (
     foremost,
     front,
     has_floor,
+    large_overheads,
     least,
     places,
     quantities,
@@ -315,12 +317,10 @@ def _digits(value: object) -> object:
 Rows: TypeAlias = "Callable[[DataFrame], Iterator[tuple[TableCell, TableCell]]]"
 
 
-def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise: float) -> Section:
-    """Settings, orders and least errors; times closer than the share ``noise`` are the same.
-
-    ``methods`` are what the benchmark's document says of each.
-    """
-    about = {(method["engine"], method["name"]): method["about"] for method in methods}
+def method_section(regimes: Regimes, bench: Bench) -> Section:
+    """Settings, orders and least errors, and the settings that take much time of their adapters."""
+    about = {(method["engine"], method["name"]): method["about"] for method in bench.document["methods"]}
+    noise, overheads = noise_share(bench), large_overheads(bench)
 
     def settings(points: DataFrame) -> Iterator[tuple[TableCell, TableCell]]:
         has_methods = bool(sweeps(points))
@@ -342,7 +342,8 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
     name = "bench_standings" if folds else "bench_settings"
     table = _by_mechanism(regimes, name, "Setting", settings)
     heading = "The settings against the methods" if folds else "The settings"
-    return Section("settings", heading, (table, *folds))
+    named = (Paragraph(sentence("bench_overheads", rows=overheads, most=LARGE_OVERHEAD)),) if overheads else ()
+    return Section("settings", heading, (table, *named, *folds))
 
 
 def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
@@ -378,7 +379,7 @@ def page(bench: Bench) -> Page:
         as_figures = Fold("The same as figures", (FigureGroup(figures(groups, inks(labels))),))
         reading = Paragraph(sentence("bench_reading"), "small")
         first = (*verdicts(groups, noise_share(bench)), widget(groups, labels), reading, as_figures)
-        methods = method_section(groups, bench.document["methods"], noise_share(bench))
+        methods = method_section(groups, bench)
         sections += [choices_section(groups, noise_note(bench)), methods]
     if failed := _failures(every):
         sections.append(Section("failed", "What gave nothing", (Fold(f"Failures: {len(failed)}", (Bullets(failed),)),)))

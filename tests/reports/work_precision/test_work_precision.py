@@ -91,6 +91,14 @@ def test_what_engines_say_is_escaped_and_nothing_is_fetched(folder):
     assert not re.search(r"(src|href)=\"https?:", text)
 
 
+@pytest.mark.parametrize(("inside", "named"), [(0.71e-2, False), (0.69e-2, True), (None, False)])
+def test_an_overhead_over_30_percent_is_named(tmp_path, inside, named):
+    run = setting_row("tuned", 1e-4, None, seconds=1e-2, repeats=(1e-2,), engine_seconds=inside)
+    file, *_ = html.write(page(Bench(document(("m",), ("alpha",)), [run])), tmp_path, ())
+    text = (tmp_path / file).read_text(encoding="utf-8")
+    assert ("work of the adapter, not of the engine: alpha tuned up to 31\u00a0% (m, run-up-quintic)." in text) is named
+
+
 def test_a_benchmark_that_gave_nothing_has_a_page_that_says_why(tmp_path):
     file, *_ = html.write(page(nothing_finished()), tmp_path, ())
     text = (tmp_path / file).read_text(encoding="utf-8")
