@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.work_precision.measure import LEAST_GAIN, LEAST_POINTS
 from comparisons.work_precision.table import METHOD, SETTING, Bench
 from engines.contract import Setting
 
@@ -29,7 +28,9 @@ SATURATED = 0.3
 ABOVE_FLOOR = 3.0
 # Local slopes that differ from the order by less than this are the same slope, seen through scatter.
 SLOPE_SHARE, SLOPE_ROOM = 0.25, 0.3
-LEAST_ORDER, LEAST_DROP = 0.4, 3.0
+LEAST_POINTS, LEAST_ORDER, LEAST_DROP = 3, 0.4, 3.0
+# A refinement that takes less than this factor off no longer improves.
+LEAST_GAIN = 1.5
 # Largest errors, over the peak, that somebody may want.
 WANTED = tuple(10.0**-k for k in range(2, 9))
 
@@ -76,6 +77,11 @@ def _steady_slope(steps: Array, errors: Array) -> float | None:
     local = np.diff(errors) / np.diff(steps)
     steady = bool(np.all(np.abs(local - slope) <= SLOPE_SHARE * abs(slope) + SLOPE_ROOM))
     return slope if steady and slope >= LEAST_ORDER and errors[0] - errors[-1] >= math.log(LEAST_DROP) else None
+
+
+def still_improves(errors: Sequence[float]) -> bool:
+    """Whether another refinement is worth its price: not after two in a row without a smaller error."""
+    return len(errors) < LEAST_POINTS or min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
 
 
 def pareto(costs: Sequence[float], errors: Sequence[float]) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""The points of a benchmark, methods with their steps and repeats; and one point measured once, in a worker."""
+"""One point of a benchmark measured once, in a worker process."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pkgutil import resolve_name
 from typing import Any, TypeVar
 
@@ -18,23 +18,10 @@ from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, NoSampleErro
 from comparisons.judging.records import Error, Verdict
 from comparisons.observed_motion import ObservedMotion
 from comparisons.runs.plugins import engine
-from comparisons.runs.run_engine import Failure, blamed_on, checked, started
-from comparisons.work_precision.table import CALIBRATION, FIRST_USE, METHOD, SETTING, BenchRun
+from comparisons.runs.run_engine import blamed_on, checked, started
+from comparisons.work_precision.table import CALIBRATION, FIRST_USE, BenchRun
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
 from engines.scene import Scene
-
-# A step too long for an engine may be cured by a shorter one, but not for ever.
-MOST_FAILURES = 3
-# Points that show whether an error still falls, and the factor that a refinement takes off at least where it does.
-LEAST_POINTS, LEAST_GAIN = 3, 1.5
-# Steps that every sweep takes, whatever they cost and gain: fewer are no curve, and show neither order nor floor.
-FEWEST = 6
-LASTING_FAILURES = (
-    Failure.TIMED_OUT,
-    Outcome.UNSUPPORTED,
-    Outcome.UNAVAILABLE,
-    Verdict.NOT_PROVIDED,
-)  # whatever the step
 
 JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.
@@ -45,148 +32,6 @@ T = TypeVar("T")
 # The fixed work: interpreted arithmetic, then array arithmetic in the first-level cache; a millisecond or two in all.
 _TURNS, _PASSES, _SIZE = 16000, 120, 2000
 WORK = f"{_TURNS} interpreted additions and {_PASSES} passes over {_SIZE} floats"
-
-
-@dataclass(frozen=True)
-class Extent:
-    """The extent of a benchmark.
-
-    ``steps_per_turn`` of the crank's peak speed, coarse to fine; after ``FEWEST`` a sweep ends before a point that
-    would take longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s,
-    in all; both count set-up and stepping. No run is begun after ``deadline``, s from the start. ``fronts_only``
-    measures of each engine the most advanced method, of a single run and of several, and leaves out the best setting,
-    which repeats one.
-    """
-
-    steps_per_turn: tuple[float, ...]
-    budget: float
-    repeats: int
-    patience: float
-    deadline: float = math.inf
-    fronts_only: bool = False
-
-
-FULL = Extent(tuple(12.0 * 2.0**k for k in range(12)), budget=1.0, repeats=5, patience=0.6)
-QUICK = Extent(
-    tuple(6.0 * 2.0**k for k in range(8)), budget=0.3, repeats=2, patience=0.1, deadline=45.0, fronts_only=True
-)
-OUT_OF_TIME = "the time for the whole benchmark was up"
-
-
-@dataclass(frozen=True)
-class Point:
-    """One way of running one engine on one case: a setting as it is, or a method at a step.
-
-    ``case`` is its place among the cases.
-    """
-
-    case: int
-    engine: str
-    setting: Setting | None = None
-    method: Method | None = None
-    steps_per_turn: float | None = None
-
-    @property
-    def usage(self) -> Setting | Method | None:
-        """The setting or method to run; None if the engine is not installed."""
-        return self.setting or self.method
-
-    @property
-    def words(self) -> str:
-        """Setting, or method with its steps, in words."""
-        if self.method is None:
-            return f"setting {self.setting}"
-        return f"{self.method.name}, {self.steps_per_turn:g} steps a turn"
-
-    @property
-    def key(self) -> str:
-        """A name that tells it from all others of the same benchmark."""
-        return f"{self.case} {self.engine} {self.words}"
-
-
-@dataclass
-class PointSweep:
-    """A sweep under way: the points still to come, coarse to fine, and what came of those done.
-
-    ``ended`` says why it went no further, once it has ended.
-    """
-
-    points: Sequence[Point]
-    budget: float
-    measurements: list[BenchRun] = field(default_factory=list)
-    ended: str = ""
-
-    def next(self) -> Point | None:
-        """The point to measure next; None when the sweep has ended."""
-        if not self.ended:
-            self.ended = self._why_ended()
-        return None if self.ended else self.points[len(self.measurements)]
-
-    def add(self, measurement: BenchRun | None) -> None:
-        """Record the measurement of the next point; None if there was no time left for it."""
-        if measurement is None:
-            self.ended = OUT_OF_TIME
-        else:
-            self.measurements.append(measurement)
-
-    def _why_ended(self) -> str:
-        done = self.measurements
-        if done and done[-1].outcome != Outcome.FINISHED:
-            return self._why_failed()
-        if len(done) == len(self.points):
-            return "the sweep ends here"
-        if len(done) < FEWEST:
-            return ""
-        finished = [each for each in done if each.outcome == Outcome.FINISHED]
-        errors = [[error.error_max for error in each.errors if error.error_max is not None] for each in finished]
-        if not any(still_improves(entries) for entries in zip(*errors, strict=True)):
-            return "two refinements in a row improved nothing"
-        price = self._estimated_seconds(self.points[len(done)])
-        if price > self.budget:
-            return f"the next step would take about {price:.2g} s, over {self.budget:g} s"
-        return ""
-
-    def _estimated_seconds(self, point: Point) -> float:
-        """Estimated time of a point, s, from the cheapest set-up and step so far, without slow spells."""
-        pairs = zip(self.points, self.measurements, strict=False)
-        rates = [
-            record.seconds / done.steps_per_turn for done, record in pairs if done.steps_per_turn and record.seconds
-        ]
-        setup = min((measurement.setup_seconds for measurement in self.measurements), default=0.0)
-        return setup + min(rates, default=0.0) * (point.steps_per_turn or 0.0)
-
-    def _why_failed(self) -> str:
-        """Failures end a sweep that worked before, and one that never did after three."""
-        last = self.measurements[-1]
-        lasting = last.outcome in LASTING_FAILURES
-        worked = any(each.outcome == Outcome.FINISHED for each in self.measurements)
-        if lasting or worked or len(self.measurements) in (MOST_FAILURES, len(self.points)):
-            return f"{last.outcome}: {last.detail}"
-        return ""
-
-
-def still_improves(errors: Sequence[float]) -> bool:
-    """Whether another refinement is worth its price: not after two in a row without a smaller error."""
-    return len(errors) < LEAST_POINTS or min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
-
-
-def planned_sweeps(
-    case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent
-) -> list[PointSweep]:
-    """The sweeps of one engine on one case: settings, then methods."""
-    if extent.fronts_only:
-        settings = [setting for setting in settings if setting is not Setting.BEST]
-        methods = [*_most_advanced(methods, extrapolated=False), *_most_advanced(methods, extrapolated=True)]
-    sweeps = [PointSweep([Point(case, engine, setting)], math.inf) for setting in settings]
-    for method in methods:
-        points = [Point(case, engine, method=method, steps_per_turn=n) for n in extent.steps_per_turn]
-        sweeps.append(PointSweep(points, extent.budget))
-    return sweeps
-
-
-def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
-    """The most advanced method of a single run, or of several extrapolated: an engine names its simplest first."""
-    return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
@@ -209,50 +54,14 @@ def chosen_families(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantit
     return {name: quantities for name, quantities in families.items() if quantities}
 
 
-def point_record(
-    case: Case,
-    adapter: Engine,
-    usage: Setting | Method | None,
-    steps_per_turn: float | None,
-    *,
-    outcome: str = "",
-    detail: str = "",
+def measure(
+    pickled: bytes, usage: Setting | Method, blank: BenchRun, quantities: Sequence[str], with_errors: bool
 ) -> BenchRun:
-    """The record of a case in an engine by a setting, or by a method at a step, before it is measured."""
-    linkage, method = case.mechanism.linkage, usage if isinstance(usage, Method) else None
-    return BenchRun(
-        mechanism=linkage.name,
-        variant=linkage.variant,
-        regime=case.motion.regime,
-        conditions=case.conditions,
-        engine=adapter.name,
-        engine_version=adapter.version() or "",
-        is_control=adapter.is_control,
-        work_unit=adapter.work_unit if isinstance(adapter, StudiedEngine) else "",
-        kind=METHOD if method else SETTING,
-        setting=method.name if method else str(usage or ""),
-        effort=method.effort if method else None,
-        effort_unit=method.effort_unit if method else "",
-        step=None if steps_per_turn is None else longest_step(case, steps_per_turn),
-        steps_per_turn=steps_per_turn,
-        outcome=outcome,
-        detail=detail,
-    )
-
-
-def measure(  # noqa: PLR0917  a worker's job is a plain tuple
-    pickled: bytes,
-    name: str,
-    usage: Setting | Method,
-    steps_per_turn: float | None,
-    quantities: Sequence[str],
-    with_errors: bool,
-) -> BenchRun:
-    """Run a pickled case once in an engine, by a setting or by a method at a step.
+    """Make the ``blank`` run of a pickled case once, by a setting or by a method at its step.
 
     Raises AdapterError for every exception of the adapter but MemoryError.
     """
-    case, adapter = unpickle_case(pickled), engine(name)
+    case, adapter = unpickle_case(pickled), engine(blank.engine)
     families = chosen_families(case, quantities)
     channels = frozenset(
         channel for family in families.values() for quantity in family for channel in quantity.channels
@@ -262,10 +71,9 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
         if isinstance(usage, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
         first_use = _warm_up(adapter, scene, longest_step(case, WARM_UP_STEPS))
-        blank = point_record(case, adapter, usage, steps_per_turn)
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, usage, blank.step))
-        run = checked(run, scene, name)
+        run = checked(run, scene, blank.engine)
         inside = None
         if run.outcome is Outcome.FINISHED and isinstance(usage, Setting):
             inside = engine_seconds(adapter, lambda: started(adapter, scene, usage, None))

@@ -10,7 +10,7 @@ from comparisons.judging.changes import Change
 from comparisons.judging.records import Error, Verdict
 from comparisons.runs.run_engine import Failure
 from comparisons.stress.verdict import Cell, StressVerdict
-from comparisons.work_precision.measure import OUT_OF_TIME
+from comparisons.work_precision.study import OUT_OF_TIME
 from comparisons.work_precision.table import Bench
 from engines.contract import Outcome, Setting
 from reports.requests import FAILED, PASSED, SUITE_ERROR

@@ -13,8 +13,8 @@ from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.runs.cluster import DaskPool
 from comparisons.runs.workers import LastingPool
-from comparisons.work_precision.measure import FULL, JOINTS, QUICK, chosen_families
-from comparisons.work_precision.study import QUANTITIES, BenchRequest
+from comparisons.work_precision.measure import JOINTS, chosen_families
+from comparisons.work_precision.study import FULL, QUANTITIES, QUICK, BenchRequest
 from comparisons.work_precision.study import bench as measure_all
 from comparisons.work_precision.table import KIND, load, save
 from reports.command_line.destination import Destination, finished_runs, report_interruption

@@ -21,11 +21,11 @@ from comparisons.work_precision.fronts import (
     pareto,
     price,
     standings,
+    still_improves,
     sustained,
     sweeps,
     theil_sen,
 )
-from comparisons.work_precision.measure import still_improves
 from comparisons.work_precision.table import KIND, Bench, load, save
 from tests.comparisons.bench_rows import bench_of, points, row, setting_row, sweep_rows
 

@@ -15,13 +15,14 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case
 from comparisons.runs.run_engine import AdapterError
 from comparisons.work_precision import measure as point
-from comparisons.work_precision.measure import (
+from comparisons.work_precision.measure import chosen_families, measure
+from comparisons.work_precision.study import (
     FEWEST,
     QUICK,
+    BenchRequest,
     Point,
     PointSweep,
-    chosen_families,
-    measure,
+    blank_run,
     planned_sweeps,
 )
 from engines.contract import Method, Origin, Setting
@@ -33,30 +34,32 @@ STEPS = tuple(12.0 * 2.0**k for k in range(9))
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", hold_time=0.0, ramp_time=0.2))
 PICKLED = pickle.dumps(CASE)
-EXACT = Method("exact", "")
+EXACT, NONE = Method("exact", ""), Method("no such", "")
 FOUR = ("Mkr", "Jeq", "phi", "joint_force")
 
 
 def _sweep(budget=math.inf):
-    return PointSweep([Point(0, "alpha", method=METHOD, steps_per_turn=n) for n in STEPS], budget)
+    return PointSweep([Point(0, METHOD, row(steps_per_turn=n)) for n in STEPS], budget)
 
 
 def _made(error, seconds=1e-3, also=None, setup=0.0):
     found = {"Mkr": error} | ({"Jeq": also} if also else {})
     errors = tuple(row().blank._replace(quantity=name, error_max=one) for name, one in found.items())
-    return dataclasses.replace(row(seconds=seconds, setup_seconds=setup), errors=errors)
+    return row(seconds=seconds, setup_seconds=setup), errors
 
 
 def _failed(outcome="diverged"):
-    return row(outcome=outcome, detail="why", error_max=None)
+    return row(outcome=outcome, detail="why", error_max=None), ()
 
 
 def _run(sweep, results):
     """Feed results to a sweep until it wants no more; how many it took."""
-    for number, measurement in enumerate(results):
-        if sweep.next() is None:
+    for number, (measurement, errors) in enumerate(results):
+        point = sweep.next()
+        if point is None:
             return number
-        sweep.add(measurement)
+        steps = point.run.steps_per_turn
+        sweep.add(dataclasses.replace(measurement, steps_per_turn=steps, errors=errors))
     return len(results) if sweep.next() is None else None
 
 
@@ -109,9 +112,8 @@ def test_failures_end_a_sweep_unless_a_shorter_step_may_cure_them(results, count
 def test_a_quick_benchmark_has_the_most_advanced_methods_and_not_the_best_setting():
     names = {"simple": 1, "advanced": 1, "simple x2": 2, "advanced x2": 2}
     methods = [dataclasses.replace(METHOD, name=name, runs=runs) for name, runs in names.items()]
-    found = planned_sweeps(0, "alpha", methods, tuple(Setting), QUICK)
-    measured = [sweep.points[0].setting or sweep.points[0].method.name for sweep in found]
-    assert measured == ["naive", "tuned", "advanced", "advanced x2"]
+    found = list(planned_sweeps(0, CASE, "direct", methods, BenchRequest((CASE,), ("direct",), extent=QUICK)))
+    assert [sweep.points[0].run.setting for sweep in found] == ["naive", "tuned", "advanced", "advanced x2"]
     assert all(len(sweep.points) > FEWEST for sweep in found[2:])
 
 
@@ -147,7 +149,7 @@ def by_name(measurement):
 
 
 def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
-    measurement = measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=True)
+    measurement = measure(PICKLED, EXACT, blank_run(CASE, "direct", EXACT, 24.0), FOUR, with_errors=True)
     assert measurement.outcome == "finished"
     errors = by_name(measurement)
     assert set(errors) == set(FOUR)
@@ -175,7 +177,7 @@ class Altered:
 
 def _measured(monkeypatch, change, names):
     monkeypatch.setattr(point, "engine", lambda name: Altered(change))
-    return measure(PICKLED, "altered", Setting.TUNED, None, names, with_errors=True)
+    return measure(PICKLED, Setting.TUNED, blank_run(CASE, "direct", Setting.TUNED), names, with_errors=True)
 
 
 def test_the_worst_joint_stands_for_all(monkeypatch):
@@ -205,4 +207,4 @@ def test_a_missing_signal_costs_its_quantity_alone(monkeypatch):
 
 def test_an_exception_of_an_engine_is_its_adapters_error():
     with pytest.raises(AdapterError, match="direct raised UnknownNameError"):
-        measure(PICKLED, "direct", Method("no such", ""), 24.0, ("Mkr",), with_errors=True)
+        measure(PICKLED, NONE, blank_run(CASE, "direct", NONE, 24.0), ("Mkr",), with_errors=True)

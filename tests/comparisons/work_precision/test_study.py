@@ -17,8 +17,7 @@ from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.fronts import has_floor, sweeps
-from comparisons.work_precision.measure import OUT_OF_TIME, Extent
-from comparisons.work_precision.study import BenchRequest, bench
+from comparisons.work_precision.study import OUT_OF_TIME, BenchRequest, Extent, bench
 from comparisons.work_precision.table import SETTING
 from engines.contract import Abilities, History, Method, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
@@ -144,7 +143,7 @@ def _here(function, job):
 def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
     def dying(function, jobs, **_):
         for number, job in enumerate(jobs):
-            dies = job[2] is Setting.BEST
+            dies = job[1] is Setting.BEST
             yield number, Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)") if dies else _here(function, job)
 
     monkeypatch.setattr("comparisons.runs.workers.run_jobs", dying)

@@ -15,7 +15,7 @@ from comparisons.campaign import results
 from comparisons.runs.files import STORE
 from comparisons.runs.store import unfinished_command
 from comparisons.stress import campaign
-from comparisons.work_precision.measure import Extent
+from comparisons.work_precision.study import Extent
 from comparisons.work_precision.table import load
 from reports.command_line.commands import bench as bench_command
 from reports.command_line.commands import stress as stress_command
