@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
-from uuid import uuid4
+from zlib import crc32
 
 from analytic.errors import LinkproofError
 
@@ -22,7 +22,6 @@ ENTRIES: Final = (
     STORE, f"{STORE}-journal", "index.html", "bench.html", "stress.html", "RESULTS.md", "assets", "data", "figures",
     "mechanisms",
 )  # fmt: skip
-_OPEN_FILES: Final = Path("/proc/self/fd")  # a file without a name has one there
 
 
 class Claim:
@@ -108,38 +107,22 @@ def check_writable(path: Path) -> None:
 
 
 def write_file(path: Path, write: Callable[[Path], object]) -> None:
-    """Let ``write`` fill a file of its own, then rename it to ``path``; raises LinkproofError if it cannot."""
+    """Let ``write`` fill a neighbour of the file, then rename it to ``path``; raises LinkproofError if it cannot.
+
+    What a killed process has left of the neighbour goes with the next write.
+    """
     place = _final_path(path)
+    temporary = place.with_name(f".{crc32(os.fsencode(place.name)):08x}{place.suffix[:16]}")
     with writing(path):
         place.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = _open_nameless_file(place.parent), _temporary_path(place)
+        temporary.unlink(missing_ok=True)  # a link there is not followed
         try:
-            target = temporary if handle is None else _OPEN_FILES / str(handle)
-            write(target)
+            write(temporary)
             if place.exists():  # its permissions stay
-                target.chmod(stat.S_IMODE(place.stat().st_mode))
-            if handle is not None:
-                os.link(target, temporary, src_dir_fd=handle)  # given a folder, it follows links
+                temporary.chmod(stat.S_IMODE(place.stat().st_mode))
             os.replace(temporary, place)
         finally:
             temporary.unlink(missing_ok=True)
-            if handle is not None:
-                os.close(handle)
-
-
-def _open_nameless_file(folder: Path) -> int | None:
-    """A new file without a name, which vanishes if the process is killed; None where the system has no such files."""
-    if not _OPEN_FILES.is_dir() or not hasattr(os, "O_TMPFILE"):
-        return None
-    try:
-        return os.open(folder, os.O_TMPFILE | os.O_RDWR, 0o666)
-    except OSError:  # a file system without them
-        return None
-
-
-def _temporary_path(place: Path) -> Path:
-    """A name in the same folder that nothing has, no longer than names may be."""
-    return place.with_name(f".{uuid4().hex}{place.suffix[:16]}")
 
 
 @contextmanager

@@ -1,72 +1,83 @@
-"""A campaign killed at random moments and resumed has the records of one that nobody disturbed, each once."""
+"""compare, bench and stress, killed at random moments and repeated, lose no run, make none twice and leave nothing."""
 
-import multiprocessing
+import os
 import random
+import shutil
+import sqlite3
+import subprocess
 import sys
 import time
-from dataclasses import asdict
+from collections import Counter
+from contextlib import closing, suppress
+from pathlib import Path
+from signal import SIGINT, SIGKILL, SIGTERM
+from tempfile import TemporaryDirectory
 
 import pytest
 
-from analytic.description.crank_motion import REGIMES, crank_motion
-from analytic.description.loading import catalogue, load
-from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.campaign.results import document, save
-from comparisons.campaign.results import load as load_results
 from comparisons.runs.files import STORE
-from comparisons.runs.store import begin
-from comparisons.runs.workers import LocalPool
-from engines.contract import Setting
-from tests.commands import stored_runs
+from comparisons.runs.store import UNFINISHED
+from tests.commands import COMMAND, ROOT, stored_runs
 from tests.comparisons.faults import wait_for
 
-COMMAND = "linkproof compare --regime all --engine direct"
-RUNS = len(catalogue()) * len(REGIMES)
-KILLS, PAUSE = 8, 0.06  # and the mean time from a saved run to the kill, s: in the runs after it or in the writing
-UNSTEADY = ("seconds", "setup_seconds")  # fields of a record that differ from run to run
+COMMANDS = (
+    "compare juki-mf7923d teaching-four-bar --regime all --engine direct --setting all --jobs 2 --speed 60",
+    "bench juki-mf7923d --quick --engine direct",
+    "stress units --quick --engine direct --jobs 2",
+)
+KILLS, RUNS, PAUSE = 7, 4, 0.06  # of each command by each signal; after at most so many further runs, and s on average
+ENDED = (0, 1)  # exit codes of a command that nobody kills
 
 
-def run_campaign(folder, processes=2):
-    """Short, slow motions and two quantities, resumed from what is stored; its workers are forked, which is fast."""
-    motions = tuple(crank_motion(name, speed=10.0, ramp_time=0.03, hold_time=0.01) for name in REGIMES)
-    wanted = CampaignRequest(
-        tuple(load(name) for name in catalogue()), motions, "brief", ("direct",), (Setting.TUNED,), ("Jeq", "Mkr"),
-        with_invariants=False,
-    )  # fmt: skip
-    runs, _ = begin(folder, COMMAND, COMMAND)
-    results = list(compare(wanted, pool=LocalPool(processes), finished=runs))
-    save(folder, document(wanted, COMMAND), results)
-    runs.clear()
+def stored(folder):
+    """How often each run is in a folder: among those of one study, of a command that is finished or is not."""
+    query = "SELECT kind, key FROM runs JOIN studies ON study = studies.id"
+    with closing(sqlite3.connect(f"file:{folder / STORE}?mode=rw", uri=True)) as file:
+        return Counter(file.execute(query).fetchall())
 
 
-def contents(folder):
-    """Every record without its unsteady fields and every curve, in order."""
+def processes(folder):
+    """Processes that have been told to put their temporary files into a folder."""
     found = []
-    for run in load_results(folder).runs:
-        rows = [{name: value for name, value in asdict(one).items() if name not in UNSTEADY} for one in run.every]
-        found += [("/".join(run.run), repr(rows), {name: curve.tobytes() for name, curve in run.curves.items()})]
+    for entry in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # another user's, or ended meanwhile
+            found += [entry.name] * (f"TMPDIR={folder}".encode() in (entry / "environ").read_bytes())
     return found
 
 
+@pytest.fixture
+def temporary():
+    """A folder whose name is short enough for sockets in it."""
+    with TemporaryDirectory() as folder:
+        yield folder
+
+
 @pytest.mark.nightly
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="forks")
-def test_kills_at_random_moments_lose_and_double_nothing(tmp_path, monkeypatch):
-    monkeypatch.setenv("LINKPROOF_WORKER_START", "fork")
-    run_campaign(tmp_path / "undisturbed", 0)
-    chance, kills, campaigns = random.Random(7), 0, 0
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("by", [SIGKILL, SIGTERM, SIGINT])
+def test_kills_at_random_moments_lose_double_and_leave_nothing(tmp_path, temporary, command, by):
+    chance, out, kills, known = random.Random(7), tmp_path / "out", 0, set()
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "TMPDIR": temporary}
+    words = [*COMMAND, *command.split(), "--quiet", "--out", str(out)]
     while kills < KILLS:
-        folder = tmp_path / str(campaigns)
-        running = multiprocessing.get_context("fork").Process(target=run_campaign, args=(folder,))
-        running.start()
-        runs = chance.randint(stored_runs(folder), RUNS)
-        wait_for(lambda: stored_runs(folder) >= runs or running.exitcode is not None)  # noqa: B023
-        time.sleep(chance.expovariate(1.0 / PAUSE))
-        running.kill()
-        running.join()
-        kills += running.exitcode != 0
-        if running.exitcode == 0:
-            assert contents(folder) == contents(tmp_path / "undisturbed")
-            assert {path.name for path in folder.iterdir()} == {STORE}
-            campaigns += 1
-    run_campaign(tmp_path / str(campaigns))
-    assert contents(tmp_path / str(campaigns)) == contents(tmp_path / "undisturbed")
+        with subprocess.Popen(words, env=environment, stderr=subprocess.PIPE, text=True) as running:
+            runs = len(known) + chance.randint(1, RUNS)
+            assert wait_for(lambda: running.poll() is not None or stored_runs(out) >= runs)  # noqa: B023
+            time.sleep(chance.expovariate(1.0 / PAUSE))
+            running.send_signal(by)
+            said = running.stderr.read()
+        assert running.returncode in (*ENDED, -SIGKILL if by == SIGKILL else 130), said
+        assert "Traceback" not in said
+        assert wait_for(lambda: not processes(temporary))
+        found = stored(out)
+        assert set(found.values()) == {1}
+        kills += running.returncode not in ENDED
+        unfinished = {key for kind, key in found if kind == UNFINISHED}
+        if unfinished:
+            assert known <= unfinished
+            known = unfinished
+        else:  # it has ended, but for its pages
+            assert {kind for kind, _ in found} == {command.split()[0]}
+            shutil.rmtree(out)
+            known = set()

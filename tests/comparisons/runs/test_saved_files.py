@@ -9,7 +9,6 @@ import sys
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.runs import files
 from comparisons.runs.files import check_writable, write_file, write_text
 
 
@@ -29,7 +28,6 @@ def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
 
 KILLED = """
 import os, pathlib, signal, sys
-from comparisons.runs import files
 from comparisons.runs.files import write_file
 def write(target):
     target.write_text("half")
@@ -38,20 +36,20 @@ write_file(pathlib.Path(sys.argv[1]), write)
 """
 
 
-@pytest.mark.skipif(not hasattr(os, "O_TMPFILE"), reason="files have names here")
-def test_a_kill_in_the_middle_leaves_the_old_file_and_no_litter(tmp_path):
+def test_a_kill_in_the_middle_leaves_the_old_file_and_litter_that_the_next_write_removes(tmp_path):
     path = tmp_path / "picture.svg"
     write_text(path, "old")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     done = subprocess.run([sys.executable, "-c", KILLED, str(path)], env=environment, check=False)
     assert done.returncode == -signal.SIGKILL
-    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("picture.svg", "old")]
-
-
-def test_a_system_without_nameless_files_writes_too(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "_open_nameless_file", lambda _: None)
-    write_text(tmp_path / "file.txt", "text")
-    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("file.txt", "text")]
+    (litter,) = {*tmp_path.iterdir()} - {path}
+    assert (path.read_text(), litter.read_text()) == ("old", "half")
+    (tmp_path.parent / "precious").write_text("mine")
+    litter.unlink()
+    litter.symlink_to(tmp_path.parent / "precious")
+    write_text(path, "new")
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("picture.svg", "new")]
+    assert (tmp_path.parent / "precious").read_text() == "mine"
 
 
 def test_a_link_stays_and_its_target_is_replaced(tmp_path):
