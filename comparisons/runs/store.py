@@ -392,10 +392,6 @@ def _check_values(connection: sqlite3.Connection, folder: Path, kind: str = "") 
 @contextmanager
 def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
     """All that is written in the block, or nothing."""
-    connection.execute("BEGIN IMMEDIATE")
-    try:
+    with connection:
+        connection.execute("BEGIN IMMEDIATE")
         yield
-    except BaseException:
-        connection.execute("ROLLBACK")
-        raise
-    connection.execute("COMMIT")

@@ -84,8 +84,7 @@ class LastingPool:
             while True:
                 while len(self._busy) < self.processes and (numbered := next(left, None)) is not None:
                     arguments = pickle.dumps(numbered[1], pickle.HIGHEST_PROTOCOL)
-                    worker = self._free_worker() or _new_worker(module)
-                    self._begin(worker, (numbered[0], pickled, arguments, bounds), begun)
+                    self._begin(self._worker(module), (numbered[0], pickled, arguments, bounds), begun)
                 yield from ended
                 if not self._busy:
                     return
@@ -94,14 +93,15 @@ class LastingPool:
             self.close()
             raise
 
-    def _free_worker(self) -> Worker | None:
-        """A worker without a job, if there is any that has not ended meanwhile."""
-        while self._free:
-            worker = self._free.pop()
-            if worker.is_usable():
-                return worker
-            worker.stop()
-        return None
+    def _worker(self, module: str) -> Worker:
+        """A worker that is free, or a new one for jobs of a module; raises LinkproofError where there can be none."""
+        while self._free and not self._free[-1].is_usable():  # it has ended meanwhile
+            self._free.pop().stop()
+        try:
+            from comparisons.runs.worker_process import Worker  # noqa: PLC0415
+        except ImportError as error:
+            raise LinkproofError(f"there are no worker processes here ({error}): run with --jobs 0") from error
+        return self._free.pop() if self._free else Worker(module)
 
     def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, Bounds], begun: Begun) -> None:
         begun(job[0])
@@ -121,7 +121,7 @@ class LastingPool:
                 worker.used = True
                 self._free.append(worker)
             if worker.used and worker.has_died:
-                self._begin(_new_worker(module), worker.job, begun)
+                self._begin(type(worker)(module), worker.job, begun)
             else:
                 yield worker.job[0], result
 
@@ -135,20 +135,42 @@ class LastingPool:
             worker.stop()
 
 
-def _new_worker(module: str) -> Worker:
-    """A worker for jobs of a module; raises LinkproofError where there can be none."""
-    try:
-        from comparisons.runs.worker_process import Worker  # noqa: PLC0415
-    except ImportError as error:
-        raise LinkproofError(f"there are no worker processes here ({error}): run with --jobs 0") from error
-    return Worker(module)
-
-
 def _module_name(function: Callable[..., Any]) -> str:
     """The module of a function, or of what a ``functools.partial`` calls."""
     while isinstance(function, partial):
         function = function.func
     return function.__module__
+
+
+@dataclass(frozen=True)
+class LocalPool:
+    """Worker ``processes`` of this machine, as many as cores by default; with 0 jobs run in this process, unbounded."""
+
+    processes: int | None = None
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Iterable[tuple[Any, ...]],
+        bounds: Bounds = DEFAULT_BOUNDS,
+        begun: Begun = lambda _: None,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job, as ``run_jobs`` does."""
+        if self.processes != 0:
+            with contextlib.closing(LastingPool(self.processes or cores())) as pool:
+                yield from pool.run(function, jobs, bounds, begun)
+            return
+        for number, job in enumerate(jobs):
+            begun(number)
+            result: R | Lost
+            try:
+                result = function(*job)
+            except (Exception, SystemExit) as error:
+                result = lost(error, bounds.memory)
+            yield number, result
+
+
+EVERY_CORE, ONE_BY_ONE = LocalPool(), LocalPool(1)
 
 
 def run_jobs(
@@ -170,41 +192,4 @@ def run_jobs(
     A worker ignores Ctrl-C and writes nothing to the terminal. All workers are killed at once when the generator is
     closed or raises; when this process dies, each ends as soon as its Python code runs, at the latest with its job.
     """
-    if processes == 0:
-        yield from _run_here(function, jobs, bounds, begun)
-        return
-    with contextlib.closing(LastingPool(processes or cores())) as pool:
-        yield from pool.run(function, jobs, bounds, begun)
-
-
-def _run_here(
-    function: Callable[..., R], jobs: Iterable[tuple[Any, ...]], bounds: Bounds, begun: Begun
-) -> Iterator[tuple[int, R | Lost]]:
-    for number, job in enumerate(jobs):
-        begun(number)
-        result: R | Lost
-        try:
-            result = function(*job)
-        except (Exception, SystemExit) as error:
-            result = lost(error, bounds.memory)
-        yield number, result
-
-
-@dataclass(frozen=True)
-class LocalPool:
-    """Worker ``processes`` of this machine, as ``run_jobs`` takes them."""
-
-    processes: int | None = None
-
-    def run(
-        self,
-        function: Callable[..., R],
-        jobs: Iterable[tuple[Any, ...]],
-        bounds: Bounds = DEFAULT_BOUNDS,
-        begun: Begun = lambda _: None,
-    ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job in worker processes."""
-        return run_jobs(function, jobs, bounds=bounds, processes=self.processes, begun=begun)
-
-
-EVERY_CORE, ONE_BY_ONE = LocalPool(), LocalPool(1)
+    return LocalPool(processes).run(function, jobs, bounds, begun)

@@ -25,12 +25,12 @@ def failing(*_):
 def test_several_processes_begin_with_the_heaviest(monkeypatch):
     begun = []
 
-    def run_jobs(function, jobs, **_):
+    def run(_, function, jobs, *__):
         for number, arguments in enumerate(jobs):
             begun.append(arguments[1])
             yield number, function(*arguments)
 
-    monkeypatch.setattr("comparisons.runs.workers.run_jobs", run_jobs)
+    monkeypatch.setattr(LocalPool, "run", run)
     assert list(study(pool=LocalPool(2)).in_order(TASKS)) == [1, 3, 2]
     assert begun == [3, 2, 1]
 

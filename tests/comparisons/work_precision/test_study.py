@@ -13,7 +13,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case
 from comparisons.runs.run_engine import Failure, Lost
 from comparisons.runs.store import begin
-from comparisons.runs.workers import LocalPool, run_jobs
+from comparisons.runs.workers import LocalPool
 from comparisons.work_precision import measure
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.fronts import has_floor, sweeps
@@ -135,18 +135,16 @@ def test_a_method_that_raises_costs_its_own_points(measured):
     assert broken[0].ended.startswith("adapter-error")
 
 
-def _here(function, job):
-    ((_, found),) = run_jobs(function, [job], processes=0)
-    return found
-
-
 def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
-    def dying(function, jobs, **_):
+    run = LocalPool.run
+
+    def dying(pool, function, jobs, *_):
         for number, job in enumerate(jobs):
             dies = job[1] is Setting.BEST
-            yield number, Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)") if dies else _here(function, job)
+            died = Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)")
+            yield number, died if dies else next(run(pool, function, [job]))[1]
 
-    monkeypatch.setattr("comparisons.runs.workers.run_jobs", dying)
+    monkeypatch.setattr(LocalPool, "run", dying)
     found = {one.setting: one for one in bench(REQUEST).points if one.kind == SETTING}
     assert (found["best"].outcome, found["best"].detail) == ("crashed", "died by signal 6 (SIGABRT)")
     assert found["tuned"].outcome == "finished"
