@@ -102,10 +102,10 @@ class ObservedMotion:
 
     def on_clock(self, channel: Channel, time: Array) -> Array:
         """A channel's values at other times, interpolated to sixth order between its samples."""
-        return resample_piecewise(self.signal(channel), time, self._jumps)
+        return resample_piecewise(self.signal(channel), time, self.jumps)
 
     @property
-    def _jumps(self) -> tuple[float, ...]:
+    def jumps(self) -> tuple[float, ...]:
         """Where the prescribed acceleration jumps, s."""
         drive = self.scene.drive
         return () if isinstance(drive, Free) else drive.motion.jumps
@@ -127,7 +127,7 @@ class ObservedMotion:
             motion = (self.bodies(level, time) for level in levels[: order + 1])
             return np.asarray(driven(self.scene, *motion)[order], dtype=float)
         column = Signal(signal.time, signal.values[:, self.numbers[self.scene.crank], 2])
-        return resample_piecewise(column, time, self._jumps)
+        return resample_piecewise(column, time, self.jumps)
 
     def kinetic_energy(self, time: Array) -> Array:
         """T = Σ ½ m v² + ½ J ω², J."""

@@ -99,20 +99,18 @@ def energy_balance(inspection: Inspection) -> Balance:
     torque = motion.signal(Channel.TORQUE)
     time = torque.time
     power, done = motion.load_power(time), np.zeros(len(time))
-    jumps: tuple[float, ...] = ()
     if isinstance(drive, Prescribed):
         power = power + torque.values * motion.crank(Channel.VELOCITY, time)
-        jumps = drive.motion.jumps
     else:  # a constant torque does its work by the angle alone
         angle = motion.crank(Channel.POSITION, time)
         done = drive.torque * (angle - angle[0])
         if drive.over_time is not None:
             power = power + drive.over_time(time) * motion.crank(Channel.VELOCITY, time)
-    work = integral(Signal(time, power), jumps)
+    work = integral(Signal(time, power), motion.jumps)
     stored = energy(motion, time) - done
     swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
     unresolved = np.concatenate([[0.0], np.cumsum(np.where(inspection.unresolved_intervals(time), swing, 0.0))])
-    errors = (error(Signal(time, power), work, jumps) + unresolved for error in (error_estimate, error_bound))
+    errors = (error(Signal(time, power), work, motion.jumps) + unresolved for error in (error_estimate, error_bound))
     return Balance(time, stored - stored[0] - work, *errors)
 
 
@@ -234,14 +232,13 @@ def weight_on_frame(inspection: Inspection) -> Balance:
 def _mean_force(motion: ObservedMotion, time: Array) -> Array:
     """Mean over these times of all forces on the moving bodies from outside, the frame's joints among them, (2,), N."""
     scene = motion.scene
-    jumps = scene.drive.motion.jumps if isinstance(scene.drive, Prescribed) else ()
     loads = applied_loads(scene, motion.pose(time), motion.bodies(Channel.VELOCITY, time))[:, :-1, :2]
     total = np.mean(np.sum(loads, axis=1), axis=0)
     ends = {pin.name: (pin.first, pin.second) for pin in scene.pins}
     ends |= {joint.name: (joint.body, joint.host) for joint in scene.guided}
     for name, (first, second) in ends.items():
         if GROUND in (first, second):
-            force = resample_piecewise(motion.history.joint_force[name], time, jumps, MEAN_POINTS)
+            force = resample_piecewise(motion.history.joint_force[name], time, motion.jumps, MEAN_POINTS)
             total = total + np.mean(force, axis=0) * (-1.0 if first == GROUND else 1.0)
     return np.asarray(total)
 

@@ -11,12 +11,13 @@ The equations are those of ``engines.mechanics``, which ``direct`` solves too; n
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
 from analytic.description.linkage import GROUND, Vector
 from comparisons.observed_motion import POINTS, ObservedMotion
@@ -45,22 +46,57 @@ class AssurGroups:
         self.blocks: list[tuple[Numbers, Numbers]] = []
         self.members: list[tuple[str, ...]] = []
         placed = {GROUND, equations.scene.crank} if equations.scene.crank else {GROUND}
-        left = [name for name in equations.index if name not in placed]
-        while left:
-            sets = (bodies for k in range(1, len(left) + 1) for bodies in itertools.combinations(left, k))
-            group = next(bodies for bodies in sets if len(bodies) == len(left) or self._places(bodies, placed))
+        for group in self._placed_together(placed):
             rows = np.array(self._rows_of(group, placed), dtype=np.intp).T
             self.blocks.append((rows, self._columns(group)))
             self.members.append(group)
             placed |= {*group}
-            left = [name for name in left if name not in group]
 
     def _columns(self, bodies: tuple[str, ...]) -> Numbers:
         columns = self.equations.column[[self.equations.index[name] for name in bodies]]
         return np.asarray(columns[columns != self.equations.size])
 
-    def _places(self, bodies: tuple[str, ...], placed: set[str]) -> bool:
-        return len(self._rows_of(bodies, placed)) == len(self._columns(bodies))
+    def _placed_together(self, placed: set[str]) -> list[tuple[str, ...]]:
+        """The bodies of every group, each behind those that place it.
+
+        Every coordinate is matched with an equation that gives it, which ties its body, or the point of a pin, to
+        others. What depends on itself in a circle is placed together. Where the equations do not give all coordinates,
+        all bodies are one group.
+        """
+        names, links = [name for name in self.equations.index if name not in placed], self._links(placed)
+        nodes = [*names, *dict.fromkeys(node for link in links for node in link if node not in names)]
+        ties = np.array([[node in link for node in nodes] for link in links])
+        counts = [len(self._columns((node,))) if isinstance(node, str) else 2 for node in nodes]
+        owner = np.repeat(np.arange(len(nodes)), counts)
+        row = maximum_bipartite_matching(csr_array(ties[:, owner]), perm_type="row") if links else np.zeros(0)
+        if len(row) != len(owner) or np.any(row < 0):
+            return [tuple(names)]
+        needs = np.zeros((len(nodes), len(nodes)), dtype=bool)
+        np.logical_or.at(needs, owner, ties[row])
+        _, labels = connected_components(csr_array(needs), connection="strong")
+        groups, done = [], np.zeros(len(nodes), dtype=bool)
+        while not done.all():
+            parts = (labels == label for label in dict.fromkeys(labels[~done]))
+            ready = next(part for part in parts if not needs[part][:, ~done & ~part].any())
+            done |= ready
+            groups.append(tuple(name for name, is_in in zip(names, ready, strict=False) if is_in))
+        return [group for group in groups if group]
+
+    def _links(self, placed: set[str]) -> list[set[str | int]]:
+        """What every equation ties together: bodies that are not placed, and points of pins by their number.
+
+        All placed bodies on a pin are one, as they do not place each other.
+        """
+        links: list[set[str | int]] = []
+        for number, ends in enumerate(self._pins):
+            bodies = {body if body not in placed else "" for body, _ in ends}
+            if bodies != {""}:
+                links += [{number} | ({body} - {""}) for body in sorted(bodies) for _ in range(2)]
+        names = {number: name for name, number in self.equations.index.items() if name not in placed}
+        for _, first, second in self._constraints():
+            tied: set[str | int] = {names[end] for end in (first, second) if end in names}
+            links += [tied] if tied else []
+        return links
 
     def _rows_of(self, bodies: tuple[str, ...], placed: set[str]) -> list[tuple[int, int]]:
         """Equations of the joints of these bodies with each other and with placed bodies."""
@@ -76,16 +112,21 @@ class AssurGroups:
                     rows.append((pair[0], pair[1]))
         known_bodies = {equations.index[name] for name in placed | {*bodies}}
         new_bodies = {equations.index[name] for name in bodies}
-        constrained = [
+        for row, first_body, second_body in self._constraints():
+            if {first_body, second_body} <= known_bodies and {first_body, second_body} & new_bodies:
+                rows.append((int(row), none))
+        return rows
+
+    def _constraints(self) -> list[tuple[int, int, int]]:
+        """Guides, locked turns and a cylinder: the row of each, and the numbers of its two bodies."""
+        equations = self.equations
+        constraints = [
             *zip(equations.line_rows, equations.body[equations.pins :], equations.host[equations.pins :], strict=True),
             *zip(equations.turn_rows, equations.turn_body, equations.turn_host, strict=True),
         ]
         if equations.scene.cylinder is not None:
-            constrained.append((equations.crank_row, *equations.driver.ends))
-        for row, *ends in constrained:
-            if {*ends} <= known_bodies and {*ends} & new_bodies:
-                rows.append((int(row), none))
-        return rows
+            constraints.append((equations.crank_row, *equations.driver.ends))
+        return constraints
 
     def _pin_points(self) -> list[list[tuple[str, int]]]:
         """The bodies on every pin with the number of their joint: any of them can be the others' seat."""

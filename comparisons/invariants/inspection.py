@@ -14,7 +14,7 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from comparisons.invariants.corrections import LEVELS, AssurGroups, Findings, findings
 from comparisons.judging.signal_errors import FAINT_FORCE
-from comparisons.observed_motion import POINTS, ObservedMotion, resample
+from comparisons.observed_motion import POINTS, ObservedMotion, resample_piecewise
 from engines.contract import Signal
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import driven, start_motion
@@ -157,15 +157,18 @@ class Inspection:
         """How far any joint's force is from what the bodies' balance requires of it, over its own peak."""
         result, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
         joints = [*self.motion.scene.pins, *self.motion.scene.guided]
-        clock = next(iter(claimed.values())).time
-        within = (result.time >= clock[0]) & (result.time <= clock[-1])
+        clocks = [claimed[joint.name].time for joint in joints]
+        within = result.time >= max(clock[0] for clock in clocks)
+        within &= result.time <= min(clock[-1] for clock in clocks)
+        time = result.time[within]
         peaks = np.nanmax(np.hypot(result.forces[..., 0], result.forces[..., 1]), axis=0, initial=0.0)
         scales = np.maximum(peaks, FAINT_FORCE * np.max(peaks)) + TINY
-        worst = np.zeros(int(within.sum()))
+        worst = np.zeros(len(time))
         for number, joint in enumerate(joints):
-            difference = resample(claimed[joint.name], result.time[within]) - result.forces[within, number]
+            force = resample_piecewise(claimed[joint.name], time, self.motion.jumps)
+            difference = force - result.forces[within, number]
             worst = np.maximum(worst, np.hypot(*difference.T) / scales[number])
-        return Signal(result.time[within], worst)
+        return Signal(time, worst)
 
     def unresolved_intervals(self, time: Array) -> NDArray[np.bool_]:
         """Intervals of a clock in which the motion changes faster than its samples tell, (n - 1,).

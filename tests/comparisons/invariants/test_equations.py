@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
+from analytic.description.linkage import GROUND
 from analytic.description.loading import load
 from analytic.dynamics.joint_forces import reactions
 from analytic.kinematics.mechanism import Mechanism
@@ -23,6 +24,7 @@ from comparisons.observed_motion import ObservedMotion
 from engines.contract import Signal
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import pose_of, with_ground
+from engines.scene import PinJoint
 from tests.comparisons.true_motions import EVERYTHING, true_history
 
 
@@ -42,6 +44,21 @@ def truth(name):
 
 def groups_of(scene):
     return AssurGroups(JointEquations(scene))
+
+
+def test_a_ring_of_thirty_bodies_is_one_group():
+    """Every other one is pinned to the ground, so that no fewer of them are placed: 2³⁰ subsets are none."""
+    scene = truth(NAMES[0])[0].scene(EVERYTHING)
+    crank = next(body for body in scene.bodies if body.name == scene.crank)
+    names = [f"b{number}" for number in range(30)]
+    ring = [
+        PinJoint(f"{a}{b}", a, b, (0.0, 0.0), (1.0, 0.0)) for a, b in zip(names, names[1:] + names[:1], strict=True)
+    ]
+    feet = [PinJoint(f"{name} foot", name, GROUND, (0.0, 1.0), (float(n), 0.0)) for n, name in enumerate(names[::2])]
+    pivot = [pin for pin in scene.pins if {pin.first, pin.second} == {GROUND, scene.crank}]
+    bodies = (crank, *(dataclasses.replace(crank, name=name) for name in names))
+    large = dataclasses.replace(scene, bodies=bodies, pins=(*pivot, *ring, *feet), sliders=(), slots=())
+    assert groups_of(large).members == [tuple(names)]
 
 
 def off(name, level, size, seed=3):

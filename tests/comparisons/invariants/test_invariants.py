@@ -189,6 +189,17 @@ def test_the_frame_carries_forces_and_springs_beside_the_weight(name):
     assert records(one, true_history(one))["weight_on_frame"].error_max < 1e-6
 
 
+def test_forces_may_have_clocks_of_their_own():
+    """The last joint's begins late; the others are read between their samples, up to a jump of the acceleration."""
+    one = driven(JUKI, "run-up")
+    history, (*others, last) = true_history(one, 1201), one.joint_names()
+    coarse = true_history(one, 1000).joint_force
+    late = Signal(history.torque.time[200:], history.joint_force[last].values[200:])
+    forces = {**{name: coarse[name] for name in others}, last: late}
+    record = records(one, dataclasses.replace(history, joint_force=forces))["force_balance"]
+    assert (record.outcome, record.error_max < 1e-6) == ("passed", True)
+
+
 def test_a_guide_that_pulls_along_itself_is_caught():
     one = driven(JUKI)
     history = true_history(one)
