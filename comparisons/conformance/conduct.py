@@ -12,9 +12,9 @@ from typing import Final, get_args
 import numpy as np
 
 from analytic.description.law import FULL_TURN
+from comparisons.conformance.misreadings import likeliest_misreading
 from comparisons.conformance.trial import PLAIN, SAMPLES, Check, EngineTrial, NotTestedError, case, scene_of
 from comparisons.conformance.trial import case as sample_case
-from comparisons.faults.misreadings import likeliest_misreading
 from comparisons.judging.limits import limit
 from comparisons.judging.signal_errors import SignalError, readings, signal_errors
 from comparisons.observed_motion import DENSE

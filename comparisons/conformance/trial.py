@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from itertools import chain
@@ -12,11 +12,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-import numpy as np
-
 from analytic.description.crank_motion import CONSTANT_SPEED, RPM, crank_motion
-from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce, ReleasedRegime, RotaryDamper, Spring
+from analytic.description.linkage import ReleasedRegime
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import Case, case_of_file_regime
@@ -42,70 +39,51 @@ FAST: Final = 1000.0 * RPM  # at which the samples turn that do not start at res
 
 @dataclass(frozen=True)
 class Sample:
-    """A linkage under one motion of its crank: how the crank turns, and what is added to the linkage of the file.
+    """A variant of a linkage's file under one motion of its crank, in the file's own regime if it has one.
 
-    A file with a regime has its motion in that. ``at_speed``: the crank starts at FAST and keeps it for a turn, while
-    the other links accelerate from the first instant on.
+    ``at_speed``: the crank starts at FAST and keeps it for a turn, while the other links accelerate from the first
+    instant on.
     """
 
     linkage: str
-    start: float = 0.0  # rad
+    start: float = 0.0  # degrees
+    variant: str | None = None
     clockwise: bool = False
-    added: Callable[[Linkage], Linkage] = lambda linkage: linkage
     released: bool = False
     at_speed: bool = False
 
     @property
     def case(self) -> Case:
         """The case of it."""
-        mechanism = Mechanism(self.added(load(str(LINKAGES / f"{self.linkage}.toml"))))
-        if self.released:
-            return case_of_file_regime(mechanism, ReleasedRegime("released", 1.5, self.start, 6.0, 0.8))
-        if mechanism.linkage.regimes:
-            return case_of_file_regime(mechanism, mechanism.linkage.regimes[0])
-        regime, speed = (CONSTANT_SPEED, FAST) if self.at_speed else ("run-up-quintic", SPEED)
-        return Case(mechanism, crank_motion(
-            regime, speed=speed, ramp_time=0.0 if self.at_speed else RAMP, hold_time=HOLD * SPEED / speed,
-            clockwise=self.clockwise, start_angle=self.start,
-        ))  # fmt: skip
-
-
-def _with_force(linkage: Linkage) -> Linkage:
-    return replace(linkage, forces=(PointForce("P", "coupler", Law(np.array([-6.0, 11.0]))),))
-
-
-def _with_force_over_angle(linkage: Linkage) -> Linkage:
-    angles, values = np.radians([0.0, 80.0, 170.0, 260.0]), np.array([[8.0, 2.0], [-4.0, 9.0], [3.0, -7.0], [0.0, 5.0]])
-    return replace(linkage, forces=(PointForce("P", "coupler", Law(values, angles)),))
-
-
-def _with_torque(linkage: Linkage) -> Linkage:
-    return replace(linkage, torques=(LinkTorque("rocker", Law(np.array([1.7]))),))
-
-
-def _with_spring(linkage: Linkage) -> Linkage:
-    return replace(linkage, springs=(Spring(("P", "F"), ("coupler", GROUND), 150.0, 0.1, 12.0),))
-
-
-def _with_damper(linkage: Linkage) -> Linkage:
-    return replace(linkage, dampers=(RotaryDamper(("coupler", "rocker"), 0.06),))
+        linkage, start = load(str(LINKAGES / f"{self.linkage}.toml"), self.variant), math.radians(self.start)
+        if self.released or linkage.regimes:
+            released = ReleasedRegime("released", 1.5, start, 6.0, 0.8)
+            return case_of_file_regime(Mechanism(linkage), released if self.released else linkage.regimes[0])
+        regime, speed, ramp = (CONSTANT_SPEED, FAST, 0.0) if self.at_speed else ("run-up-quintic", SPEED, RAMP)
+        motion = crank_motion(
+            regime,
+            speed=speed,
+            ramp_time=ramp,
+            hold_time=HOLD * SPEED / speed,
+            clockwise=self.clockwise,
+            start_angle=start,
+        )
+        return Case(Mechanism(linkage), motion)
 
 
 SAMPLES: Final[Mapping[str, Sample]] = {
-    PLAIN: Sample("four-bar", math.radians(40.0)),
+    PLAIN: Sample("four-bar", 40.0),
     AT_SPEED: Sample("four-bar", at_speed=True),
-    "four-bar clockwise": Sample("four-bar", math.radians(-200.0), clockwise=True),
-    "slider-crank": Sample("slider-crank", math.radians(20.0), clockwise=True),
-    SLIDER_AT_SPEED: Sample("slider-crank", math.radians(20.0), at_speed=True),
-    "quick return": Sample("quick-return", math.radians(75.0)),
-    "force": Sample("four-bar", math.radians(40.0), added=_with_force),
-    "force over the angle": Sample("four-bar", math.radians(40.0), added=_with_force_over_angle),
-    "torque": Sample("four-bar", math.radians(40.0), added=_with_torque),
-    "spring": Sample("four-bar", math.radians(40.0), added=_with_spring),
-    "damper": Sample("four-bar", math.radians(40.0), added=_with_damper),
+    "four-bar clockwise": Sample("four-bar", -200.0, clockwise=True),
+    "slider-crank": Sample("slider-crank", 20.0, clockwise=True),
+    SLIDER_AT_SPEED: Sample("slider-crank", 20.0, at_speed=True),
+    "quick return": Sample("quick-return", 75.0),
+    **{
+        load: Sample("four-bar", 40.0, load) for load in ("force", "force over the angle", "torque", "spring", "damper")
+    },
     "driven slider": Sample("driven-slider"),
     "cylinder": Sample("cylinder"),
-    "released": Sample("four-bar", math.radians(40.0), released=True),
+    "released": Sample("four-bar", 40.0, released=True),
 }
 
 

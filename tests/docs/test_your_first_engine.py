@@ -49,7 +49,7 @@ def test_its_adapter_passes_the_conformance_test_where_it_is_installed(tmp_path)
     done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert re.search(r"silence +expected failure +barwork's licence requires its line", done.stdout)
-    assert int(re.search(r"(\d+) mutants +passed", done.stdout).group(1)) >= 35
+    assert int(re.search(r"(\d+) mutants +passed", done.stdout).group(1)) >= 10
     assert " failed" not in done.stdout
 
 
