@@ -13,7 +13,7 @@ from comparisons.case import Case
 from comparisons.invariants.checks import NEEDED_CHANNELS as INVARIANTS
 from comparisons.invariants.checks import OF_FORCES
 from comparisons.judging.changes import CLOSED_FORM, changes, read_rows
-from comparisons.judging.limits import shipped_standard
+from comparisons.judging.limits import shipped_limits
 from comparisons.judging.quantities import all_quantities
 from engines.contract import Setting
 from engines.registry import own_names
@@ -51,6 +51,6 @@ def test_every_deviation_is_within_its_limit_and_as_recorded(mechanism, engine_n
 def test_the_figures_of_the_closed_form_are_those_recorded():
     linkages, motions = tuple(map(load, catalogue())), tuple(map(crank_motion, REGIMES))
     request = CampaignRequest(linkages, motions, CompareOptions().conditions, ())
-    judged = JudgedCampaign(request, shipped_standard(), (), BASELINE, every_variant=True)
+    judged = JudgedCampaign(request, shipped_limits(), (), BASELINE, every_variant=True)
     assert [change.sentence for change in judged.changes] == []
     assert {row[:7] for row in judged.rows} == {row[:7] for row in BASELINE if row.engine == CLOSED_FORM}

@@ -15,7 +15,7 @@ from comparisons.case import Case, case_of_file_regime, unpickle_case
 from comparisons.datasheet.building import bare_sheet, usual_sheet
 from comparisons.datasheet.sheet import Sheet
 from comparisons.invariants.checks import checks
-from comparisons.judging.limits import judged_deviation
+from comparisons.judging.limits import LimitTable, judged_deviation, shipped_limits
 from comparisons.judging.quantities import JOINT_FORCE, Deviation, Quantity, check_defined, chosen_quantities
 from comparisons.judging.records import CONTROL, Error, Run, Verdict, run_of
 from comparisons.observed_motion import ObservedMotion
@@ -119,18 +119,22 @@ def _checked_case(case: Case) -> Case:
 
 @dataclass(frozen=True)
 class CampaignRuns(Iterable[Run]):
-    """The runs of a campaign in the order of its tasks: made when they are first gone through, then read back."""
+    """The runs of a campaign in the order of its tasks: made when they are first gone through, then read back.
+
+    In every pass each is judged by the ``limits``; runs do not stay in memory.
+    """
 
     study: Study[Run]
     tasks: Sequence[Task]
     bounds: Bounds
+    limits: LimitTable
 
     def make(self) -> None:
         """Make the runs that are not stored yet."""
         self.study.complete(self.tasks, self.bounds)
 
     def __iter__(self) -> Iterator[Run]:
-        return self.study.in_order(self.tasks, self.bounds)
+        return (run.judged(self.limits.judge) for run in self.study.in_order(self.tasks, self.bounds))
 
 
 def compare(
@@ -141,8 +145,9 @@ def compare(
     pool: Pool | None = None,
     finished: Runs | None = None,
     todo: Sequence[Task] = (),
+    limits: LimitTable | None = None,
 ) -> CampaignRuns:
-    """The runs of a request, made in parallel as they are gone through.
+    """The runs of a request, judged by the suite's limits or others, made in parallel as they are gone through.
 
     ``announce`` receives the label of the run begun last, the number of finished runs and the number of all. Runs are
     made in the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is
@@ -154,7 +159,7 @@ def compare(
     todo = todo or tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
     study = Study(judged, lost, Run.written, Run.from_row, finished, announce, where)
-    return CampaignRuns(study, todo, bounds)
+    return CampaignRuns(study, todo, bounds, limits or shipped_limits())
 
 
 def lost(failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool) -> Run:

@@ -19,7 +19,7 @@ from comparisons.case import Case
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.figures import MechanismFigure, case_figures, figure_unit, figures_by_name
 from comparisons.judging.changes import CLOSED_FORM, Change, changes
-from comparisons.judging.limits import Standard
+from comparisons.judging.limits import LimitTable
 from comparisons.judging.records import Error, Run
 from engines.contract import Setting
 
@@ -98,25 +98,14 @@ def _figure_unit(name: str, linkage: Linkage) -> str:
 
 
 @dataclass(frozen=True)
-class JudgedRuns(Iterable[Run]):
-    """Runs judged by a standard, one by one in every pass over them; runs read from a file do not stay in memory."""
-
-    runs: Iterable[Run]
-    standard: Standard
-
-    def __iter__(self) -> Iterator[Run]:
-        return (run.judged(self.standard.judge) for run in self.runs)
-
-
-@dataclass(frozen=True)
 class JudgedCampaign:
-    """The ``runs`` of a request, judged by a standard; ``before`` are the rows that they are compared with, if any.
+    """The ``runs`` of a request, judged by ``limits``; ``before`` are the rows that they are compared with, if any.
 
     ``every_variant``: the figures of the closed form are also those of the linkages' other variants.
     """
 
     request: CampaignRequest
-    standard: Standard
+    limits: LimitTable
     runs: Iterable[Run]
     before: Sequence[Error] | None = None
     every_variant: bool = False
@@ -148,7 +137,7 @@ class JudgedCampaign:
     def as_dict(self) -> dict[str, Any]:
         """The parts of a campaign's document besides the records, JSON-ready."""
         return {
-            "limits": self.standard.limits.as_dict,
+            "limits": self.limits.as_dict,
             "figures": [asdict(figure) for figure in self.figures],
             "changes": [{**asdict(entry), "sentence": entry.sentence} for entry in self.changes],
         }

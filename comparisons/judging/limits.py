@@ -69,6 +69,32 @@ class LimitTable:
                 return row
         raise LookupError(f"limits.toml has no row for {name}, {setting}, {regime}: add one with its reason")
 
+    def judge(self, record: Error) -> Error:
+        """Compare a record's error with its limit.
+
+        ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit. A figure
+        that is the adapter's own says nothing of the engine; what has no error, or was left undecided, stays as it is.
+        """
+        error = record.error_max
+        if error is None or not (record.outcome == Verdict.COMPUTED or Verdict(record.outcome).judged):
+            return record
+        bound = self.limit(record.quantity, record.setting, record.regime, record.mechanism, record.engine).value
+        record = record._replace(limit=bound, outcome=Verdict.PASSED.value, detail="")
+        if record.origin == Origin.COMPUTED:
+            detail = "computed by the adapter from the linkage's data, not read from the engine"
+            return record._replace(outcome=Verdict.COMPUTED.value, detail=detail)
+        if not error <= bound:
+            detail = f"error {error:.2g} of peak is over its limit {bound:.2g}"
+        elif not record.error_at_jumps <= bound:
+            detail = (
+                f"error {record.error_at_jumps:.2g} of peak at an acceleration jump, besides the jump itself, is over "
+                f"its limit {bound:.2g}"
+            )
+            record = record._replace(error_max=record.error_at_jumps)
+        else:
+            return record
+        return record._replace(outcome=Verdict.OVER_LIMIT.value, detail=detail)
+
     @property
     def as_dict(self) -> list[dict[str, Any]]:
         """The rows as a file of limits has them, JSON-ready; ``table_from_rows`` reads them back."""
@@ -149,48 +175,9 @@ K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
 
 
-@dataclass(frozen=True)
-class Standard:
-    """The standard for records: a table of limits."""
-
-    limits: LimitTable
-
-    def judge(self, record: Error) -> Error:
-        """Compare a record's error with its limit.
-
-        ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit. A figure
-        that is the adapter's own says nothing of the engine; what has no error, or was left undecided, stays as it is.
-        """
-        error = record.error_max
-        if error is None or not (record.outcome == Verdict.COMPUTED or Verdict(record.outcome).judged):
-            return record
-        bound = self.limits.limit(record.quantity, record.setting, record.regime, record.mechanism, record.engine).value
-        record = record._replace(limit=bound, outcome=Verdict.PASSED.value, detail="")
-        if record.origin == Origin.COMPUTED:
-            detail = "computed by the adapter from the linkage's data, not read from the engine"
-            return record._replace(outcome=Verdict.COMPUTED.value, detail=detail)
-        if not error <= bound:
-            detail = f"error {error:.2g} of peak is over its limit {bound:.2g}"
-        elif not record.error_at_jumps <= bound:
-            detail = (
-                f"error {record.error_at_jumps:.2g} of peak at an acceleration jump, besides the jump itself, is over "
-                f"its limit {bound:.2g}"
-            )
-            record = record._replace(error_max=record.error_at_jumps)
-        else:
-            return record
-        return record._replace(outcome=Verdict.OVER_LIMIT.value, detail=detail)
-
-
-@cache
-def shipped_standard() -> Standard:
-    """The standard without a user's file: the suite's own limits."""
-    return Standard(shipped_limits())
-
-
 def judge(record: Error) -> Error:
     """A record by the suite's own limits."""
-    return shipped_standard().judge(record)
+    return shipped_limits().judge(record)
 
 
 def judged_deviation(

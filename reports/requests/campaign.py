@@ -21,9 +21,9 @@ from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.results import document
 from comparisons.campaign.results import load as load_results
-from comparisons.campaign.standard import JudgedCampaign, JudgedRuns
+from comparisons.campaign.standard import JudgedCampaign
 from comparisons.judging.changes import read_rows
-from comparisons.judging.limits import Standard, check_named, read_limits, shipped_limits
+from comparisons.judging.limits import LimitTable, check_named, read_limits, shipped_limits
 from comparisons.judging.records import Error
 from comparisons.runs.cluster import DaskPool
 from comparisons.runs.files import check_writable
@@ -204,10 +204,10 @@ def rows_before(place: Path) -> list[Error]:
     return load_results(place).rows if os.path.isdir(place) else read_rows(place)
 
 
-def chosen_standard(options: CompareOptions, limits: Path | None) -> Standard:
+def chosen_limits(options: CompareOptions, limits: Path | None) -> LimitTable:
     """The limits for results; raises LinkproofError for unknown names in them."""
     if limits is None:
-        return Standard(shipped_limits())
+        return shipped_limits()
     chosen, read_files = read_limits(limits), files(options)
 
     def known() -> Iterator[LinkageFile]:
@@ -215,7 +215,7 @@ def chosen_standard(options: CompareOptions, limits: Path | None) -> Standard:
         yield from _neighbours(read_files)
 
     check_named(chosen, lambda: _mechanism_names(known()), lambda: _regime_names(known()))
-    return Standard(chosen)
+    return chosen
 
 
 def _neighbours(named: list[LinkageFile]) -> Iterator[LinkageFile]:
@@ -245,12 +245,12 @@ DEFAULT_STANDARD, DEFAULT_LIMITS = StandardOptions(), RunLimits()
 class Campaign:
     """A campaign whose names are all known.
 
-    ``command`` repeats it, ``saved_command`` with its standard and limits. ``before`` are the rows that its results are
+    ``command`` repeats it, ``saved_command`` with its limits and bounds. ``before`` are the rows that its results are
     compared with. ``every_variant``: no variant is chosen, so that figures are those of all.
     """
 
     request: CampaignRequest
-    standard: Standard
+    limits: LimitTable
     resources: RunResources
     command: str
     saved_command: str
@@ -259,11 +259,10 @@ class Campaign:
 
     def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign
         """Make the runs in a pool and judge them."""
-        runs = run_campaign(self.request, bounds=self.resources.bounds, pool=pool, todo=self.tasks, **how)
+        bounds = self.resources.bounds
+        runs = run_campaign(self.request, bounds=bounds, pool=pool, todo=self.tasks, limits=self.limits, **how)
         runs.make()
-        return JudgedCampaign(
-            self.request, self.standard, JudgedRuns(runs, self.standard), self.before, self.every_variant
-        )
+        return JudgedCampaign(self.request, self.limits, runs, self.before, self.every_variant)
 
     @cached_property
     def tasks(self) -> Sequence[Task]:
@@ -291,7 +290,7 @@ def campaign(
     check_record(standard.record)
     return Campaign(
         request(options),
-        chosen_standard(options, standard.limits),
+        chosen_limits(options, standard.limits),
         run_resources(limits),
         command_line("compare", options),
         command_line("compare", options, standard, limits),

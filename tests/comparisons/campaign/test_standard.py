@@ -13,7 +13,7 @@ from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.standard import JudgedCampaign, key_figures
 from comparisons.case import Case
 from comparisons.judging.changes import CLOSED_FORM, COLUMNS, changes, read_rows, write_rows
-from comparisons.judging.limits import shipped_standard
+from comparisons.judging.limits import shipped_limits
 from comparisons.judging.records import Error
 from engines.contract import Setting
 
@@ -27,7 +27,7 @@ LARGE = FIGURE._replace(quantity="Mkr.rms")
 
 
 def judged(request=REQUEST, before=None, *, every_variant=False):
-    return JudgedCampaign(request, shipped_standard(), (), before, every_variant)
+    return JudgedCampaign(request, shipped_limits(), (), before, every_variant)
 
 
 def _heavier(share: float):

@@ -19,12 +19,10 @@ from comparisons.judging.limits import (
     USER_REASON,
     Limit,
     LimitTable,
-    Standard,
     judge,
     limit,
     read_limits,
     shipped_limits,
-    shipped_standard,
     with_rows,
 )
 from comparisons.judging.quantities import QUANTITIES, NoSampleError, all_quantities, chosen_quantities, deviation
@@ -121,9 +119,9 @@ def test_a_record_is_judged_by_its_limit(change, outcome, words):
 
 def test_another_standard_gives_another_verdict_of_the_same_error():
     failed = judge(JUDGED._replace(error_max=2.0 * LIMIT))
-    passed = Standard(_loose(3.0 * LIMIT)).judge(failed)
+    passed = _loose(3.0 * LIMIT).judge(failed)
     assert (passed.outcome, passed.detail, passed.limit) == (Verdict.PASSED, "", pytest.approx(3.0 * LIMIT))
-    assert shipped_standard().judge(passed) == failed
+    assert shipped_limits().judge(passed) == failed
 
 
 @pytest.fixture(scope="module", params=["juki-mf7923d", "rimoldi-164"])
