@@ -11,11 +11,12 @@ import numpy as np
 
 from analytic import signals
 from analytic.description import loading
-from analytic.description.changes import SPEED, Number, Place, named_numbers
+from analytic.description.changes import SPEED, named_numbers
 from analytic.description.crank_motion import RPM, CrankMotion
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Linkage
 from analytic.description.loading import WrittenNumbers, with_variant_written, written_numbers
+from analytic.description.walk import Keys, Number
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
@@ -53,7 +54,7 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
     return [_file_template(key, written_numbers(key, name, None).places, names) for key in texts]
 
 
-def _file_template(text: str, places: Mapping[str, Place], names: Iterable[str]) -> FileTemplate:
+def _file_template(text: str, places: Mapping[str, Keys], names: Iterable[str]) -> FileTemplate:
     import tomlkit  # noqa: PLC0415 - only a page that can be pulled at pays for it
     from tomlkit.items import Float, Integer, Trivia  # noqa: PLC0415
 
@@ -168,7 +169,7 @@ def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[
 
     ``literals`` are its places in the file, as written: it is ``offered`` for change where the first is its value.
     """
-    kind, *rest = number.place
+    kind, *rest = file.places[name]
     size, unit = file.scale.get(number.kind, 1.0), UNITS.get(number.kind) or str(file.units.get(number.kind, ""))
     literal = literals[0] if literals else "nan"
     is_same = abs(float(literal) * size - number.value) <= ROUNDING * abs(number.value)
@@ -276,7 +277,7 @@ def loads(linkage: Linkage) -> list[Law]:
 
 def load_of(number: Number, linkage: Linkage) -> int | None:
     """The load that a number is of, among those of ``loads``."""
-    kind, index, *_ = number.place
+    kind, index, *_ = number.path
     if kind not in ("forces", "torques") or not isinstance(index, int):
         return None
     return index if kind == "forces" else len(linkage.forces) + index
@@ -293,7 +294,7 @@ def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
     every = named_numbers(mechanism.linkage).items()
     free = {
         name for name, number in every
-        if number.kind != "direction" and number.place[0] != "sketch" and not is_of_table(number, mechanism.linkage)
+        if number.kind != "direction" and number.path[0] != "sketch" and not is_of_table(number, mechanism.linkage)
     }  # fmt: skip
     accelerates = any(len(segment.coefficients) > 2 for segment in motion.segments)
     return linkage_trace(mechanism, free, results(mechanism), accelerates=accelerates)

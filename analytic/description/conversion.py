@@ -50,28 +50,30 @@ from analytic.errors import LinkproofError, UnknownNameError, listed
 
 def forces(reader: Reader) -> tuple[PointForce, ...]:
     """Forces at points; a force on the ground has no effect and is left out."""
-    loads = [_force(reader, table, f"forces.{number}") for number, table in enumerate(reader.document.forces)]
+    loads = [_force(reader, table, number) for number, table in enumerate(reader.document.forces)]
     return tuple(sorted((load for load in loads if load.link != GROUND), key=sort_key))
 
 
-def _force(reader: Reader, table: doc.ForceTable, where: str) -> PointForce:
+def _force(reader: Reader, table: doc.ForceTable, number: int) -> PointForce:
     """A force at a point in SI units."""
+    where = f"forces.{number}"
     rows = table.force if isinstance(table.force, list) else [table.force]
     link = reader.owner(table.point, table.link, where)
-    return PointForce(table.point, link, interpolated_law(reader, table, rows, "force", where))
+    return PointForce(table.point, link, interpolated_law(reader, table, rows, "force", where), number)
 
 
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
     """Torques on links; a torque on the ground has no effect and is left out."""
-    loads = [_torque(reader, table, f"torques.{number}") for number, table in enumerate(reader.document.torques)]
+    loads = [_torque(reader, table, number) for number, table in enumerate(reader.document.torques)]
     return tuple(sorted((load for load in loads if load.link != GROUND), key=sort_key))
 
 
-def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
+def _torque(reader: Reader, table: doc.TorqueTable, number: int) -> LinkTorque:
     """A torque on a link in SI units."""
+    where = f"torques.{number}"
     values = table.torque if isinstance(table.torque, list) else [table.torque]
     law = interpolated_law(reader, table, [(value,) for value in values], "torque", where)
-    return LinkTorque(reader.body(table.link, where), law)
+    return LinkTorque(reader.body(table.link, where), law, number)
 
 
 def sort_key(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[object, ...]:
@@ -93,12 +95,13 @@ def _law_key(law: Law) -> tuple[bytes, bytes, bool]:
 
 def springs(reader: Reader) -> tuple[Spring, ...]:
     """Springs with their dashpots; an end on a pivot of the ground counts as the ground's."""
-    loads = [_spring(reader, table, f"springs.{number}") for number, table in enumerate(reader.document.springs)]
+    loads = [_spring(reader, table, number) for number, table in enumerate(reader.document.springs)]
     return tuple(sorted(loads, key=sort_key))
 
 
-def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
+def _spring(reader: Reader, table: doc.SpringTable, number: int) -> Spring:
     """A spring with its dashpot in SI units."""
+    where = f"springs.{number}"
     ends = zip(table.between, table.links or (None, None), strict=True)
     first, second = (reader.owner(point, link, where) for point, link in ends)
     if first == second:
@@ -110,21 +113,23 @@ def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
     length = reader.number(table.length, "length", f"{where}.length")
     damping = reader.number(table.damping, "damping", f"{where}.damping")
     given = "length" in table.model_fields_set
-    return Spring(table.between, (first, second), stiffness, length, damping, given)
+    return Spring(table.between, (first, second), stiffness, length, damping, given, number)
 
 
 def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:
     """Dampers of the relative rotation of two bodies."""
-    loads = [_damper(reader, table, f"dampers.{number}") for number, table in enumerate(reader.document.dampers)]
+    loads = [_damper(reader, table, number) for number, table in enumerate(reader.document.dampers)]
     return tuple(sorted(loads, key=sort_key))
 
 
-def _damper(reader: Reader, table: doc.DamperTable, where: str) -> RotaryDamper:
+def _damper(reader: Reader, table: doc.DamperTable, number: int) -> RotaryDamper:
     """A rotary damper in SI units."""
+    where = f"dampers.{number}"
     first, second = (reader.body(name, where) for name in table.between)
     if first == second:
         raise reader.fail(f"{where}: expected two different bodies, got '{first}' twice; correct one of them")
-    return RotaryDamper((first, second), reader.number(table.coefficient, "turn_damping", f"{where}.coefficient"))
+    coefficient = reader.number(table.coefficient, "turn_damping", f"{where}.coefficient")
+    return RotaryDamper((first, second), coefficient, number)
 
 
 # The regimes of a linkage file: a released crank, or a motion that its crank follows, in SI units.
@@ -515,7 +520,7 @@ def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
     slots: dict[str, lk.Slot] = {}
     for number, table in enumerate(reader.document.slots):
         where = f"slots.{number}"
-        slot = lk.Slot(table.point, _guide(reader, table, where))
+        slot = lk.Slot(table.point, _guide(reader, table, where), number)
         owners = reader.carriers.get(table.point)
         if owners is None:
             raise reader.fail(f"{where}: {UnknownNameError('point', table.point, reader.carriers)}")

@@ -16,7 +16,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +24,14 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import CrankMotion, degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.schema import EyeReference, Published
-from analytic.description.units import factor
+from analytic.description.units import Kind, factor
 
 GROUND: Final = "ground"
 
 Vector = tuple[float, float]
+Position = Annotated[Vector, Kind.LENGTH]
+Positions = Annotated[Mapping[str, Vector], Kind.LENGTH]
+Direction = Annotated[Vector, Kind.DIRECTION]  # a unit vector
 
 
 def rotate(vector: Vector, turn: Vector) -> Vector:
@@ -56,8 +59,8 @@ class Guide:
     """A straight line fixed in ``host`` (a link or the ground), through a point, along a unit vector."""
 
     host: str
-    through: Vector
-    along: Vector
+    through: Position
+    along: Direction
 
 
 @dataclass(frozen=True)
@@ -68,10 +71,10 @@ class Link:
     """
 
     name: str
-    points: Mapping[str, Vector]
-    mass: float
-    centre: Vector
-    inertia: float | None
+    points: Positions
+    mass: Annotated[float, Kind.MASS]
+    centre: Position
+    inertia: Annotated[float | None, Kind.INERTIA]
 
 
 @dataclass(frozen=True)
@@ -112,10 +115,14 @@ class Slider:
 
 @dataclass(frozen=True)
 class Slot:
-    """A pin in a slot: ``point`` (of another link or of the ground) stays on the guide and may turn."""
+    """A pin in a slot: ``point`` (of another link or of the ground) stays on the guide and may turn.
+
+    ``number`` is the slot's among those of the file, from 0, as it is of every load.
+    """
 
     point: str
     guide: Guide
+    number: int = field(default=0, compare=False, repr=False)
 
     @property
     def name(self) -> str:
@@ -129,7 +136,8 @@ class PointForce:
 
     point: str
     link: str
-    force: Law
+    force: Annotated[Law, Kind.FORCE]
+    number: int = field(default=0, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -137,7 +145,8 @@ class LinkTorque:
     """A torque on ``link``, counter-clockwise positive, constant or a law of φ."""
 
     link: str
-    torque: Law
+    torque: Annotated[Law, Kind.TORQUE]
+    number: int = field(default=0, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -146,10 +155,11 @@ class Spring:
 
     points: tuple[str, str]
     links: tuple[str, str]
-    stiffness: float
-    length: float
-    damping: float
+    stiffness: Annotated[float, Kind.STIFFNESS]
+    length: Annotated[float, Kind.LENGTH]
+    damping: Annotated[float, Kind.DAMPING]
     has_length: bool = True  # whether the file gives one; a spring without pulls at every length
+    number: int = field(default=0, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -157,7 +167,8 @@ class RotaryDamper:
     """A viscous damper between two bodies: torque ``-coefficient`` times their relative angular velocity."""
 
     links: tuple[str, str]
-    coefficient: float
+    coefficient: Annotated[float, Kind.TURN_DAMPING]
+    number: int = field(default=0, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -174,7 +185,7 @@ class Output:
 
     point: str
     link: str
-    along: Vector
+    along: Direction
 
 
 @dataclass(frozen=True)
@@ -264,14 +275,14 @@ class Linkage:
     variant: str
     variants: tuple[str, ...]
     crank: str
-    ground: Mapping[str, Vector]
+    ground: Positions
     links: Mapping[str, Link]
     pins: tuple[Pin, ...]
     sliders: tuple[Slider, ...]
     slots: tuple[Slot, ...]
-    sketch: Mapping[str, Vector]
-    sketch_angle: float
-    gravity: Vector = (0.0, 0.0)
+    sketch: Positions
+    sketch_angle: Annotated[float, Kind.COORDINATE]
+    gravity: Annotated[Vector, Kind.ACCELERATION] = (0.0, 0.0)
     forces: tuple[PointForce, ...] = ()
     torques: tuple[LinkTorque, ...] = ()
     springs: tuple[Spring, ...] = ()

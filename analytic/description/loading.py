@@ -7,7 +7,7 @@ import os
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, MutableMapping, MutableSequence, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping, MutableSequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -16,13 +16,14 @@ from typing import Any, Final, TypeVar, cast
 from pydantic import BaseModel, ValidationError
 
 from analytic.description import conversion
-from analytic.description.changes import Place, named_numbers, with_numbers
+from analytic.description.changes import LOADS, named_numbers, with_numbers
 from analytic.description.changes import numbers as numbers_of
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
-from analytic.description.linkage import Linkage, LinkTorque, PointForce, RotaryDamper, Spring
+from analytic.description.linkage import Linkage
 from analytic.description.lookup import Reader, reader_of
 from analytic.description.schema import Document
+from analytic.description.walk import Keys
 from analytic.description.written import in_unit
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, is_safe, listed, printable, shortened
 from analytic.files import file_fault, read_file
@@ -312,13 +313,6 @@ def validated(raw: Mapping[str, Any], source: Source) -> Document:
 DESIGN: Final = "design"
 MARK: Final = "# Made by linkproof from "
 NOT_OF_DESIGNS: Final = ("published",)
-Load = PointForce | LinkTorque | Spring | RotaryDamper
-LOADS: Final[Mapping[str, Callable[[Reader], Sequence[Load]]]] = {
-    "forces": conversion.forces,
-    "torques": conversion.torques,
-    "springs": conversion.springs,
-    "dampers": conversion.dampers,
-}
 ROUNDING: Final = 4 * 2.0**-52  # relative; what a number may lose on its way through the file's units and unit vectors
 MOST_NAMED: Final = 12  # changed numbers in the first line
 
@@ -398,8 +392,8 @@ class WrittenNumbers:
         self.raw = raw
         self.units = reader.document.units.model_dump()
         self.scale = reader.scale
-        numbers, indices = named_numbers(linkage), _indices_in_file(linkage, reader)
-        self.places = {name: _place_in_file(number.place, indices, reader) for name, number in numbers.items()}
+        numbers = named_numbers(linkage)
+        self.places = {name: _place_in_file(number.path, linkage, reader) for name, number in numbers.items()}
         self.kinds = {self.places[name]: number.kind for name, number in numbers.items()}
         self.values = {self.places[name]: number.value for name, number in numbers.items()}
 
@@ -419,39 +413,28 @@ class WrittenNumbers:
         table[place[-1]] = self._written(place)
         return f"{number} = {table[place[-1]]!r} {self.units.get(self.kinds[place], '')}".rstrip()
 
-    def _written(self, place: Place) -> float:
+    def _written(self, place: Keys) -> float:
         """The number in the file's unit that gives the SI value."""
         return in_unit(self.values[place], self.scale.get(self.kinds[place], 1.0))
 
 
-def _indices_in_file(linkage: Linkage, reader: Reader) -> dict[str, list[int]]:
-    """For slots and each kind of load, the index in the file of each that a linkage has, in its order."""
-    slots = {(table.point, table.on): number for number, table in enumerate(reader.document.slots)}
-    order = {kind: _order_in_file(kind, reader) for kind in LOADS}
-    return {"slots": [slots[slot.point, slot.guide.host] for slot in linkage.slots], **order}
-
-
-def _place_in_file(place: Place, indices: Mapping[str, Sequence[int]], reader: Reader) -> Place:
-    """The keys and indices in the file of a number, from its place in a linkage, whose loads are sorted."""
-    kind, index, *rest = place
-    if kind not in indices or not isinstance(index, int):
-        return place
-    index = indices[str(kind)][index]
-    if kind in ("forces", "torques"):
-        key, row, component = rest
-        written = getattr(getattr(reader.document, kind)[index], str(key))
-        rows = (row,) if isinstance(written, list) else ()
-        rest = [key, *rows, *((component,) if kind == "forces" else ())]
-    return (kind, index, *rest)
-
-
-def _order_in_file(kind: str, reader: Reader) -> list[int]:
-    """The indices of the file's loads of a kind, in the order in which a linkage has them."""
-    placed = []
-    for index, table in enumerate(getattr(reader.document, kind)):
-        alone = replace(reader, document=reader.document.model_copy(update={kind: [table]}))
-        placed += [(conversion.sort_key(load), index) for load in LOADS[kind](alone)]
-    return [index for _, index in sorted(placed)]
+def _place_in_file(path: Keys, linkage: Linkage, reader: Reader) -> Keys:
+    """The keys and indices in the file of a number, from its path in a linkage, whose loads are sorted."""
+    match path:
+        case ("sketch", *rest):
+            return ("sketch", "points", *rest)
+        case ("sliders", int(index), _, *rest):
+            return ("links", linkage.sliders[index].link, "slides", *rest)
+        case ("slots", int(index), _, *rest):
+            return ("slots", linkage.slots[index].number, *rest)
+        case ("forces" | "torques" as kind, int(index), key, row, component):
+            number = getattr(linkage, kind)[index].number
+            written = getattr(getattr(reader.document, kind)[number], str(key))
+            rows = (row,) if isinstance(written, list) else ()
+            return (kind, number, key, *rows, *((component,) if kind == "forces" else ()))
+        case ("springs" | "dampers" as kind, int(index), key):
+            return (kind, getattr(linkage, kind)[index].number, key)
+    return path
 
 
 def _first_line(name: str, variant: str, sentences: list[str]) -> str:

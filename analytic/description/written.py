@@ -6,37 +6,13 @@ A number that is rounded to zero has no sign.
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
-from analytic.description.units import factor
-
-# SI unit: the kind of unit that a file states for it, and what follows that unit's name.
-KINDS: Final = {
-    "m": ("length", ""),
-    "m/s": ("length", "/s"),
-    "m/s²": ("length", "/s^2"),
-    "rad": ("angle", ""),
-    "rad/s": ("angle", "/s"),
-    "rad/s²": ("angle", "/s^2"),
-    "N": ("force", ""),
-    "N/m": ("stiffness", ""),
-    "N m": ("torque", ""),
-    "kg": ("mass", ""),
-    "kg m²": ("inertia", ""),
-}
-FILE_KINDS: Final = {
-    "length": "m",
-    "angle": "rad",
-    "force": "N",
-    "torque": "N*m",
-    "stiffness": "N/m",
-    "mass": "kg",
-    "inertia": "kg*m^2",
-}
+from analytic.description.units import MEASURED, factor
 
 
 class FileUnit(NamedTuple):
@@ -53,11 +29,11 @@ class FileUnit(NamedTuple):
 
 def file_unit(si: str, linkage: Linkage) -> FileUnit:
     """The file's unit for an SI unit; s, J and W remain."""
-    if si not in KINDS:
+    if si not in MEASURED:
         return FileUnit(si, 1.0)
-    kind, rest = KINDS[si]
-    name = linkage.units.get(kind, FILE_KINDS[kind])
-    return FileUnit(name + rest, factor(kind, name))
+    kind, rate = MEASURED[si]
+    name = linkage.units.get(kind, kind.unit)
+    return FileUnit(name + rate, factor(kind, name))
 
 
 def in_unit(value: float, size: float) -> float:

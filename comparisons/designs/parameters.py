@@ -11,13 +11,13 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import SPEED, Kind, design_numbers, named_numbers, with_numbers
+from analytic.description.changes import SPEED, design_numbers, named_numbers, with_numbers
 from analytic.description.changes import numbers as numbers_of
 from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import DESIGN, parse, rewritten
-from analytic.description.units import factor
+from analytic.description.units import UNITS, Kind, factor
 from analytic.description.written import FileUnit, file_unit
 from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure, figures_named
@@ -33,8 +33,6 @@ from comparisons.datasheet.open_ends import figures_at_open_ends, inset_ends, op
 
 Array = NDArray[np.float64]
 
-# The units of kinds that a file does not state.
-FIXED_UNITS: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
 LISTING: Final = "those that `linkproof list MECHANISM` shows"
 TYPED_NUMBER: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
 
@@ -44,7 +42,7 @@ class Parameter:
     """A number by its name in the file (``analytic.description.changes``), its SI value and the unit of the file."""
 
     name: str
-    kind: Kind | Literal["angle", "speed"]
+    kind: Kind | Literal["speed"]
     value: float
     unit: FileUnit
 
@@ -79,7 +77,7 @@ class Parameter:
 
     def _unit_size(self, unit: str) -> float:
         """Size in SI of a unit that is typed; raises LinkproofError for one that does not measure this."""
-        if self.kind in FIXED_UNITS or self.kind == SPEED:
+        if self.kind not in UNITS:
             if unit != self.unit.name:
                 raise LinkproofError(
                     f"{self.name}: expected {self.unit.name or 'a plain number'}, got '{unit}'; correct it"
@@ -109,7 +107,7 @@ def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter
 
 def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
     """What conditions say of the masses of designs; "" where ``names``, which vary, have no moving link's length."""
-    places = {name: number.place for name, number in named_numbers(linkage).items()}
+    places = {name: number.path for name, number in named_numbers(linkage).items()}
     if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):
         return ""
     return ", masses scaled with lengths" if linkage.scales_mass else ", masses as in the file"
@@ -121,10 +119,9 @@ def speed_unit(linkage: Linkage) -> FileUnit:
 
 
 def _unit_of_kind(linkage: Linkage, kind: Kind) -> FileUnit:
-    if kind in FIXED_UNITS:
-        return FIXED_UNITS[kind]
-    name = linkage.units[kind]
-    return FileUnit(name, factor(kind, name))
+    """The file's unit of a kind; SI where the file states none."""
+    name = linkage.units.get(kind, kind.unit)
+    return FileUnit(name, factor(kind, name) if kind in UNITS else 1.0)
 
 
 # The linkage file of a design: other numbers, the same assembly modes as the original.

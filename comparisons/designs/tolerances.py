@@ -32,7 +32,7 @@ from analytic.description.changes import SPEED, numbers
 from analytic.description.linkage import Linkage
 from analytic.description.loading import read_document
 from analytic.description.schema import Finite, TomlTable
-from analytic.description.units import factor
+from analytic.description.units import Kind, factor
 from analytic.description.written import FileUnit
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError, UnknownNameError
@@ -157,7 +157,7 @@ def _all_parameters(linkage: Linkage) -> dict[str, Parameter]:
         if number.kind not in ("length", "direction") or point == name:
             continue
         x, y = number.value, numbers[f"{point}.y"].value
-        angle = Parameter(point + ANGLE, "angle", math.atan2(y, x), FileUnit(unit, factor("angle", unit)))
+        angle = Parameter(point + ANGLE, Kind.ANGLE, math.atan2(y, x), FileUnit(unit, factor("angle", unit)))
         if x or y:
             numbers.setdefault(angle.name, angle)
             if number.kind == "length":

@@ -12,10 +12,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import LOADS, Kind, Number, changed, multiplied, named_numbers
+from analytic.description.changes import LOADS, changed, multiplied, named_numbers
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Link, Linkage
-from analytic.description.units import SI, factor
+from analytic.description.units import Kind, factor
+from analytic.description.walk import Number
 from analytic.errors import LinkproofError
 from comparisons.faults import fault
 from comparisons.faults.fault import Fault, Numbers, Simulation
@@ -25,10 +26,10 @@ Array = NDArray[np.float64]
 UNITS: Final = (1e3, 1e-3)  # a unit taken for another
 # What is written in place of a number, as its multiples.
 USUAL_FACTORS: Final[dict[Kind, tuple[float, ...]]] = {
-    "mass": (0.0, *UNITS),
-    "inertia": (0.0, *UNITS, 1e6, 1e-6),
-    "length": (-1.0,),
-    "acceleration": (0.0, -1.0),
+    Kind.MASS: (0.0, *UNITS),
+    Kind.INERTIA: (0.0, *UNITS, 1e6, 1e-6),
+    Kind.LENGTH: (-1.0,),
+    Kind.ACCELERATION: (0.0, -1.0),
 }
 LOAD_FACTORS: Final = (0.0, -1.0, *UNITS)  # multiples of a load
 MOST_LOAD_NUMBERS: Final = 8  # of one load: of a longer table no number is a fault of its own
@@ -39,18 +40,18 @@ def number_faults(linkage: Linkage) -> Iterator[Fault]:
     """Faults of one number each: that number alone is wrong in the linkage; numbers without effect are left out."""
     every = named_numbers(linkage)
     for name, number in every.items():
-        if number.place[0] == "sketch" or (not number.value and number.kind not in ("length", "acceleration")):
+        if number.path[0] == "sketch" or (not number.value and number.kind not in ("length", "acceleration")):
             continue
         if number.kind == "direction":
             if name.endswith(".x"):
                 yield _direction_fault(linkage, name.removesuffix(".x"))
-        elif number.place[0] not in LOADS[:2] or _count_of_load(every, number) <= MOST_LOAD_NUMBERS:
+        elif number.path[0] not in LOADS[:2] or _count_of_load(every, number) <= MOST_LOAD_NUMBERS:
             yield _number_fault(linkage, name, number)
 
 
 def _count_of_load(every: dict[str, Number], number: Number) -> int:
     """How many numbers the load of a number has."""
-    return sum(other.place[:2] == number.place[:2] for other in every.values())
+    return sum(other.path[:2] == number.path[:2] for other in every.values())
 
 
 def number_change(name: str) -> Callable[[Simulation, Array], Simulation]:
@@ -85,7 +86,7 @@ def check_positive(k: Array) -> float:
 
 def in_file_unit(linkage: Linkage, kind: Kind, value: float) -> str:
     """A number for a reader, in the unit of the linkage's file."""
-    unit = linkage.units.get(kind, SI.get(kind, "m/s²"))
+    unit = linkage.units.get(kind, kind.si)
     scale = factor(kind, unit) if kind in linkage.units else 1.0
     return f"{value / scale:z.4g} {unit}"
 
@@ -95,7 +96,7 @@ def _number_fault(linkage: Linkage, name: str, number: Number) -> Fault:
     kind, value = number.kind, number.value
     size = {"length": linkage.shortest_length(), "acceleration": 9.81}.get(kind, abs(value))
     usual = [value * k for k in USUAL_FACTORS.get(kind, LOAD_FACTORS)]
-    about = _inertias_about_points(linkage.links[str(number.place[1])]) if kind == "inertia" else {}
+    about = _inertias_about_points(linkage.links[str(number.path[1])]) if kind == "inertia" else {}
     what = _number_words(name, number)
 
     def words(new: Array) -> str:
@@ -111,13 +112,13 @@ def _number_fault(linkage: Linkage, name: str, number: Number) -> Fault:
         name, fault.FaultKind.NUMBER, number_change(name), words, (value,), (size or 1.0,),
         usual=tuple((new,) for new in dict.fromkeys([*about, *usual]) if new != value),
         unit=factor(kind, linkage.units[kind]) if kind in linkage.units else 1.0,
-        reshapes=kind == "length" and "centre" not in number.place and number.place[0] not in LOADS,
+        reshapes=kind == "length" and "centre" not in number.path and number.path[0] not in LOADS,
     )  # fmt: skip
 
 
 def _number_words(name: str, number: Number) -> str:
     """What a number of the description is, in words."""
-    match number.place:
+    match number.path:
         case ("links", link, "mass"):
             what = f"the mass of '{link}'"
         case ("links", link, "inertia"):
@@ -128,7 +129,7 @@ def _number_words(name: str, number: Number) -> str:
             what = f"{'xy'[axis]} of '{point}' on '{link}'"
         case ("ground", point, int(axis)):
             what = f"{'xy'[axis]} of '{point}' on the ground"
-        case ("links" | "slots", _, *_, "through", int(axis)):
+        case ("sliders" | "slots", _, _, "through", int(axis)):
             what = f"{'xy'[axis]} of the guide of '{name.partition('.through')[0]}'"
         case ("gravity", int(axis)):
             what = f"{'xy'[axis]} of gravity"
@@ -164,10 +165,10 @@ def _direction_fault(linkage: Linkage, name: str) -> Fault:
 def several_numbers(linkage: Linkage) -> Iterator[Fault]:
     """Faults of several numbers: all of a kind, a distance, a mass centre, mass and inertia of a link, a load."""
     everything: dict[str, tuple[tuple[Kind, ...], tuple[float, ...]]] = {
-        "mass": (("mass",), UNITS),
-        "moment of inertia": (("inertia",), (0.0, *UNITS, 1e6, 1e-6)),
-        "mass and moment of inertia": (("mass", "inertia"), (*UNITS, 0.45359237)),
-        "length": (("length",), (*UNITS, 0.1, 10.0, 0.0254, 25.4)),
+        "mass": ((Kind.MASS,), UNITS),
+        "moment of inertia": ((Kind.INERTIA,), (0.0, *UNITS, 1e6, 1e-6)),
+        "mass and moment of inertia": ((Kind.MASS, Kind.INERTIA), (*UNITS, 0.45359237)),
+        "length": ((Kind.LENGTH,), (*UNITS, 0.1, 10.0, 0.0254, 25.4)),
     }
     for what, (kinds, usual) in everything.items():
         yield scaling_fault(f"every {what}", f"every {what}", usual, *kinds)
@@ -175,8 +176,8 @@ def several_numbers(linkage: Linkage) -> Iterator[Fault]:
         if link.mass:
             yield _centre_fault(linkage, name, link)
         if link.mass and link.inertia:
-            yield scaling_fault(f"{name}.density", f"mass and inertia of '{name}' together", (0.0,), "mass", "inertia",
-                                under=f"{name}.")  # fmt: skip
+            both = f"mass and inertia of '{name}' together"
+            yield scaling_fault(f"{name}.density", both, (0.0,), Kind.MASS, Kind.INERTIA, under=f"{name}.")
     if sum(len(link.points) for link in linkage.links.values()) <= MOST_POINTS:
         for name, link in linkage.links.items():
             for fixed, moved in itertools.permutations(link.points, 2):
@@ -184,7 +185,7 @@ def several_numbers(linkage: Linkage) -> Iterator[Fault]:
                     yield _distance_fault(linkage, name, fixed, moved)
     names = dict.fromkeys(name for name in named_numbers(linkage) if name.partition(".")[0] in LOADS)
     for load in dict.fromkeys(".".join(name.split(".")[:2]) for name in names if name.startswith(LOADS[:2])):
-        yield scaling_fault(load, f"the load '{load}'", LOAD_FACTORS, "force", "torque", under=load)
+        yield scaling_fault(load, f"the load '{load}'", LOAD_FACTORS, Kind.FORCE, Kind.TORQUE, under=load)
 
 
 def scaling_fault(name: str, subject: str, usual: tuple[float, ...], *kinds: Kind, under: str = "") -> Fault:
